@@ -1,0 +1,71 @@
+// The direct renderer: from a model and a camera to samples, on the exact surfaces.
+//
+//  1. A Scene is what does not depend on the view (trimming structures, occurrence tables); it is immutable and may serve many
+//     calls at once. The Model must outlive it.
+//  2. TraceDirect projects, splits into leaves, numbers them in bitmaps and traces every pixel centre of the camera. Its samples are the
+//     same bytes for any number of threads and any instruction set.
+//  3. Nothing is silent: stats.certified + stats.converged + stats.unresolved = width·height.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/model/model.h"
+#include "render/trace/camera.h"
+#include "render/trace/samples.h"
+
+namespace facetless {
+
+enum class Precision : std::uint8_t { kFast, kStandard, kCertified };
+
+struct DirectOptions {
+  Precision precision = Precision::kStandard;
+  int threads = 0;               // 0: all cores
+  bool uv = false;               // fill samples.uv
+  bool audit = false;            // count every crossing of every ray
+  const std::atomic<bool>* cancel = nullptr;  // polled; true ends the call with kCancelled
+};
+
+struct DirectStats {
+  double prepare_ms = 0, trace_ms = 0;
+  std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
+  std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
+  std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
+  std::optional<std::uint64_t> odd_rays;      // audit only; null where the model has no closed solid
+  std::vector<std::uint32_t> unseen_faces;    // placed-face ids that no row or no column holds
+  std::uint64_t bmssm_bits = 0, bmssm_bytes = 0;
+  std::uint64_t scene_bytes = 0;              // leaves and all that tracing holds, without the model
+  std::string isa;                            // "scalar", "avx2", "avx512"
+};
+
+struct DirectResult {
+  CameraFrame frame;
+  SampleBuffer samples;
+  DirectStats stats;
+};
+
+class Scene {
+ public:
+  explicit Scene(const Model& model);
+  ~Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+  const Model& model() const;
+
+  struct Data;
+  const Data& data() const { return *data_; }
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+// Errors: kBadUsage (camera), kLimitExceeded (more leaves than memory allows), kCancelled.
+Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options);
+
+// The instruction set that the kernels run on: FACETLESS_ISA=scalar|avx2|avx512 forces one (kBadUsage if the machine lacks it).
+Result<std::string> ActiveIsa();
+
+}  // namespace facetless
