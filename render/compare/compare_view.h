@@ -1,0 +1,95 @@
+// One view, start to end: what the command line and the HTTP service both call.
+//
+//  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
+//  samples > 1 the
+//     colour comes from a second, supersampled pass of the same camera.
+//  2. Times are of a steady clock, in ms, and disjoint: total is the whole call for that tracer, files
+//  excluded. prepare and
+//     trace are of the pixel-centre pass; the second pass is color_ms, and shading (with resolve and encode)
+//     shade_ms.
+//  3. peak_bytes counts what the tracer holds for this view at its fullest: the direct one the scene's
+//  leaves, bitmaps and buffers;
+//     the baseline the mesh, Embree's own count at its highest, and buffers. The model and the program itself
+//     are not in it.
+//  4. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
+//  shows there, and the
+//     commonest colour of that image where it shows none.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "render/baseline/tracer.h"
+#include "render/compare/difference.h"
+#include "render/compare/difference_picture.h"
+#include "render/image/film.h"
+#include "render/image/metrics.h"
+#include "render/model/model.h"
+#include "render/shade/shade.h"
+#include "render/trace/camera.h"
+#include "render/trace/direct.h"
+
+namespace facetless {
+
+struct ViewOptions {
+  int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
+  Precision precision = Precision::kStandard;
+  int threads = 0;  // 0: all cores
+  bool edges = false;
+  Background background = Background::kStudio;
+  bool uv = false;     // fill the direct samples' uv
+  bool audit = false;  // odd_rays, reverse_mismatches
+  ColorMetricOptions color;
+  DifferencePictureOptions picture;
+  const std::atomic<bool>* cancel = nullptr;
+};
+
+struct SampleGrid {
+  int x = 1, y = 1;
+};
+// The most even factors: 4 → 2×2, 8 → 4×2, 7 → 7×1.
+SampleGrid GridOf(int samples);
+
+struct DirectView {
+  CameraFrame frame;
+  SampleBuffer samples;
+  DirectStats stats;  // of the pixel-centre pass
+  Image8 image;
+  SampleGrid grid;
+  double color_ms = 0, shade_ms = 0, audit_ms = 0, total_ms = 0;
+  std::optional<std::uint64_t>
+      reverse_mismatches;  // audit, orthographic: pixels that the opposite view answers otherwise
+  std::uint64_t peak_bytes = 0;
+};
+
+struct BaselineView {
+  SampleBuffer samples;
+  BaselineStats stats;  // of the pixel-centre pass
+  Image8 image;
+  double color_ms = 0, shade_ms = 0,
+         total_ms = 0;  // total: without mesh and build, which happen once per mesh
+  std::uint64_t peak_bytes = 0;
+};
+
+struct ViewComparison {
+  Camera camera;
+  DirectView direct;
+  BaselineView baseline;
+  Difference difference;
+  DifferencePicture picture;
+  double difference_ms = 0;
+};
+
+// Errors: those of TraceDirect and Shade; kBadUsage (options).
+Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options);
+
+// Errors: those of RenderView, TraceBaseline, ComputeDifference and DrawDifference.
+Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
+                                   const ViewOptions& options);
+
+// One colour per placed face.
+std::vector<Color> FaceColors(const Model& model);
+
+}  // namespace facetless

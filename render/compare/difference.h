@@ -1,0 +1,88 @@
+// What the baseline gets wrong: every number of a view's `difference`.
+//
+//  1. Both buffers are of one camera; sizes are checked first, and a NaN anywhere fails.
+//  2. Signs: baseline − direct. A positive depth difference means that the mesh lies farther from the eye.
+//  3. depth_mm is over every pixel that both hit. deviation_mm and normal_deg leave out *border* pixels,
+//  whose share is
+//     reported: pixels where the two tracers look past different sides of an edge. There the depth jumps from
+//     one surface to another, and says nothing about how far the two are apart. A pixel is a border pixel if
+//     (a) the tracers show different faces, or a jump (features.h) runs between it and a neighbour in either
+//     image, and (b) a shift by one pixel explains it: what the baseline shows here, the direct image shows
+//     at a neighbour (same face where faces are known, depth within the range found there), or the other way
+//     round. A face that the mesh lacks is no border: nothing within a pixel explains it, and it counts.
+//  4. deviation_mm = |depth difference| · |N · D|, D the ray at depth 1: the distance between the surfaces,
+//  to first order.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render/image/film.h"
+#include "render/image/metrics.h"
+#include "render/model/model.h"
+#include "render/model/result.h"
+#include "render/trace/camera.h"
+#include "render/trace/samples.h"
+
+namespace facetless {
+
+// Of absolute values, except `mean`, which is signed for depth. Percentiles are nearest-rank: values that
+// occur.
+struct Spread {
+  double mean = 0, mean_abs = 0, rms = 0, p50 = 0, p95 = 0, p99 = 0, max = 0;
+  std::uint64_t count = 0;     // 0: all numbers are 0 and mean nothing
+  int max_x = -1, max_y = -1;  // the pixel of `max`
+};
+
+struct Silhouette {
+  std::uint64_t pixels = 0;  // hit by exactly one tracer
+  std::uint64_t only_direct = 0, only_baseline = 0;
+  double max_distance_px = 0;  // of such a pixel's centre to the nearest that the other tracer hits;
+                               // +inf: the other tracer hits nothing at all
+};
+
+struct FaceDifference {
+  std::uint32_t id = 0;  // placed face, as the direct image shows it
+  std::string name;
+  std::uint64_t pixels = 0;             // that the direct tracer sees of it
+  std::uint64_t missed_pixels = 0;      // … and the baseline shows nothing there
+  std::uint64_t other_face_pixels = 0;  // … and the baseline shows another face there (0 for a foreign mesh)
+  std::uint64_t border_pixels = 0;
+  double depth_mm_max = 0;                                                 // over all pixels that both hit
+  double deviation_mm_max = 0, deviation_mm_mean = 0, normal_deg_max = 0;  // without border pixels
+};
+
+struct Difference {
+  ColorMetrics color;
+  Silhouette silhouette;
+  Spread depth_mm, deviation_mm, normal_deg;
+  double noise_mm = 0;  // of float32 positions: what lies below says nothing
+  std::uint64_t both_hit = 0;
+  std::uint64_t border_pixels = 0;                // of both_hit
+  std::uint64_t other_face_pixels = 0;            // of both_hit: the tracers show different faces
+  double border_share = 0, other_face_share = 0;  // of both_hit
+  bool faces_known = false;                       // the mesh names the model's faces
+  std::vector<FaceDifference> faces;  // deviation_mm_max descending, then depth_mm_max, missed_pixels, id
+};
+
+struct DifferenceInput {
+  const SampleBuffer& direct;
+  const SampleBuffer& baseline;
+  const Image8& direct_image;
+  const Image8& baseline_image;
+  const CameraFrame& frame;
+  const Model& model;
+  bool faces_known = false;  // Mesh::from_model
+  double noise_mm = 0;
+  ColorMetricOptions color;
+};
+
+// Errors: kSizeMismatch, kNotFinite (names the pixel), kBadUsage (options).
+Result<Difference> ComputeDifference(const DifferenceInput& input);
+
+// Per pixel, 1 where law 3 says border.
+std::vector<std::uint8_t> BorderPixels(const SampleBuffer& direct, const SampleBuffer& baseline,
+                                       const CameraFrame& frame, bool faces_known);
+
+}  // namespace facetless

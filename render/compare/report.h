@@ -1,0 +1,33 @@
+// report.json's parts that come from rendering. Names and units are those that docs/api promises: ms, mm,
+// bytes, pixels.
+//
+//  1. A number that does not exist is null: psnr of equal pictures, a distance to nothing, odd_rays without
+//  an audit.
+//  2. Objects list at least the promised names; more may follow, none is ever renamed.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "render/baseline/tracer.h"
+#include "render/compare/compare_view.h"
+#include "render/model/model.h"
+
+namespace facetless {
+
+// {"eye", "target", "up", "projection", "height" | "fov_y_deg", "width", "height_px"}
+nlohmann::json CameraJson(const Camera& camera);
+
+// "model": {"file", "sha256", "format", "unit", "diagonal_mm", "bounds_mm", "solids", "faces",
+// "faces_skipped", "loops_lost", …}
+nlohmann::json ModelJson(const Model& model);
+
+// "direct", "baseline" and "difference" of one view.
+nlohmann::json DirectJson(const DirectView& view);
+nlohmann::json BaselineJson(const BaselineView& view, const BaselineScene& scene);
+nlohmann::json DifferenceJson(const Difference& difference, const DifferencePicture& picture);
+
+// One entry of "views".
+nlohmann::json ComparisonJson(const ViewComparison& comparison, const BaselineScene& scene);
+nlohmann::json RenderJson(const Camera& camera, const DirectView& view);
+
+}  // namespace facetless
