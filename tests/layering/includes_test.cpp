@@ -1,0 +1,173 @@
+// Who may include whom. The rules are those of ARCHITECTURE.md, "Who may include whom": a change here is a change there.
+//
+//  1. Of our own folders: server → render; import → render/model; render → render. Nothing includes tests/ or samples/.
+//  2. Inside render, folders form a chain: model ← (nurbs, accel, kernels, trace) ← baseline, shade, image ← compare.
+//  3. Each third-party library has one home.
+//  4. The libraries of render/ never print and never end the process.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SourceFile {
+  std::string path;                   // relative to the source root
+  std::vector<std::string> includes;  // as written, without the quotes or brackets
+  std::vector<std::string> lines;     // without // comments
+};
+
+fs::path SourceRoot() {
+  const char* root = std::getenv("FACETLESS_SOURCE");
+  return root != nullptr ? fs::path(root) : fs::path(__FILE__).parent_path().parent_path().parent_path();
+}
+
+SourceFile ReadSource(const fs::path& root, const fs::path& file) {
+  static const std::regex include_line(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"].*)");
+  SourceFile source{fs::relative(file, root).generic_string(), {}, {}};
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, include_line)) source.includes.push_back(match[1]);
+    source.lines.push_back(line.substr(0, line.find("//")));
+  }
+  return source;
+}
+
+const std::vector<SourceFile>& Sources() {
+  static const std::vector<SourceFile> sources = [] {
+    std::vector<SourceFile> found;
+    for (const char* folder : {"import", "render", "server", "samples", "tests"}) {
+      for (const auto& entry : fs::recursive_directory_iterator(SourceRoot() / folder)) {
+        const std::string extension = entry.path().extension().string();
+        if (extension == ".h" || extension == ".cpp") found.push_back(ReadSource(SourceRoot(), entry.path()));
+      }
+    }
+    return found;
+  }();
+  return sources;
+}
+
+bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
+
+bool StartsWithAny(const std::string& text, const std::vector<std::string>& prefixes) {
+  for (const std::string& prefix : prefixes) {
+    if (StartsWith(text, prefix)) return true;
+  }
+  return false;
+}
+
+// Every include of ours, made from a file under `folder`, must begin with one of `allowed`.
+std::vector<std::string> ForbiddenIncludes(const std::string& folder, const std::vector<std::string>& allowed) {
+  std::vector<std::string> forbidden;
+  for (const SourceFile& source : Sources()) {
+    if (!StartsWith(source.path, folder)) continue;
+    for (const std::string& include : source.includes) {
+      if (!StartsWithAny(include, {"import/", "render/", "server/", "samples/", "tests/"})) continue;
+      if (!StartsWithAny(include, allowed)) forbidden.push_back(source.path + " includes " + include);
+    }
+  }
+  return forbidden;
+}
+
+// Files that include something matching `header`.
+std::vector<std::string> IncludersOf(const std::string& header) {
+  const std::regex pattern(header);
+  std::vector<std::string> includers;
+  for (const SourceFile& source : Sources()) {
+    for (const std::string& include : source.includes) {
+      if (!std::regex_match(include, pattern)) continue;
+      includers.push_back(source.path);
+      break;
+    }
+  }
+  return includers;
+}
+
+std::vector<std::string> IncludersOutside(const std::string& header, const std::vector<std::string>& homes) {
+  std::vector<std::string> outside;
+  for (const std::string& file : IncludersOf(header)) {
+    if (!StartsWithAny(file, homes)) outside.push_back(file);
+  }
+  return outside;
+}
+
+using testing::IsEmpty;
+using testing::SizeIs;
+
+TEST(Layering, TheSourceTreeIsRead) { EXPECT_GT(Sources().size(), 10u) << "under " << SourceRoot(); }
+
+TEST(Layering, RenderKnowsNothingOfOursOutside) {
+  EXPECT_THAT(ForbiddenIncludes("render/", {"render/"}), IsEmpty());
+}
+
+TEST(Layering, ImportSeesOnlyTheModel) {
+  EXPECT_THAT(ForbiddenIncludes("import/", {"import/", "render/model/"}), IsEmpty());
+}
+
+TEST(Layering, ServerDoesNotSeeImport) {
+  EXPECT_THAT(ForbiddenIncludes("server/", {"server/", "render/"}), IsEmpty());
+}
+
+TEST(Layering, SampleGeneratorStandsAlone) { EXPECT_THAT(ForbiddenIncludes("samples/", {"samples/"}), IsEmpty()); }
+
+TEST(Layering, FoldersOfRenderFormAChain) {
+  const std::vector<std::string> model = {"render/model/"};
+  const std::vector<std::string> tracer = {"render/model/", "render/nurbs/", "render/accel/", "render/kernels/",
+                                           "render/trace/"};
+  EXPECT_THAT(ForbiddenIncludes("render/model/", model), IsEmpty());
+  for (const char* folder : {"render/nurbs/", "render/accel/", "render/kernels/", "render/trace/"}) {
+    EXPECT_THAT(ForbiddenIncludes(folder, tracer), IsEmpty());
+  }
+  for (const char* folder : {"render/baseline/", "render/shade/", "render/image/"}) {
+    std::vector<std::string> allowed = tracer;
+    allowed.emplace_back(folder);
+    EXPECT_THAT(ForbiddenIncludes(folder, allowed), IsEmpty());
+  }
+}
+
+TEST(Layering, EachLibraryHasOneHome) {
+  EXPECT_THAT(IncludersOutside(R"(\w+\.[hlgp]xx)", {"import/", "samples/generator/", "tests/import/", "tests/differential/"}),
+              IsEmpty())
+      << "OpenCASCADE belongs in import/";
+  EXPECT_THAT(IncludersOutside("embree.*", {"render/baseline/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("OpenImageIO/.*", {"render/image/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("(.*/)?tiny_gltf\\.h", {"import/", "render/baseline/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("(flatbuffers/.*|.*_generated\\.h)", {"render/model/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("hwy/.*", {"render/kernels/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("openssl/.*", {"server/"}), IsEmpty());
+}
+
+TEST(Layering, HttplibIsInOneFile) {
+  EXPECT_THAT(IncludersOutside("(.*/)?httplib\\.h", {"server/", "tests/"}), IsEmpty());
+  std::vector<std::string> includers;
+  for (const std::string& file : IncludersOf("(.*/)?httplib\\.h")) {
+    if (StartsWith(file, "server/")) includers.push_back(file);
+  }
+  EXPECT_THAT(includers, SizeIs(1));
+}
+
+TEST(Layering, LibrariesNeitherPrintNorEndTheProcess) {
+  static const std::regex forbidden(
+      R"((^|[^\w:.>])(std::)?(printf|fprintf|puts|abort|exit|_exit|terminate)\s*\(|std::(cout|cerr|clog)\b)");
+  std::vector<std::string> found;
+  for (const SourceFile& source : Sources()) {
+    if (!StartsWith(source.path, "render/")) continue;
+    for (const std::string& line : source.lines) {
+      if (std::regex_search(line, forbidden)) found.push_back(source.path + ": " + line);
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+}  // namespace
