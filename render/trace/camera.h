@@ -25,8 +25,9 @@ struct Camera {
   double height = 1;         // orthographic: of the window, model units
   double fov_y_deg = 40;     // perspective
   int width_px = 512, height_px = 512;
+  int samples_x = 1, samples_y = 1;  // more than 1 where width_px and height_px count samples: see Supersampled
 
-  // The camera whose pixels are this one's samples_x × samples_y samples.
+  // The camera whose pixels are this one's samples_x × samples_y samples, over the same window.
   Camera Supersampled(int samples_x, int samples_y) const;
 };
 
