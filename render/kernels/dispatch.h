@@ -1,0 +1,22 @@
+// The one place that chooses the instruction set.
+//
+//  1. The widest set that the processor has, unless FACETLESS_ISA=scalar|avx2|avx512 forces one. Asked once per process.
+//  2. Forcing a set that the processor lacks, or an unknown word, is an error that names the valid words.
+#pragma once
+
+#include <string>
+
+#include "render/kernels/tile_kernel.h"
+#include "render/model/result.h"
+
+namespace facetless {
+
+struct Kernels {
+  std::string isa;
+  TileKernel trace_tile = nullptr;
+};
+
+// Errors: kBadUsage.
+const Result<Kernels>& ActiveKernels();
+
+}  // namespace facetless

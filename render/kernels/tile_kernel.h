@@ -1,0 +1,84 @@
+// The tile kernel: for each sample of one screen tile, the nearest hit among the tile's leaves (or every hit).
+//
+//  1. Samples are taken in packets of 4×2. A packet's candidates are the set bits of (R_i | R_i+1) & (S_j | … | S_j+3), walked front to
+//     back; the walk ends at the first leaf that begins behind the hits of all lanes.
+//  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a miss or pin the root down to
+//     kSolverTolerance; then it is frozen. Lanes never influence each other, so all builds give the same bits.
+//  3. The kernel knows numbers only. Trimming and leaves without a certificate go through two plain functions.
+//
+// A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V); with F = (X − x_R·W, Y − y_R·W)
+// formed first, Cramer's rule on F and its derivatives is the same step without the cancellation of 3×3 determinants.
+#pragma once
+
+#include <cstdint>
+
+#include "render/nurbs/leaf.h"
+
+namespace facetless {
+
+inline constexpr int kPacketWidth = 4, kPacketHeight = 2, kPacketLanes = kPacketWidth * kPacketHeight;
+// Newton steps before a lane is given up as unconverged. Law 5 of leaf.h halves the error bound at least, and then squares it: six suffice.
+inline constexpr int kMaxIterations = 12;
+
+// Why a sample is not certified.
+enum Doubt : std::uint8_t {
+  kDoubtSolver = 1,      // a root found without proof, or a lane that did not converge
+  kDoubtTrim = 2,        // a trim curve lies within the error of the hit
+  kDoubtUnresolved = 4,  // neither hit nor miss
+};
+
+struct TileHit {
+  double depth, s, t;
+};
+
+struct TileCounters {
+  std::uint64_t candidates = 0;   // packets × leaves looked at
+  std::uint64_t solves = 0;       // lanes that started an iteration
+  std::uint64_t iterations = 0;   // Newton steps of all lanes
+  std::uint64_t fallbacks = 0;    // lanes × leaves without a certificate
+  std::uint64_t trim_tests = 0;
+};
+
+struct TileJob {
+  // The tile's leaves, front to back, and its bitmaps (accel/bmssm.h).
+  const Leaf* leaves = nullptr;
+  const std::uint32_t* list = nullptr;
+  const std::uint64_t* row_bits = nullptr;
+  const std::uint64_t* column_bits = nullptr;
+  int words = 0, tile_size = 0;
+  int column = 0, row = 0;    // first sample
+  int columns = 0, rows = 0;  // samples inside the image
+  double half_width = 0, half_height = 0;
+  double near_depth = 0;      // hits must lie beyond; −inf in orthographic views
+
+  // Whether the hit at (s, t) of a leaf with kLeafTrimmed belongs to the face; adds to *doubt.
+  bool (*keep)(void* context, const Leaf& leaf, double s, double t, double x, double y, std::uint8_t* doubt) = nullptr;
+  // The hits of a hard leaf nearer than `limit`, trimming included: calls back `found`. Returns doubts.
+  std::uint8_t (*solve_hard)(void* context, const Leaf& leaf, double x, double y, double limit, void* sink,
+                             void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt)) = nullptr;
+  // Set to get every hit instead of the nearest: sample = row·tile_size + column within the tile.
+  void (*every_hit)(void* context, int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = nullptr;
+  void* context = nullptr;
+
+  // tile_size² entries each, row by row. `leaf` is kNoIndex for a miss.
+  double* depth = nullptr;
+  double* s = nullptr;
+  double* t = nullptr;
+  std::uint32_t* leaf = nullptr;
+  std::uint8_t* doubt = nullptr;
+  TileCounters* counters = nullptr;
+};
+
+using TileKernel = void (*)(const TileJob&);
+
+enum class SampleRoot : std::uint8_t { kMiss, kHit, kUnconverged };
+
+namespace kernel_scalar {
+void TraceTile(const TileJob& job);
+// One sample against one certified leaf, without trimming: what each lane of the tile kernel does.
+SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
+}  // namespace kernel_scalar
+namespace kernel_avx2 { void TraceTile(const TileJob& job); }
+namespace kernel_avx512 { void TraceTile(const TileJob& job); }
+
+}  // namespace facetless

@@ -1,0 +1,3 @@
+// The tile kernel for AVX-512: eight lanes. The build gives this file, and no other, the target's flags.
+
+#include "render/kernels/tile_kernel.inl.h"

@@ -1,0 +1,97 @@
+#include "render/nurbs/bezier.h"
+
+#include <memory>
+
+namespace facetless {
+namespace {
+
+void HalveU(const double* in, int degree_u, int stride, double* low, double* high) {
+  const int n = degree_u + 1;
+  for (int i = 0; i < n * stride; ++i) high[i] = in[i];
+  for (int j = 0; j < stride; ++j) low[j] = high[j];
+  for (int level = 1; level < n; ++level) {
+    for (int k = 0; k < n - level; ++k) {
+      double* row = high + k * stride;
+      const double* next = row + stride;
+      for (int j = 0; j < stride; ++j) row[j] = 0.5 * (row[j] + next[j]);
+    }
+    for (int j = 0; j < stride; ++j) low[level * stride + j] = high[j];
+  }
+}
+
+void HalveV(const double* in, int degree_u, int stride, double* low, double* high) {
+  const int n = stride;
+  for (int k = 0; k <= degree_u; ++k) {
+    double* row = high + k * stride;
+    for (int j = 0; j < n; ++j) row[j] = in[k * stride + j];
+    low[k * stride] = row[0];
+    for (int level = 1; level < n; ++level) {
+      for (int j = 0; j < n - level; ++j) row[j] = 0.5 * (row[j] + row[j + 1]);
+      low[k * stride + level] = row[0];
+    }
+  }
+}
+
+MonomialMatrix MakeMonomialMatrix(int degree) {
+  MonomialMatrix matrix{};
+  double binomial = 1;
+  for (int k = 0; k <= degree; ++k) {
+    // Expand C(n,k)·2^−n·(1+s)^k·(1−s)^(n−k), one factor at a time.
+    std::array<double, kMaxDegree + 1> polynomial{};
+    polynomial[0] = binomial;
+    for (int factor = 0; factor < degree; ++factor) {
+      const double sign = factor < k ? 1 : -1;
+      for (int i = factor + 1; i > 0; --i) polynomial[i] += sign * polynomial[i - 1];
+    }
+    double scale = 1;
+    for (int i = 0; i < degree; ++i) scale *= 0.5;
+    for (int i = 0; i <= degree; ++i) matrix[i][k] = polynomial[i] * scale;
+    binomial = binomial * (degree - k) / (k + 1);
+  }
+  return matrix;
+}
+
+}  // namespace
+
+void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high) {
+  for (int c = 0; c < kNetComponents; ++c) {
+    if (direction == Direction::kU) {
+      HalveU(net.value[c], net.degree_u, net.stride(), low->value[c], high->value[c]);
+    } else {
+      HalveV(net.value[c], net.degree_u, net.stride(), low->value[c], high->value[c]);
+    }
+  }
+}
+
+const MonomialMatrix& CenteredMonomialMatrix(int degree) {
+  static const auto matrices = [] {
+    auto all = std::make_unique<std::array<MonomialMatrix, kMaxDegree + 1>>();
+    for (int d = 0; d <= kMaxDegree; ++d) (*all)[d] = MakeMonomialMatrix(d);
+    return all;
+  }();
+  return (*matrices)[degree];
+}
+
+void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* out) {
+  const MonomialMatrix& tu = CenteredMonomialMatrix(degree_u);
+  const MonomialMatrix& tv = CenteredMonomialMatrix(degree_v);
+  const int stride = degree_v + 1;
+  double half[kMaxNetPoints];
+  for (int k = 0; k <= degree_u; ++k) {
+    for (int j = 0; j < stride; ++j) {
+      double sum = 0;
+      for (int l = 0; l < stride; ++l) sum += tv[j][l] * in[k * stride + l];
+      half[k * stride + j] = sum;
+    }
+  }
+  for (int i = 0; i <= degree_u; ++i) {
+    double* row = out + i * stride;
+    for (int j = 0; j < stride; ++j) row[j] = 0;
+    for (int k = 0; k <= degree_u; ++k) {
+      const double factor = tu[i][k];
+      for (int j = 0; j < stride; ++j) row[j] += factor * half[k * stride + j];
+    }
+  }
+}
+
+}  // namespace facetless

@@ -1,0 +1,209 @@
+#include "render/nurbs/leaf.h"
+
+#include <cmath>
+
+namespace facetless {
+namespace {
+
+constexpr double kEpsilon = 0x1p-53;  // unit roundoff
+
+// kEnlarged^n
+const double* EnlargedPowers() {
+  static const auto powers = [] {
+    struct Table {
+      double value[2 * kMaxDegree + 2];
+    } table{};
+    table.value[0] = 1;
+    for (int i = 1; i < 2 * kMaxDegree + 2; ++i) table.value[i] = table.value[i - 1] * kEnlarged;
+    return table;
+  }();
+  return powers.value;
+}
+
+// Sums of |coefficients| that bound a polynomial in s, t over the enlarged leaf.
+struct Bounds {
+  double value = 0;         // without the constant term
+  double ds = 0, dt = 0;    // of the first derivatives, without their constant terms
+  double second = 0;        // |∂ss| + 2|∂st| + |∂tt|
+};
+
+Bounds Bound(const double* monomials, int degree_u, int degree_v) {
+  const double* r = EnlargedPowers();
+  Bounds b;
+  for (int i = 0; i <= degree_u; ++i) {
+    for (int j = 0; j <= degree_v; ++j) {
+      if (i + j == 0) continue;
+      const double m = std::fabs(monomials[i * (degree_v + 1) + j]);
+      const int n = i + j;
+      b.value += m * r[n];
+      if (n == 1) continue;
+      b.ds += i * m * r[n - 1];
+      b.dt += j * m * r[n - 1];
+      b.second += (i * (i - 1) + 2 * i * j + j * (j - 1)) * m * r[n - 2];
+    }
+  }
+  return b;
+}
+
+// ‖I − H'‖ to expect after halving in u (scale_u = 1/2) or in v: the monomial s^i·t^j shrinks by scale_u^i·scale_v^j, and the row
+// of C that belongs to the halved direction doubles.
+double KappaAfterHalving(const double* g1, const double* g2, const double* w, int degree_u, int degree_v, double scale_u,
+                         double scale_v) {
+  double row1 = 0, row2 = 0, slope = 0, factor_u = 1;
+  for (int i = 0; i <= degree_u; ++i, factor_u *= scale_u) {
+    double factor = factor_u;
+    for (int j = 0; j <= degree_v; ++j, factor *= scale_v) {
+      const int k = i * (degree_v + 1) + j;
+      if (i + j >= 2) {
+        row1 += (i + j) * std::fabs(g1[k]) * factor / scale_u;
+        row2 += (i + j) * std::fabs(g2[k]) * factor / scale_v;
+      }
+      if (w && i + j >= 1) slope += (i + j) * std::fabs(w[k]) * factor;
+    }
+  }
+  return std::fmax(row1, row2) + slope;
+}
+
+double MaxAbs(const double* values, int count) {
+  double largest = 0;
+  for (int i = 0; i < count; ++i) {
+    const double a = std::fabs(values[i]);
+    if (!(a <= largest)) largest = a;
+  }
+  return largest;
+}
+
+}  // namespace
+
+Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomials) {
+  const int n = net.points();
+  const int pu = net.degree_u, pv = net.degree_v, stride = net.stride();
+
+  // Shift to the pixel of the middle control points, so that what follows has the leaf's size and not the image's.
+  const int middle = (pu / 2) * stride + pv / 2;
+  const double w_middle = rule.weight_varies ? net.value[kW][middle] : 1;
+  if (!(w_middle > 0)) return {};
+  const double shift_x = net.value[kX][middle] / w_middle, shift_y = net.value[kY][middle] / w_middle;
+  double x[kMaxNetPoints], y[kMaxNetPoints], mx[kMaxNetPoints], my[kMaxNetPoints], mw[kMaxNetPoints];
+  x[0] = y[0] = 0;
+  for (int i = 0; i < n; ++i) {
+    const double w = rule.weight_varies ? net.value[kW][i] : 1;
+    x[i] = net.value[kX][i] - shift_x * w;
+    y[i] = net.value[kY][i] - shift_y * w;
+  }
+  ToCenteredMonomials(x, pu, pv, mx);
+  ToCenteredMonomials(y, pu, pv, my);
+  const double size = MaxAbs(x, n) + MaxAbs(y, n);
+  if (rule.weight_varies) ToCenteredMonomials(net.value[kW], pu, pv, mw);
+
+  // Move the origin to the pixel of (0,0).
+  const double w0 = rule.weight_varies ? mw[0] : 1;
+  if (!(w0 > 0)) return {};
+  // The centre is rounded first and the net moved by what is left, so that both belong together.
+  leaf->center_x = shift_x + mx[0] / w0;
+  leaf->center_y = shift_y + my[0] / w0;
+  const double offset_x = leaf->center_x - shift_x, offset_y = leaf->center_y - shift_y;
+  if (rule.weight_varies) {
+    for (int i = 0; i < n; ++i) {
+      mx[i] -= offset_x * mw[i];
+      my[i] -= offset_y * mw[i];
+    }
+  } else {
+    mx[0] -= offset_x;
+    my[0] -= offset_y;
+  }
+
+  // Invert the Jacobian there.
+  const double a = mx[stride] / w0, b = mx[1] / w0;
+  const double c = my[stride] / w0, d = my[1] / w0;
+  const double determinant = a * d - b * c;
+  // A determinant within its own rounding has no sign to trust.
+  if (!(std::fabs(determinant) > 8 * kEpsilon * (std::fabs(a * d) + std::fabs(b * c)))) return {};
+  leaf->c11 = d / determinant;
+  leaf->c12 = -b / determinant;
+  leaf->c21 = -c / determinant;
+  leaf->c22 = a / determinant;
+
+  // Form G, W and Q in the leaf's own scale.
+  double* g1 = monomials;
+  double* g2 = monomials + n;
+  const double c11 = leaf->c11 / w0, c12 = leaf->c12 / w0, c21 = leaf->c21 / w0, c22 = leaf->c22 / w0;
+  for (int i = 0; i < n; ++i) {
+    g1[i] = c11 * mx[i] + c12 * my[i];
+    g2[i] = c21 * mx[i] + c22 * my[i];
+  }
+  const double scale = std::fmax(std::fabs(leaf->c11) + std::fabs(leaf->c12), std::fabs(leaf->c21) + std::fabs(leaf->c22));
+  double* next = monomials + 2 * n;
+  Bounds bw;
+  if (rule.weight_varies) {
+    for (int i = 0; i < n; ++i) next[i] = mw[i] / w0;
+    bw = Bound(next, pu, pv);
+    next += n;
+  }
+
+  // Bound ‖I − G'‖, the range of b, and then ‖I − H'‖ = ‖I − G' + b⊗W'‖ (Laws 1 and 2).
+  Bounds b1 = Bound(g1, pu, pv), b2 = Bound(g2, pu, pv);
+  // (The linear terms of G are the identity but for rounding.)
+  b1.ds += std::fabs(g1[stride] - 1);
+  b1.dt += std::fabs(g1[1]);
+  b2.ds += std::fabs(g2[stride]);
+  b2.dt += std::fabs(g2[1] - 1);
+  const auto fail = [&] {
+    const double* w = rule.weight_varies ? monomials + 2 * n : nullptr;
+    return Verdict{false, KappaAfterHalving(g1, g2, w, pu, pv, 0.5, 1), KappaAfterHalving(g1, g2, w, pu, pv, 1, 0.5)};
+  };
+  const double kappa_g = std::fmax(b1.ds + b1.dt, b2.ds + b2.dt);
+  if (!(kappa_g <= kMaxKappa)) return fail();
+  double w_low = 1, slope = 0;
+  if (rule.weight_varies) {
+    w_low = 1 - bw.value;
+    if (!(w_low > 0)) return fail();
+    slope = bw.ds + bw.dt + std::fabs(monomials[2 * n + stride]) + std::fabs(monomials[2 * n + 1]);
+  }
+  const double b_limit = (1 + kappa_g) * kEnlarged / w_low;
+  const double kappa = kappa_g + b_limit * slope;
+  if (!(kappa <= kMaxKappa)) return fail();
+  const double lipschitz = std::fmax(b1.second, b2.second) + b_limit * bw.second;
+  const double inverse_gap = 1 / (1 - kappa);
+  const double newton_factor = 0.5 * lipschitz * inverse_gap;
+  // The start x = b is off by at most kappa·kEnlarged (H(0) = −b).
+  if (!(newton_factor * kappa * kEnlarged < 0.5)) return fail();
+
+  // Rounding of H: conversion loses a few units per degree of the net's size, evaluation a few of G's.
+  const double growth = std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
+  const double magnitude = std::fabs(shift_x) + std::fabs(shift_y);
+  leaf->rounding = kEpsilon * (4 * (pu + pv + 2) * (b_limit + 1) + growth * (pu + pv) * scale * size / w0 + 4 * scale * magnitude);
+  leaf->b_limit = b_limit * (1 + 8 * kEpsilon) + leaf->rounding;
+  leaf->inverse_gap = inverse_gap;
+  leaf->newton_factor = newton_factor;
+
+  // Depth.
+  leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) | (rule.perspective ? kLeafPerspective : 0) |
+                                           (rule.depth_varies ? kLeafDepthVaries : 0));
+  if (rule.depth_varies) {
+    if (rule.perspective) {
+      ToCenteredMonomials(net.value[kQ], pu, pv, next);
+    } else {
+      // Relative to the depth of the middle, again for the digits.
+      double q[kMaxNetPoints];
+      leaf->depth_scale = net.value[kQ][middle] / w_middle;
+      for (int i = 0; i < n; ++i) {
+        q[i] = net.value[kQ][i] - leaf->depth_scale * (rule.weight_varies ? net.value[kW][i] : 1);
+      }
+      ToCenteredMonomials(q, pu, pv, next);
+      for (int i = 0; i < n; ++i) next[i] /= w0;
+    }
+  }
+  if (rule.perspective) {
+    leaf->depth_scale = w0;
+    leaf->depth_constant = net.value[kQ][0];
+  } else if (!rule.depth_varies) {
+    leaf->depth_scale = net.value[kQ][0];
+    leaf->depth_constant = 0;
+  }
+  leaf->degree_u = static_cast<std::uint8_t>(pu);
+  leaf->degree_v = static_cast<std::uint8_t>(pv);
+  return {true, 0, 0};
+}
+
+}  // namespace facetless

@@ -1,0 +1,82 @@
+// Leaf: a piece of a projected patch together with the proof that each ray meets it at most once.
+//
+// A leaf's own parameters are s, t ∈ [−1,1]. With `center` the pixel of (0,0), J the Jacobian of the pixel there and
+// C = J⁻¹, the ray through pixel r is b = C·(r − center), and the leaf keeps the centred monomials of
+//   G = C·(X − center_x·W, Y − center_y·W)/W(0,0)   and   W/W(0,0),
+// so that H(s,t) = G − b·W vanishes exactly where the ray meets the surface, and its Jacobian is close to the identity.
+//
+//  1. Over the enlarged leaf |s|, |t| ≤ kEnlarged and for every ray that can meet it, ‖I − H'‖∞ ≤ kappa < 1 and ‖H''‖∞ ≤ the Lipschitz
+//     constant behind newton_factor. Hence at most one root per ray.
+//  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
+//  3. From x with residual ρ = ‖H(x)‖∞ + rounding, a root in the enlarged leaf lies within e = ρ·inverse_gap of x, and
+//     within newton_factor·e² of the Newton step from x. Both bounds include rounding (Law 4).
+//  4. `rounding` bounds the error of evaluating H in double, conversion to monomials included.
+//  5. Newton from the start x = b converges: newton_factor times the start's error is below 1/2.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "render/nurbs/bezier.h"
+
+namespace facetless {
+
+// How far the bounds reach past the leaf, in s and t. Room for iterates and for a root on the border.
+inline constexpr double kEnlarged = 1.0625;
+// The largest ‖I − H'‖ that a leaf may have.
+inline constexpr double kMaxKappa = 0.5;
+// Roots this far outside a leaf are its own too: neighbouring leaves overlap, so that no ray falls between them.
+inline constexpr double kBorderOverlap = 0x1p-30;
+// A root's error bound, in s and t, at which the iteration stops.
+inline constexpr double kSolverTolerance = 0x1p-42;
+
+enum LeafFlag : std::uint16_t {
+  kLeafWeightVaries = 1,   // W is not constant: H depends on b
+  kLeafPerspective = 2,    // depth = depth_scale·W/Q, else depth = depth_scale + Q/W
+  kLeafDepthVaries = 4,    // Q is not constant
+  kLeafTrimmed = 8,        // a hit must be asked of the face's trim index
+  kLeafHard = 16,          // no certificate: coefficients are the Bézier net itself, for the subdivision solver
+};
+
+struct Leaf {
+  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: X, Y, W, Q in Bernstein form,
+  // X and Y relative to (center_x, center_y).
+  const double* coefficients = nullptr;
+  double center_x = 0, center_y = 0;               // pixel coordinates relative to the image centre
+  double c11 = 0, c12 = 0, c21 = 0, c22 = 0;       // C
+  double b_limit = 0, inverse_gap = 0, newton_factor = 0, rounding = 0;
+  double s_low = -1 - kBorderOverlap, s_high = 1 + kBorderOverlap;  // accepted roots
+  double t_low = -1 - kBorderOverlap, t_high = 1 + kBorderOverlap;
+  double depth_scale = 0, depth_constant = 0;      // depth_constant: Q where it does not vary
+  double near_depth = 0;                           // no point of the leaf is nearer
+  double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;  // of the patch's Bézier parameters in [0,1]
+  std::int32_t col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;  // half-open range of sample columns and rows
+  std::uint32_t placed_face = 0, patch = 0;
+  std::uint8_t degree_u = 1, degree_v = 1;
+  std::uint16_t flags = 0;
+
+  int points() const { return (degree_u + 1) * (degree_v + 1); }
+  int planes() const {
+    if (flags & kLeafHard) return kNetComponents;
+    return 2 + ((flags & kLeafWeightVaries) != 0) + ((flags & kLeafDepthVaries) != 0);
+  }
+};
+
+struct DepthRule {
+  bool perspective = false;
+  bool weight_varies = false;  // W of the net is not constant
+  bool depth_varies = false;   // Q of the net is not constant
+};
+
+struct Verdict {
+  bool certified = false;
+  // Where not: the kappa to expect after halving in u or in v. Infinite where the Jacobian at the centre is singular.
+  double kappa_halved_u = INFINITY, kappa_halved_v = INFINITY;
+};
+
+// Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success fills everything of
+// `leaf` that follows from the net — but not coefficients, ranges, names — and writes leaf->planes()·points() monomials to
+// `monomials` (room for 4·points()). Fails where the bound of Law 1 or Law 5 does.
+Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomials);
+
+}  // namespace facetless

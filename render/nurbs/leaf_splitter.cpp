@@ -1,0 +1,250 @@
+#include "render/nurbs/leaf_splitter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetless {
+namespace {
+
+// A chain of halvings no longer than this resolves 2^-32 of a patch in both directions; a piece that is still without a certificate
+// then is left to the subdivision solver, which is exact down to the last digit.
+constexpr int kMaxLevels = 64;
+
+// Slack of every screen box, in samples: covers the rounding of projected control points (2^-53 of 2^16 samples, grown by
+// halving and division) and the overlap of neighbouring leaves, with room to spare.
+constexpr double kBoxSlack = 0x1p-20;
+
+constexpr std::size_t kArenaBlock = 1 << 15;  // doubles
+
+}  // namespace
+
+double* CoefficientArena::Allocate(std::size_t count) {
+  if (blocks_.empty() || used_ + count > capacity_) {
+    capacity_ = std::max(kArenaBlock, count);
+    blocks_.push_back(std::make_unique_for_overwrite<double[]>(capacity_));
+    bytes_ += capacity_ * sizeof(double);
+    used_ = 0;
+  }
+  double* result = blocks_.back().get() + used_;
+  used_ += count;
+  return result;
+}
+
+struct LeafSplitter::Node {
+  BezierNet net;
+  std::vector<double> storage;
+  double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;
+  RectClass trim = RectClass::kMixed;
+  int level = 0;
+
+  void SetDegrees(int degree_u, int degree_v) {
+    net.degree_u = degree_u;
+    net.degree_v = degree_v;
+    const std::size_t n = net.points();
+    if (storage.size() < kNetComponents * n) storage.resize(kNetComponents * n);
+    for (int c = 0; c < kNetComponents; ++c) net.value[c] = storage.data() + c * n;
+  }
+};
+
+namespace {
+
+struct ScreenBox {
+  double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
+  double near_depth = INFINITY;
+  bool in_front = true;  // every control point has W > 0: the box is valid
+};
+
+enum class Visibility : std::uint8_t { kHidden, kSeen };
+
+// Homogeneous half-space tests, valid whatever the sign of W: all control points on the wrong side of one plane of the
+// frustum mean that no ray of the window meets the patch in front of the near plane.
+Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
+  bool left = true, right = true, above = true, below = true, behind = window.perspective;
+  const int n = net.points();
+  for (int i = 0; i < n; ++i) {
+    const double x = net.value[kX][i], y = net.value[kY][i], w = net.value[kW][i];
+    const double limit_x = (window.half_width + kBoxSlack) * w, limit_y = (window.half_height + kBoxSlack) * w;
+    left = left && x < -limit_x;
+    right = right && x > limit_x;
+    above = above && y < -limit_y;
+    below = below && y > limit_y;
+    behind = behind && w <= window.near_depth * net.value[kQ][i];
+  }
+  return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
+}
+
+ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRule& rule) {
+  ScreenBox box;
+  const int n = net.points();
+  for (int i = 0; i < n; ++i) {
+    const double w = net.value[kW][i];
+    if (!(w > 0)) {
+      box.in_front = false;
+      return box;
+    }
+    const double inverse = rule.weight_varies ? 1 / w : 1;
+    const double x = net.value[kX][i] * inverse, y = net.value[kY][i] * inverse;
+    const double depth = window.perspective ? w / net.value[kQ][i] : net.value[kQ][i] * inverse;
+    box.x_low = std::min(box.x_low, x);
+    box.x_high = std::max(box.x_high, x);
+    box.y_low = std::min(box.y_low, y);
+    box.y_high = std::max(box.y_high, y);
+    box.near_depth = std::min(box.near_depth, depth);
+  }
+  return box;
+}
+
+// The direction in which the projected net extends farther.
+Direction LongerDirection(const BezierNet& net, const DepthRule& rule) {
+  const int stride = net.stride(), pu = net.degree_u, pv = net.degree_v;
+  const int middle = (pu / 2) * stride + pv / 2;
+  const bool shift = rule.weight_varies && net.value[kW][middle] > 0;
+  double extent_u = 0, extent_v = 0;
+  for (const NetComponent c : {kX, kY}) {
+    const double* f = net.value[c];
+    const double* w = net.value[kW];
+    const double center = f[middle] / (shift ? w[middle] : 1);
+    for (int k = 0; k <= pu; ++k) {
+      for (int l = 0; l <= pv; ++l) {
+        const int i = k * stride + l;
+        if (k < pu) extent_u = std::max(extent_u, pu * std::fabs(f[i + stride] - f[i] - center * (w[i + stride] - w[i])));
+        if (l < pv) extent_v = std::max(extent_v, pv * std::fabs(f[i + 1] - f[i] - center * (w[i + 1] - w[i])));
+      }
+    }
+  }
+  return extent_v > extent_u ? Direction::kV : Direction::kU;
+}
+
+}  // namespace
+
+LeafSplitter::LeafSplitter(const SplitWindow& window) : window_(window) {}
+LeafSplitter::~LeafSplitter() = default;
+
+LeafSplitter::Node* LeafSplitter::Level(int level, int side) {
+  const std::size_t index = 2 * static_cast<std::size_t>(level) + side;
+  while (levels_.size() <= index) levels_.push_back(std::make_unique<Node>());
+  return levels_[index].get();
+}
+
+BezierNet& LeafSplitter::Begin(int degree_u, int degree_v) {
+  Node* root = Level(0, 0);
+  root->SetDegrees(degree_u, degree_v);
+  return root->net;
+}
+
+void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, CoefficientArena* arena) {
+  patch_ = &patch;
+  leaves_ = leaves;
+  arena_ = arena;
+  Node* root = Level(0, 0);
+  root->u_mid = root->u_half = root->v_mid = root->v_half = 0.5;
+  root->level = 0;
+  root->trim = patch.trim ? RectClass::kMixed : RectClass::kInside;
+  Visit(*root);
+}
+
+void LeafSplitter::Visit(const Node& node) {
+  ++nodes_;
+  const BezierNet& net = node.net;
+  if (CullFrustum(net, window_) == Visibility::kHidden) return;
+
+  // Find the sample centres in the projected box; none: no ray meets the piece.
+  const ScreenBox box = Project(net, window_, patch_->rule);
+  int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
+  if (box.in_front) {
+    const double scale = window_.perspective ? std::max(box.near_depth, window_.near_depth) : 1;
+    const double slack = kBoxSlack + patch_->extend_px / scale;
+    const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
+    const auto last = [](double high, double half) { return std::min(2 * half, std::floor(high + half - 0.5) + 1); };
+    const double c0 = first(box.x_low - slack, window_.half_width), c1 = last(box.x_high + slack, window_.half_width);
+    const double r0 = first(box.y_low - slack, window_.half_height), r1 = last(box.y_high + slack, window_.half_height);
+    if (!(c0 < c1 && r0 < r1)) return;
+    col_begin = static_cast<int>(c0), col_end = static_cast<int>(c1);
+    row_begin = static_cast<int>(r0), row_end = static_cast<int>(r1);
+  }
+
+  // Ask the trimming, unless the parent knew.
+  RectClass trim = node.trim;
+  if (trim == RectClass::kMixed) {
+    trim = patch_->trim->Classify(
+        patch_->u_map.ToNative(node.u_mid - node.u_half), patch_->u_map.ToNative(node.u_mid + node.u_half),
+        patch_->v_map.ToNative(node.v_mid - node.v_half), patch_->v_map.ToNative(node.v_mid + node.v_half));
+    if (trim == RectClass::kOutside) return;
+  }
+
+  // Certify, or halve, or give up on a piece that is small enough.
+  const double samples = double(col_end - col_begin) * (row_end - row_begin);
+  const bool last_level = node.level >= kMaxLevels;
+  Direction direction = node.level % 2 ? Direction::kV : Direction::kU;
+  if (box.in_front) {
+    Leaf leaf;
+    double monomials[kNetComponents * kMaxNetPoints];
+    const Verdict verdict = Certify(net, patch_->rule, &leaf, monomials);
+    const bool certified = verdict.certified;
+    const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
+    const bool hard = !certified && (samples <= kHardSamples || last_level);
+    if ((certified && (trimmed_small || last_level)) || hard) {
+      if (hard) {
+        leaf = Leaf{};
+        leaf.flags = static_cast<std::uint16_t>(kLeafHard | (patch_->rule.perspective ? kLeafPerspective : 0) |
+                                                (patch_->rule.weight_varies ? kLeafWeightVaries : 0) |
+                                                (patch_->rule.depth_varies ? kLeafDepthVaries : 0));
+        leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
+        leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
+        for (int c = 0; c < kNetComponents; ++c) std::copy_n(net.value[c], net.points(), monomials + c * net.points());
+      }
+      leaf.near_depth = box.near_depth - std::fabs(box.near_depth) * 0x1p-48;
+      leaf.col_begin = col_begin, leaf.col_end = col_end;
+      leaf.row_begin = row_begin, leaf.row_end = row_end;
+      leaf.u_mid = node.u_mid, leaf.u_half = node.u_half;
+      leaf.v_mid = node.v_mid, leaf.v_half = node.v_half;
+      leaf.placed_face = patch_->placed_face;
+      leaf.patch = patch_->patch;
+      if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
+      // Let the leaf reach past a border of the face as far as the neighbour's edge may lie from it.
+      const double reach = kEnlarged - 1;
+      if (node.u_mid - node.u_half == 0) leaf.s_low -= std::min(reach, patch_->extend[0] / node.u_half);
+      if (node.u_mid + node.u_half == 1) leaf.s_high += std::min(reach, patch_->extend[1] / node.u_half);
+      if (node.v_mid - node.v_half == 0) leaf.t_low -= std::min(reach, patch_->extend[2] / node.v_half);
+      if (node.v_mid + node.v_half == 1) leaf.t_high += std::min(reach, patch_->extend[3] / node.v_half);
+      const std::size_t count = static_cast<std::size_t>(leaf.planes()) * net.points();
+      double* coefficients = arena_->Allocate(count);
+      std::copy_n(monomials, count, coefficients);
+      leaf.coefficients = coefficients;
+      leaves_->push_back(leaf);
+      return;
+    }
+    const bool thin = std::min(box.x_high - box.x_low, box.y_high - box.y_low) < 1;
+    const bool comparable = verdict.kappa_halved_u != verdict.kappa_halved_v;
+    if (certified || thin || !comparable) {
+      direction = LongerDirection(net, patch_->rule);
+    } else {
+      direction = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
+    }
+  } else if (last_level) {
+    return;  // a piece of 2^-32 of the patch across the eye plane, within the near plane's distance of the eye
+  }
+
+  Node* low = Level(node.level + 1, 0);
+  Node* high = Level(node.level + 1, 1);
+  low->SetDegrees(net.degree_u, net.degree_v);
+  high->SetDegrees(net.degree_u, net.degree_v);
+  low->u_mid = high->u_mid = node.u_mid, low->u_half = high->u_half = node.u_half;
+  low->v_mid = high->v_mid = node.v_mid, low->v_half = high->v_half = node.v_half;
+  if (direction == Direction::kU) {
+    low->u_half = high->u_half = node.u_half / 2;
+    low->u_mid = node.u_mid - low->u_half;
+    high->u_mid = node.u_mid + low->u_half;
+  } else {
+    low->v_half = high->v_half = node.v_half / 2;
+    low->v_mid = node.v_mid - low->v_half;
+    high->v_mid = node.v_mid + low->v_half;
+  }
+  low->trim = high->trim = trim;
+  low->level = high->level = node.level + 1;
+  Halve(net, direction, &low->net, &high->net);
+  Visit(*low);
+  Visit(*high);
+}
+
+}  // namespace facetless

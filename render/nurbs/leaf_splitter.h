@@ -1,0 +1,78 @@
+// LeafSplitter: cuts projected patches into leaves, keeping only what the view and the trimming leave of them.
+//
+//  1. Every point of the patch that some sample ray meets, in front of the eye plane and inside the trimmed face, lies in a leaf
+//     that is returned. What is dropped is proven to be outside the window, behind the eye, between the sample centres, or trimmed away.
+//  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not be split further.
+//  3. The result depends on the patch, the view and the trimming only, not on the calling thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "render/nurbs/angle_map.h"
+#include "render/nurbs/bezier.h"
+#include "render/nurbs/leaf.h"
+#include "render/nurbs/trim_index.h"
+
+namespace facetless {
+
+// Sample centres in a leaf without a certificate: few enough that solving them one by one costs less than splitting on.
+inline constexpr int kHardSamples = 4;
+// Sample centres in a leaf that the trimming cuts, above which splitting is cheaper than asking for each sample.
+inline constexpr int kTrimmedSamples = 64;
+
+struct SplitWindow {
+  double half_width = 0, half_height = 0;  // of the image, in samples: X/W runs over ±half_width
+  double near_depth = 0;                   // perspective: what has W ≤ near_depth·Q is not seen
+  bool perspective = false;
+};
+
+// Storage of coefficients: grows in blocks, never moves, freed as a whole.
+class CoefficientArena {
+ public:
+  double* Allocate(std::size_t count);
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  std::vector<std::unique_ptr<double[]>> blocks_;
+  std::size_t used_ = 0, capacity_ = 0, bytes_ = 0;
+};
+
+struct SplitPatch {
+  DepthRule rule;
+  SpanParameter u_map, v_map;     // Bézier to native parameters of the patch
+  const FaceTrim* trim = nullptr;
+  std::uint32_t placed_face = 0, patch = 0;
+  // How far, in samples (perspective: at a depth of 1 mm) and in each Bézier parameter, the patch may be continued past its
+  // borders (u low, u high, v low, v high) where the face ends there and its edges lie off the surface by a gap. 0: not at all.
+  double extend_px = 0;
+  double extend[4] = {0, 0, 0, 0};
+};
+
+class LeafSplitter {
+ public:
+  explicit LeafSplitter(const SplitWindow& window);
+  ~LeafSplitter();
+
+  // The net that the caller fills before Split: degrees set by Begin, storage belongs to the splitter.
+  BezierNet& Begin(int degree_u, int degree_v);
+  // Appends the leaves of the net to `leaves`, their coefficients to `arena`.
+  void Split(const SplitPatch& patch, std::vector<Leaf>* leaves, CoefficientArena* arena);
+
+  std::uint64_t nodes() const { return nodes_; }  // patches and sub-patches looked at so far
+
+ private:
+  struct Node;
+  void Visit(const Node& node);
+  Node* Level(int level, int side);
+
+  SplitWindow window_;
+  std::vector<std::unique_ptr<Node>> levels_;  // two per level
+  const SplitPatch* patch_ = nullptr;
+  std::vector<Leaf>* leaves_ = nullptr;
+  CoefficientArena* arena_ = nullptr;
+  std::uint64_t nodes_ = 0;
+};
+
+}  // namespace facetless

@@ -1,0 +1,146 @@
+#include "render/trace/direct.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "render/kernels/dispatch.h"
+#include "render/trace/hit_geometry.h"
+#include "render/trace/prepare.h"
+#include "render/trace/tile_tracer.h"
+
+namespace facetless {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+Certificate CertificateOf(std::uint8_t doubt) {
+  if (doubt & kDoubtUnresolved) return Certificate::kUnresolved;
+  return doubt ? Certificate::kConverged : Certificate::kCertified;
+}
+
+// Counts of one thread; its own cache lines.
+struct alignas(64) Tally {
+  std::uint64_t hits = 0, certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
+};
+
+// Copies a traced tile into the image, with the normals and parameters of its hits.
+void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
+  const Model& model = *shared.scene.model;
+  for (int i = 0; i < tile.rows(); ++i) {
+    for (int j = 0; j < tile.columns(); ++j) {
+      const int k = i * kTileSize + j;
+      const int row = tile.row() + i, column = tile.column() + j;
+      const std::size_t out = std::size_t(row) * samples->width + column;
+      const Certificate certificate = CertificateOf(tile.doubt[k]);
+      samples->certificate[out] = certificate;
+      tally->certified += certificate == Certificate::kCertified;
+      tally->converged += certificate == Certificate::kConverged;
+      tally->unresolved += certificate == Certificate::kUnresolved;
+      if (tile.leaf[k] == kNoIndex) continue;
+
+      const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
+      const double x = column + 0.5 - 0.5 * shared.camera.width_px, y = row + 0.5 - 0.5 * shared.camera.height_px;
+      const HitGeometry geometry = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame);
+      const std::uint32_t face = model.FaceOf(leaf.placed_face);
+      const Instance& instance = model.instances[model.InstanceOf(leaf.placed_face)];
+      const double sign = model.faces[face].reversed != (instance.placement.Determinant() < 0) ? -1 : 1;
+      samples->depth[out] = tile.depth[k];
+      samples->face[out] = leaf.placed_face;
+      samples->normal[out] = {float(sign * geometry.normal.x), float(sign * geometry.normal.y), float(sign * geometry.normal.z)};
+      if (!samples->uv.empty()) {
+        const Surface& surface = model.surfaces[model.faces[face].surface];
+        const SpanParameter& u_map = shared.scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count];
+        const SpanParameter& v_map = shared.scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count];
+        samples->uv[out] = {u_map.ToNative(leaf.u_mid + tile.s[k] * leaf.u_half), v_map.ToNative(leaf.v_mid + tile.t[k] * leaf.v_half)};
+      }
+      ++tally->hits;
+      tally->certified_hits += certificate == Certificate::kCertified;
+    }
+  }
+}
+
+Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
+  const Clock::time_point start = Clock::now();
+  DirectResult result;
+  if (auto frame = MakeFrame(camera, scene.model().Diagonal()); frame.ok()) {
+    result.frame = frame.value();
+  } else {
+    return frame.error();
+  }
+  const Result<Kernels>& kernels = ActiveKernels();
+  if (!kernels.ok()) return kernels.error();
+  result.stats.isa = kernels.value().isa;
+
+  // Project, split, list per tile.
+  Result<PreparedView> prepared = PrepareView(scene.data(), camera, result.frame, options.cancel);
+  if (!prepared.ok()) return prepared.error();
+  const PreparedView& view = prepared.value();
+  const TraceShared shared(scene.data(), view, camera, result.frame);
+  result.stats.prepare_ms = MillisecondsSince(start);
+
+  // Trace tile by tile.
+  const Clock::time_point traced = Clock::now();
+  SampleBuffer& samples = result.samples;
+  samples.Resize(camera.width_px, camera.height_px);
+  samples.certificate.assign(samples.size(), Certificate::kCertified);
+  if (options.uv) samples.uv.assign(samples.size(), {0, 0});
+  tbb::enumerable_thread_specific<TileTracer> tracers([&] { return TileTracer(shared); });
+  tbb::enumerable_thread_specific<Tally> tallies;
+  tbb::parallel_for(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
+    if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
+    TileTracer& tracer = tracers.local();
+    tracer.Trace(tile, nullptr);
+    WriteTile(shared, tracer, &samples, &tallies.local());
+  });
+  if (options.cancel && options.cancel->load()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
+  result.stats.trace_ms = MillisecondsSince(traced);
+
+  // Add up.
+  DirectStats& stats = result.stats;
+  stats.rays = samples.size();
+  for (const Tally& tally : tallies) {
+    stats.hits += tally.hits;
+    stats.certified += tally.certified;
+    stats.converged += tally.converged;
+    stats.unresolved += tally.unresolved;
+    stats.certified_hits += tally.certified_hits;
+  }
+  for (const TileTracer& tracer : tracers) {
+    stats.candidates += tracer.counters.candidates;
+    stats.solves += tracer.counters.solves;
+    stats.iterations += tracer.counters.iterations;
+    stats.fallbacks += tracer.counters.fallbacks;
+    stats.trim_tests += tracer.counters.trim_tests;
+    stats.bmssm_bytes += tracer.bitmap_bytes();
+  }
+  stats.leaves = view.tiles->leaves().size();
+  stats.hard_leaves = view.hard_leaves;
+  stats.bmssm_bits = view.tiles->bits();
+  stats.scene_bytes = view.bytes() + stats.bmssm_bytes + scene.data().bytes();
+  stats.unseen_faces = view.unseen_faces;
+  return result;
+}
+
+}  // namespace
+
+Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options) {
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return Trace(scene, camera, options); });
+}
+
+Result<std::string> ActiveIsa() {
+  const Result<Kernels>& kernels = ActiveKernels();
+  if (!kernels.ok()) return kernels.error();
+  return kernels.value().isa;
+}
+
+}  // namespace facetless

@@ -1,0 +1,42 @@
+// The fallback solver: all roots of one ray in a leaf that has no certificate, by subdivision.
+//
+//  1. Pieces whose coefficients of F keep one sign, beyond their rounding, are proven empty. Pieces that can be certified are solved and
+//     proven like any leaf. The rest is halved.
+//  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without proof (kDoubtSolver): a
+//     tangency, a pole, a cusp, met to that precision.
+//  3. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "render/kernels/tile_kernel.h"
+#include "render/nurbs/bezier.h"
+#include "render/nurbs/leaf.h"
+
+namespace facetless {
+
+inline constexpr double kFloorSamples = 0x1p-36;
+inline constexpr int kMaxPieces = 4096;
+
+struct FallbackRoot {
+  TileHit hit;               // s and t of the leaf, not of the piece
+  double jacobian_sign = 0;    // sign of the Jacobian of (u,v) → pixel at the root; 0: singular there
+  std::uint8_t doubt = 0;
+};
+
+class FallbackSolver {
+ public:
+  FallbackSolver();
+  ~FallbackSolver();
+  // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those on a border of two
+  // pieces possibly twice. Returns kDoubtUnresolved or 0. Requires a leaf with kLeafHard.
+  std::uint8_t Solve(const Leaf& leaf, double x, double y, double limit, std::vector<FallbackRoot>* roots);
+
+ private:
+  struct Piece;
+  std::vector<std::unique_ptr<Piece>> stack_;  // storage is reused from call to call
+};
+
+}  // namespace facetless

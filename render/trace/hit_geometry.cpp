@@ -1,0 +1,126 @@
+#include "render/trace/hit_geometry.h"
+
+#include <cmath>
+
+namespace facetless {
+namespace {
+
+struct Jet {
+  double f = 0, ds = 0, dt = 0;
+};
+
+// Horner with both first derivatives, for centred monomials.
+Jet Monomial(const double* c, int degree_u, int degree_v, double s, double t) {
+  Jet jet;
+  for (int i = degree_u; i >= 0; --i) {
+    const double* row = c + i * (degree_v + 1);
+    double value = row[degree_v], slope = 0;
+    for (int j = degree_v - 1; j >= 0; --j) {
+      slope = slope * t + value;
+      value = value * t + row[j];
+    }
+    jet.ds = jet.ds * s + jet.f;
+    jet.f = jet.f * s + value;
+    jet.dt = jet.dt * s + slope;
+  }
+  return jet;
+}
+
+// The same by de Casteljau, for Bernstein coefficients over s, t ∈ [−1,1].
+Jet Bernstein(const double* c, int degree_u, int degree_v, double s, double t) {
+  const double u = 0.5 * (1 + s), v = 0.5 * (1 + t);
+  double value[kMaxDegree + 1], slope[kMaxDegree + 1], row[kMaxDegree + 1];
+  for (int i = 0; i <= degree_u; ++i) {
+    for (int j = 0; j <= degree_v; ++j) row[j] = c[i * (degree_v + 1) + j];
+    for (int n = degree_v; n > 1; --n) {
+      for (int j = 0; j < n; ++j) row[j] += v * (row[j + 1] - row[j]);
+    }
+    slope[i] = 0.5 * degree_v * (row[1] - row[0]);
+    value[i] = row[0] + v * (row[1] - row[0]);
+  }
+  for (int n = degree_u; n > 1; --n) {
+    for (int i = 0; i < n; ++i) {
+      value[i] += u * (value[i + 1] - value[i]);
+      slope[i] += u * (slope[i + 1] - slope[i]);
+    }
+  }
+  return {value[0] + u * (value[1] - value[0]), 0.5 * degree_u * (value[1] - value[0]), slope[0] + u * (slope[1] - slope[0])};
+}
+
+struct Tangents {
+  Vec3 ds, dt;
+};
+
+Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame) {
+  const int pu = leaf.degree_u, pv = leaf.degree_v, n = leaf.points();
+  const bool perspective = (leaf.flags & kLeafPerspective) != 0;
+
+  // F = (X − x·W, Y − y·W), W and Q with their derivatives. F itself vanishes at a root.
+  Jet fx, fy, w{1, 0, 0}, q{leaf.depth_constant, 0, 0};
+  if (leaf.flags & kLeafHard) {
+    const double* c = leaf.coefficients;
+    const Jet jx = Bernstein(c, pu, pv, s, t), jy = Bernstein(c + n, pu, pv, s, t);
+    w = Bernstein(c + 2 * n, pu, pv, s, t);
+    q = Bernstein(c + 3 * n, pu, pv, s, t);
+    fx = {0, jx.ds - x * w.ds, jx.dt - x * w.dt};
+    fy = {0, jy.ds - y * w.ds, jy.dt - y * w.dt};
+  } else {
+    const double* next = leaf.coefficients + 2 * n;
+    const Jet g1 = Monomial(leaf.coefficients, pu, pv, s, t), g2 = Monomial(leaf.coefficients + n, pu, pv, s, t);
+    if (leaf.flags & kLeafWeightVaries) {
+      w = Monomial(next, pu, pv, s, t);
+      next += n;
+    }
+    if (leaf.flags & kLeafDepthVaries) q = Monomial(next, pu, pv, s, t);
+    const double dx = x - leaf.center_x, dy = y - leaf.center_y;
+    const double b1 = leaf.c11 * dx + leaf.c12 * dy, b2 = leaf.c21 * dx + leaf.c22 * dy;
+    const double h1s = g1.ds - b1 * w.ds, h1t = g1.dt - b1 * w.dt, h2s = g2.ds - b2 * w.ds, h2t = g2.dt - b2 * w.dt;
+    // Undo C.
+    const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
+    const double a11 = leaf.c22 / determinant, a12 = -leaf.c12 / determinant;
+    const double a21 = -leaf.c21 / determinant, a22 = leaf.c11 / determinant;
+    fx = {0, a11 * h1s + a12 * h2s, a11 * h1t + a12 * h2t};
+    fy = {0, a21 * h1s + a22 * h2s, a21 * h1t + a22 * h2t};
+  }
+
+  // The pixel moves by F'/W; depth is Q/W, or W/Q in perspective, where the point is depth·(x, y, 1) in pixel units.
+  const double xs = fx.ds / w.f, xt = fx.dt / w.f, ys = fy.ds / w.f, yt = fy.dt / w.f;
+  if (!perspective) {
+    const double depth = q.f / w.f;
+    return {{xs * frame.pixel_x, ys * frame.pixel_y, (q.ds - depth * w.ds) / w.f},
+            {xt * frame.pixel_x, yt * frame.pixel_y, (q.dt - depth * w.dt) / w.f}};
+  }
+  const double scale = (leaf.flags & kLeafHard) ? 1 : leaf.depth_scale;
+  const double depth = scale * w.f / q.f;
+  const double depth_s = (scale * w.ds - depth * q.ds) / q.f, depth_t = (scale * w.dt - depth * q.dt) / q.f;
+  return {{(depth_s * x + depth * xs) * frame.pixel_x, (depth_s * y + depth * ys) * frame.pixel_y, depth_s},
+          {(depth_t * x + depth * xt) * frame.pixel_x, (depth_t * y + depth * yt) * frame.pixel_y, depth_t}};
+}
+
+// Below this sine of the angle between the tangents, or ratio of their lengths, ds × dt is mostly rounding: half the digits are gone.
+constexpr double kSingular = 0x1p-26;
+
+}  // namespace
+
+HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame) {
+  HitGeometry hit;
+  Tangents tangents = EvaluateTangents(leaf, s, t, x, y, frame);
+  hit.ds = tangents.ds;
+  hit.dt = tangents.dt;
+  Vec3 normal = Cross(tangents.ds, tangents.dt);
+  // At a pole step back towards the middle, where the tangents span a plane again.
+  for (double back = 0x1p-16; back <= 1; back *= 16) {
+    const double longest = std::fmax(Dot(tangents.ds, tangents.ds), Dot(tangents.dt, tangents.dt));
+    if (Dot(normal, normal) > kSingular * kSingular * longest * longest) break;
+    tangents = EvaluateTangents(leaf, s - back * s, t - back * t, x, y, frame);
+    normal = Cross(tangents.ds, tangents.dt);
+  }
+  normal = Normalized(normal);
+  Vec3 ray{0, 0, 1};
+  if (leaf.flags & kLeafPerspective) ray = Normalized({x * frame.pixel_x, y * frame.pixel_y, 1});
+  hit.cosine = std::fabs(Dot(normal, ray));
+  hit.normal = normal.x * frame.right + normal.y * frame.down + normal.z * frame.forward;
+  return hit;
+}
+
+}  // namespace facetless

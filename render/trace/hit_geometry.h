@@ -1,0 +1,20 @@
+// From a root (s, t) of a leaf back to geometry: tangents, normal and native parameters.
+#pragma once
+
+#include "render/model/vec.h"
+#include "render/nurbs/leaf.h"
+#include "render/trace/camera.h"
+
+namespace facetless {
+
+struct HitGeometry {
+  Vec3 ds, dt;        // derivatives of the surface point by s and t, mm, in the camera's axes (right, down, forward)
+  Vec3 normal;        // unit, along ds × dt, model axes; (0,0,0) where both ways to find one fail
+  double cosine = 0;  // |normal · ray direction|
+};
+
+// Of the root (s, t) of the ray through (x, y) relative to the image centre. Where ds × dt vanishes (a pole, a collapsed edge) the normal
+// is the one-sided limit towards the leaf's middle.
+HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame);
+
+}  // namespace facetless

@@ -1,0 +1,197 @@
+#include "render/trace/prepare.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/trace/projection.h"
+
+namespace facetless {
+namespace {
+
+// From this many patches on, a face's patches are shared out among the threads.
+constexpr std::uint32_t kParallelPatches = 16;
+
+// What one thread splits into.
+struct Worker {
+  explicit Worker(const SplitWindow& window) : splitter(window) {}
+  LeafSplitter splitter;
+  CoefficientArena arena;
+  std::vector<Leaf> leaves;
+};
+
+class Preparation {
+ public:
+  Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame, const std::atomic<bool>* cancel)
+      : scene_(scene), model_(*scene.model), frame_(frame), cancel_(cancel), workers_([this] { return Worker(window_); }) {
+    window_.half_width = 0.5 * camera.width_px;
+    window_.half_height = 0.5 * camera.height_px;
+    window_.perspective = frame.projection == Projection::kPerspective;
+    window_.near_depth = frame.near_mm;
+  }
+
+  Result<PreparedView> Run(int columns, int rows) {
+    tbb::parallel_for(std::size_t{0}, model_.instances.size(), [this](std::size_t i) { VisitInstance(model_.instances[i]); });
+    if (Cancelled()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
+
+    PreparedView view;
+    std::vector<Leaf> leaves;
+    std::size_t count = 0;
+    for (const Worker& worker : workers_) count += worker.leaves.size();
+    leaves.reserve(count);
+    for (Worker& worker : workers_) {
+      leaves.insert(leaves.end(), worker.leaves.begin(), worker.leaves.end());
+      std::vector<Leaf>().swap(worker.leaves);
+      view.nodes += worker.splitter.nodes();
+      view.arenas.push_back(std::move(worker.arena));
+    }
+    std::vector<bool> seen(model_.PlacedFaceCount(), false);
+    for (const Leaf& leaf : leaves) {
+      seen[leaf.placed_face] = true;
+      view.hard_leaves += (leaf.flags & kLeafHard) != 0;
+    }
+    for (std::uint32_t id = 0; id < seen.size(); ++id) {
+      if (!seen[id]) view.unseen_faces.push_back(id);
+    }
+    view.tiles = std::make_unique<TileLeaves>(std::move(leaves), columns, rows);
+    return view;
+  }
+
+ private:
+  bool Cancelled() const { return cancel_ && cancel_->load(std::memory_order_relaxed); }
+
+  void VisitInstance(const Instance& instance) {
+    const ViewProjection projection(frame_, instance.placement);
+    const Range faces = model_.parts[instance.part].faces;
+    tbb::parallel_for(faces.first, faces.end(), [&](std::uint32_t face) {
+      if (!Cancelled()) VisitFace(face, instance.first_placed_face + (face - faces.first), projection);
+    });
+  }
+
+  void VisitFace(std::uint32_t face, std::uint32_t placed_face, const ViewProjection& projection) {
+    if (!BoxCanBeSeen(scene_.faces[face].bounds, projection)) return;
+    const std::uint32_t patches = model_.surfaces[model_.faces[face].surface].PatchCount();
+    const auto visit = [&](std::uint32_t patch) { VisitPatch(face, placed_face, patch, projection); };
+    if (patches < kParallelPatches) {
+      for (std::uint32_t patch = 0; patch < patches; ++patch) visit(patch);
+    } else {
+      tbb::parallel_for(std::uint32_t{0}, patches, visit);
+    }
+  }
+
+  // False if the box's image lies outside the window or between the sample centres; conservative.
+  bool BoxCanBeSeen(const Box3& box, const ViewProjection& projection) const {
+    bool left = true, right = true, above = true, below = true, behind = window_.perspective;
+    double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
+    bool in_front = true;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto p = projection({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y, corner & 4 ? box.high.z : box.low.z, 1});
+      // One sample of slack on every side: extensions past the border and rounding are far smaller.
+      const double limit_x = (window_.half_width + 1) * p.w, limit_y = (window_.half_height + 1) * p.w;
+      left = left && p.x < -limit_x;
+      right = right && p.x > limit_x;
+      above = above && p.y < -limit_y;
+      below = below && p.y > limit_y;
+      behind = behind && p.w <= window_.near_depth * p.q;
+      in_front = in_front && p.w > 0;
+      x_low = std::min(x_low, p.x / p.w), x_high = std::max(x_high, p.x / p.w);
+      y_low = std::min(y_low, p.y / p.w), y_high = std::max(y_high, p.y / p.w);
+    }
+    if (left || right || above || below || behind) return false;
+    if (!in_front) return true;
+    const auto empty = [](double low, double high, double half) {
+      return std::ceil(low + half - 0.5 - 0.125) > std::floor(high + half - 0.5 + 0.125);
+    };
+    return !(empty(x_low, x_high, window_.half_width) || empty(y_low, y_high, window_.half_height));
+  }
+
+  void VisitPatch(std::uint32_t face, std::uint32_t placed_face, std::uint32_t patch, const ViewProjection& projection) {
+    const Surface& surface = model_.surfaces[model_.faces[face].surface];
+    const FaceData& data = scene_.faces[face];
+    const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
+    SplitPatch split;
+    split.u_map = scene_.spans[surface.u_spans.first + i];
+    split.v_map = scene_.spans[surface.v_spans.first + j];
+    split.trim = &data.trim;
+    split.placed_face = placed_face;
+    split.patch = patch;
+
+    // Leave out what the loops cut away before projecting anything.
+    if (data.trim.Classify(split.u_map.ToNative(0), split.u_map.ToNative(1), split.v_map.ToNative(0), split.v_map.ToNative(1)) == RectClass::kOutside) {
+      return;
+    }
+    Worker& worker = workers_.local();
+    BezierNet& net = worker.splitter.Begin(surface.degree_u, surface.degree_v);
+    const Vec4* points = model_.control_points.data() + surface.first_control_point + std::size_t(patch) * surface.PointsPerPatch();
+    bool weight_varies = false, depth_varies = false;
+    for (int k = 0; k < net.points(); ++k) {
+      const auto p = projection(points[k]);
+      net.value[kX][k] = p.x;
+      net.value[kY][k] = p.y;
+      net.value[kW][k] = p.w;
+      net.value[kQ][k] = p.q;
+      weight_varies = weight_varies || p.w != net.value[kW][0];
+      depth_varies = depth_varies || p.q != net.value[kQ][0];
+    }
+    // Polynomial kernels want W = 1, not merely constant: exact for a weight that is constant.
+    if (!weight_varies && net.value[kW][0] != 1 && net.value[kW][0] > 0) weight_varies = true;
+    split.rule = {window_.perspective, weight_varies, depth_varies};
+    Extend(surface, data, points, i, j, &split);
+    worker.splitter.Split(split, &worker.leaves, &worker.arena);
+  }
+
+  // Where the face ends with its patch grid, let leaves on that border reach across the gap to the neighbour's edge.
+  void Extend(const Surface& surface, const FaceData& data, const Vec4* points, std::uint32_t i, std::uint32_t j, SplitPatch* split) const {
+    if (!(data.extend_mm > 0)) return;
+    const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
+    const auto at = [&](int k, int l) {
+      const Vec4& p = points[k * stride + l];
+      return Vec3{p.x / p.w, p.y / p.w, p.z / p.w};
+    };
+    // Slowest speed across each border, from the first row of differences there; a collapsed border has none to cross.
+    const auto across = [&](bool along_v, bool high) {
+      double slowest = INFINITY;
+      const int count = along_v ? pu : pv, degree = along_v ? pv : pu;
+      for (int k = 0; k <= count; ++k) {
+        const int edge = high ? degree : 0, inner = high ? degree - 1 : 1;
+        const Vec3 d = along_v ? at(k, edge) - at(k, inner) : at(edge, k) - at(inner, k);
+        slowest = std::min(slowest, degree * Length(d));
+      }
+      return slowest > 0 ? data.extend_mm / slowest : 0;
+    };
+    if (!surface.extendable_u) {
+      if (i == 0) split->extend[0] = across(false, false);
+      if (i + 1 == surface.u_spans.count) split->extend[1] = across(false, true);
+    }
+    if (!surface.extendable_v) {
+      if (j == 0) split->extend[2] = across(true, false);
+      if (j + 1 == surface.v_spans.count) split->extend[3] = across(true, true);
+    }
+    if (split->extend[0] + split->extend[1] + split->extend[2] + split->extend[3] > 0) {
+      split->extend_px = 2 * data.extend_mm / std::min(frame_.pixel_x, frame_.pixel_y);
+    }
+  }
+
+  const Scene::Data& scene_;
+  const Model& model_;
+  const CameraFrame& frame_;
+  const std::atomic<bool>* cancel_;
+  SplitWindow window_;
+  tbb::enumerable_thread_specific<Worker> workers_;
+};
+
+}  // namespace
+
+std::size_t PreparedView::bytes() const {
+  std::size_t sum = tiles->bytes() + unseen_faces.capacity() * sizeof(std::uint32_t);
+  for (const CoefficientArena& arena : arenas) sum += arena.bytes();
+  return sum;
+}
+
+Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame, const std::atomic<bool>* cancel) {
+  return Preparation(scene, camera, frame, cancel).Run(camera.width_px, camera.height_px);
+}
+
+}  // namespace facetless

@@ -1,0 +1,27 @@
+// Preparation of one view: project every placed face that the window can hold, split it into leaves, list the leaves per tile.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "render/accel/bmssm.h"
+#include "render/nurbs/leaf_splitter.h"
+#include "render/trace/camera.h"
+#include "render/trace/scene.h"
+
+namespace facetless {
+
+struct PreparedView {
+  std::unique_ptr<TileLeaves> tiles;
+  std::vector<CoefficientArena> arenas;      // own the leaves' coefficients
+  std::vector<std::uint32_t> unseen_faces;   // placed faces without a leaf, ascending
+  std::uint64_t hard_leaves = 0, nodes = 0;
+
+  std::size_t bytes() const;
+};
+
+// Errors: kCancelled.
+Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame, const std::atomic<bool>* cancel);
+
+}  // namespace facetless

@@ -1,0 +1,71 @@
+// TileTracer: runs the tile kernel over one prepared view, with trimming and the fallback solver behind it.
+//
+//  1. One per thread: it owns the bitmaps, the solver's stack and a tile's results. The view and the scene are shared and only read.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "render/accel/bmssm.h"
+#include "render/kernels/tile_kernel.h"
+#include "render/nurbs/projected_edges.h"
+#include "render/trace/fallback_solver.h"
+#include "render/trace/prepare.h"
+
+namespace facetless {
+
+// What all tracers of a view share besides the leaves.
+struct TraceShared {
+  TraceShared(const Scene::Data& scene, const PreparedView& view, const Camera& camera, const CameraFrame& frame);
+
+  const Scene::Data& scene;
+  const PreparedView& view;
+  const Camera& camera;
+  const CameraFrame& frame;
+  std::vector<ProjectedEdges> edges;                 // per instance
+  std::vector<std::uint32_t> instance_of_face;       // per placed face; empty if there is one instance
+};
+
+// One crossing of a ray with a face.
+struct Crossing {
+  std::uint32_t sample;  // row·width + column of the image
+  std::uint32_t leaf;    // index into the view's leaves
+  TileHit hit;
+  std::uint8_t doubt;
+};
+
+class TileTracer {
+ public:
+  explicit TileTracer(const TraceShared& shared);
+
+  // The nearest hits of tile `index`, in the arrays below. With `crossings`, every hit of every ray is appended to it too.
+  void Trace(int index, std::vector<Crossing>* crossings);
+
+  int column() const { return job_.column; }  // of the last tile
+  int row() const { return job_.row; }
+  int columns() const { return job_.columns; }
+  int rows() const { return job_.rows; }
+
+  static constexpr int kSamples = kTileSize * kTileSize;
+  std::array<double, kSamples> depth, s, t;
+  std::array<std::uint32_t, kSamples> leaf;
+  std::array<std::uint8_t, kSamples> doubt;
+  TileCounters counters;  // of all tiles so far
+
+  std::size_t bitmap_bytes() const { return bitmaps_.bytes(); }
+
+ private:
+  bool Keep(const Leaf& leaf, double s, double t, double x, double y, double jacobian_sign, std::uint8_t* doubt);
+  std::uint8_t SolveHard(const Leaf& leaf, double x, double y, double limit, void* sink,
+                         void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt));
+
+  const TraceShared& shared_;
+  TileBitmaps bitmaps_;
+  TileJob job_;
+  FallbackSolver solver_;
+  std::vector<FallbackRoot> roots_;
+  std::vector<Crossing>* crossings_ = nullptr;
+};
+
+}  // namespace facetless
