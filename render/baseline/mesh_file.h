@@ -11,7 +11,11 @@
 //  4. Missing normals are made: the mean of the triangles around a position, weighted by angle, over the
 //  triangles whose
 //     normals lie within `crease_deg` of the corner's own.
-//  5. Whatever bytes come in, the answer is a mesh with indices in range and finite numbers, or an Error.
+//  5. A mesh of our own names the model's faces (Mesh::from_model) only if its nodes are the instances of the
+//  model that it is
+//     compared with; another model's mesh counts as a foreign one.
+//  6. Nodes that squash their mesh to nothing (a determinant of zero) are left out.
+//  7. Whatever bytes come in, the answer is a mesh with indices in range and finite numbers, or an Error.
 //  External files,
 //     images, cameras, animation, skins and morph targets are not read; sparse accessors and compressed
 //     primitives (Draco, meshopt) are refused by name.
@@ -31,7 +35,7 @@ struct MeshLoadOptions {
   std::string up;    // "" (the format's own), "y", "z": the file's up axis (--mesh-up)
   double crease_deg = 40;  // law 4; 0 … 180
   std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
-  std::uint64_t max_triangles = 200'000'000;  // placed ones not counted twice
+  std::uint64_t max_memory_bytes = std::uint64_t{4} << 30;  // vertices and triangles, unpacked
   std::uint64_t max_nodes = 4'000'000;
 };
 
@@ -40,10 +44,11 @@ struct MeshLoadOptions {
 // triangle), kLimitExceeded, kUnitMismatch.
 Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, const Model* model);
 
-// kUnitMismatch if the ratio of the diagonals is within 5 % of 1000, 25.4, 10 or one of their inverses (and
-// of 12 and 304.8: feet); the message names the option that would repair it. Nothing to say where either box
-// is empty.
-Result<void> CheckMeshSize(const Mesh& mesh, const Box3& model_bounds);
+// kUnitMismatch if the ratio of the diagonals, or its inverse, is within 5 % of 10, 12, 25.4, 39.4, 100,
+// 304.8 or 1000, or if the extents fit only with Y and Z exchanged; the message names the option that would
+// repair it. `unit_mm` is what one unit of the mesh's file was taken for. Nothing to say where either box is
+// empty or a point.
+Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model);
 
 // Of all placed triangles' corners, mm.
 Box3 MeshBounds(const Mesh& mesh);

@@ -1,0 +1,230 @@
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <string>
+
+#include "render/baseline/mesh_file.h"
+#include "render/baseline/scene_data.h"
+
+namespace facetless {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool CountBytes(void* user, ssize_t bytes, bool) {
+  EmbreeMemory& memory = *static_cast<EmbreeMemory*>(user);
+  const std::int64_t now = memory.now.fetch_add(bytes) + bytes;
+  std::int64_t peak = memory.peak.load();
+  while (now > peak && !memory.peak.compare_exchange_weak(peak, now)) {
+  }
+  return true;
+}
+
+Error EmbreeError(RTCDevice device) {
+  const RTCError code = rtcGetDeviceError(device);
+  if (code == RTC_ERROR_OUT_OF_MEMORY)
+    return {ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
+  if (code == RTC_ERROR_UNSUPPORTED_CPU)
+    return {ErrorCode::kBadUsage, "the baseline needs a processor with SSE2, which Embree does not find"};
+  return {ErrorCode::kInternal, "Embree reports error " + std::to_string(static_cast<int>(code))};
+}
+
+PlacedNode Place(const Placement& placement) {
+  // Normals are turned by the cofactors of the placement's linear part, which need no division.
+  const auto& m = placement.m;
+  PlacedNode node;
+  node.placement = placement;
+  node.side = placement.Determinant() < 0 ? -1 : 1;
+  const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
+  for (int r = 0; r < 3; ++r) node.normal_rows[r] = node.side * Cross(row[(r + 1) % 3], row[(r + 2) % 3]);
+  return node;
+}
+
+// A triangle geometry over the part; its vertices are `map` of the part's positions.
+template <typename Map>
+RTCGeometry MakeTriangles(RTCDevice device, const MeshPart& part, const Map& map) {
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), part.positions.size()));
+  auto* indices = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
+                              part.triangles.size()));
+  if (vertices == nullptr || indices == nullptr) {
+    rtcReleaseGeometry(geometry);
+    return nullptr;
+  }
+  for (const auto& position : part.positions) {
+    const Vec3 p = map(Vec3{position[0], position[1], position[2]});
+    *vertices++ = static_cast<float>(p.x);
+    *vertices++ = static_cast<float>(p.y);
+    *vertices++ = static_cast<float>(p.z);
+  }
+  for (const auto& triangle : part.triangles)
+    for (std::uint32_t vertex : triangle) *indices++ = vertex;
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+RTCScene NewScene(RTCDevice device) {
+  const RTCScene scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  return scene;
+}
+
+// Attaches the geometry and drops our reference to it.
+unsigned Attach(RTCScene scene, RTCGeometry geometry) {
+  const unsigned id = rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  return id;
+}
+
+class Builder {
+ public:
+  explicit Builder(BaselineScene::Data& data) : data_(data), mesh_(*data.mesh) {}
+
+  // False if Embree refused something; its device knows why.
+  bool Build() {
+    std::vector<std::uint32_t> uses(mesh_.parts.size(), 0);
+    for (const MeshNode& node : mesh_.nodes) ++uses[node.part];
+    data_.part_scenes.assign(mesh_.parts.size(), nullptr);
+    data_.scene = NewScene(data_.device);
+    for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
+      const MeshNode& node = mesh_.nodes[i];
+      data_.nodes.push_back(Place(node.placement));
+      if (mesh_.parts[node.part].triangles.empty()) continue;
+      if (!(uses[node.part] == 1 ? AddPlaced(i) : AddInstance(i))) return false;
+    }
+    rtcCommitScene(data_.scene);
+    return rtcGetDeviceError(data_.device) == RTC_ERROR_NONE;
+  }
+
+ private:
+  bool AddPlaced(std::size_t node_index) {
+    const MeshNode& node = mesh_.nodes[node_index];
+    const RTCGeometry geometry = MakeTriangles(
+        data_.device, mesh_.parts[node.part], [&](Vec3 p) { return node.placement.Point(p) - data_.center; });
+    return geometry != nullptr && Remember(Attach(data_.scene, geometry), node_index);
+  }
+
+  bool AddInstance(std::size_t node_index) {
+    const MeshNode& node = mesh_.nodes[node_index];
+    RTCScene& part_scene = data_.part_scenes[node.part];
+    if (part_scene == nullptr) {
+      const RTCGeometry triangles =
+          MakeTriangles(data_.device, mesh_.parts[node.part], [](Vec3 p) { return p; });
+      if (triangles == nullptr) return false;
+      part_scene = NewScene(data_.device);
+      Attach(part_scene, triangles);
+      rtcCommitScene(part_scene);
+    }
+    const RTCGeometry instance = rtcNewGeometry(data_.device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, part_scene);
+    const auto& m = node.placement.m;
+    const float columns[12] = {static_cast<float>(m[0][0]),
+                               static_cast<float>(m[1][0]),
+                               static_cast<float>(m[2][0]),
+                               static_cast<float>(m[0][1]),
+                               static_cast<float>(m[1][1]),
+                               static_cast<float>(m[2][1]),
+                               static_cast<float>(m[0][2]),
+                               static_cast<float>(m[1][2]),
+                               static_cast<float>(m[2][2]),
+                               static_cast<float>(m[0][3] - data_.center.x),
+                               static_cast<float>(m[1][3] - data_.center.y),
+                               static_cast<float>(m[2][3] - data_.center.z)};
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+    rtcCommitGeometry(instance);
+    return Remember(Attach(data_.scene, instance), node_index);
+  }
+
+  bool Remember(unsigned geometry_id, std::size_t node_index) {
+    if (geometry_id == RTC_INVALID_GEOMETRY_ID) return false;
+    if (data_.node_of_geometry.size() <= geometry_id) data_.node_of_geometry.resize(geometry_id + 1, 0);
+    data_.node_of_geometry[geometry_id] = static_cast<std::uint32_t>(node_index);
+    return true;
+  }
+
+  BaselineScene::Data& data_;
+  const Mesh& mesh_;
+};
+
+std::uint64_t MeshBytes(const Mesh& mesh) {
+  std::uint64_t bytes = mesh.nodes.size() * sizeof(MeshNode);
+  for (const MeshPart& part : mesh.parts)
+    bytes += part.positions.size() * sizeof(part.positions[0]) +
+             part.normals.size() * sizeof(part.normals[0]) +
+             part.triangles.size() * sizeof(part.triangles[0]) +
+             part.face_of_triangle.size() * sizeof(part.face_of_triangle[0]);
+  return bytes;
+}
+
+}  // namespace
+
+BaselineScene::Data::~Data() {
+  if (scene != nullptr) rtcReleaseScene(scene);
+  for (RTCScene part : part_scenes)
+    if (part != nullptr) rtcReleaseScene(part);
+  if (device != nullptr) rtcReleaseDevice(device);
+}
+
+BaselineScene::BaselineScene(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+BaselineScene::~BaselineScene() = default;
+BaselineScene::BaselineScene(BaselineScene&&) noexcept = default;
+BaselineScene& BaselineScene::operator=(BaselineScene&&) noexcept = default;
+
+const Mesh& BaselineScene::mesh() const {
+  return *data_->mesh;
+}
+const Box3& BaselineScene::bounds() const {
+  return data_->bounds;
+}
+std::uint64_t BaselineScene::triangles() const {
+  return data_->triangles;
+}
+double BaselineScene::build_ms() const {
+  return data_->build_ms;
+}
+std::uint64_t BaselineScene::bvh_bytes() const {
+  return data_->memory.now.load();
+}
+std::uint64_t BaselineScene::bvh_peak_bytes() const {
+  return data_->memory.peak.load();
+}
+std::uint64_t BaselineScene::mesh_bytes() const {
+  return data_->mesh_bytes;
+}
+double BaselineScene::noise_mm() const {
+  return data_->noise_mm;
+}
+
+Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads) {
+  auto data = std::make_unique<Data>();
+  data->mesh = &mesh;
+  data->bounds = MeshBounds(mesh);
+  data->center = data->bounds.center();
+  data->triangles = PlacedTriangleCount(mesh);
+  data->mesh_bytes = MeshBytes(mesh);
+  data->noise_mm = PositionNoise(mesh);
+  if (data->triangles == 0) return Error{ErrorCode::kNothingUsable, "the mesh shows no triangle"};
+
+  const Clock::time_point start = Clock::now();
+  // The threads are those of the arena that commits; a number given to the device would bind the whole
+  // process.
+  data->device = rtcNewDevice(nullptr);
+  if (data->device == nullptr) return EmbreeError(nullptr);
+  rtcSetDeviceMemoryMonitorFunction(data->device, CountBytes, &data->memory);
+  bool built = false;
+  try {
+    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+    arena.execute([&] { built = Builder(*data).Build(); });
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
+  }
+  if (!built) return EmbreeError(data->device);
+  data->build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  return BaselineScene(std::move(data));
+}
+
+}  // namespace facetless

@@ -1,0 +1,203 @@
+#include "render/baseline/tracer.h"
+
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+
+#include "render/baseline/scene_data.h"
+
+namespace facetless {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kTile = 32;   // pixels on a side of what one task traces
+constexpr int kPacket = 4;  // pixels on a side of a packet of 16 rays
+// Rays start this share of the mesh's diagonal before its bounds, far above float32's rounding there.
+constexpr double kLeadIn = 1e-3;
+
+struct HitPoint {
+  double depth = INFINITY;
+  Vec3 normal;
+};
+
+// The point of triangle `corners` that `ray` meets, in double: from signed volumes seen from a point of the
+// ray near the mesh. Outside the triangle by float32's error: the nearest border in barycentric coordinates.
+HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Vec3 (&corners)[3],
+                const Vec3 (&normals)[3], double side) {
+  const Vec3 origin = ray.origin + start * ray.direction;
+  const Vec3 q[3] = {corners[0] - origin, corners[1] - origin, corners[2] - origin};
+  double share[3];
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) share[k] = Dot(ray.direction, Cross(q[(k + 1) % 3], q[(k + 2) % 3]));
+  for (double& s : share) sum += s;
+  const double sign = sum < 0 ? -1 : 1;
+  sum = 0;
+  for (double& s : share) sum += s = std::max(sign * s, 0.0);
+
+  // Interpolate; a triangle seen exactly edge-on has no volume, and its middle must do.
+  HitPoint hit;
+  hit.depth = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double weight = sum > 0 ? share[k] / sum : 1.0 / 3;
+    hit.depth += weight * Dot(corners[k] - frame.eye, frame.forward);
+    hit.normal = hit.normal + weight * normals[k];
+  }
+
+  // Turn a normal that looks to the other side than its triangle does to the horizon (tracer.h, law 3).
+  Vec3 facing = Normalized(side * Cross(corners[1] - corners[0], corners[2] - corners[0]));
+  hit.normal = Normalized(hit.normal);
+  if (!(Length(hit.normal) > 0)) hit.normal = facing;
+  if (Dot(facing, hit.normal) < 0) facing = -facing;
+  const double along = Dot(hit.normal, ray.direction);
+  if (along * Dot(facing, ray.direction) < 0)
+    hit.normal = Normalized(hit.normal - (along / Dot(ray.direction, ray.direction)) * ray.direction);
+  return hit;
+}
+
+class TileTracer {
+ public:
+  TileTracer(const BaselineScene::Data& data, const CameraFrame& frame, SampleBuffer& out)
+      : data_(data), frame_(frame), out_(out), start_(StartDepth(data, frame)) {}
+
+  // Traces the pixels [x0, x1) × [y0, y1) and returns the number of hits.
+  std::uint64_t Trace(int x0, int x1, int y0, int y1) const {
+    std::uint64_t hits = 0;
+    for (int y = y0; y < y1; y += kPacket)
+      for (int x = x0; x < x1; x += kPacket)
+        hits += TracePacket(x, std::min(x + kPacket, x1), y, std::min(y + kPacket, y1));
+    return hits;
+  }
+
+ private:
+  // The depth at which rays begin: just before the mesh, whose coordinates float32 resolves best.
+  static double StartDepth(const BaselineScene::Data& data, const CameraFrame& frame) {
+    double nearest = INFINITY;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner{i & 1 ? data.bounds.high.x : data.bounds.low.x,
+                        i & 2 ? data.bounds.high.y : data.bounds.low.y,
+                        i & 4 ? data.bounds.high.z : data.bounds.low.z};
+      nearest = std::min(nearest, Dot(corner - frame.eye, frame.forward));
+    }
+    nearest -= kLeadIn * data.bounds.diagonal();
+    return frame.projection == Projection::kOrthographic ? nearest : std::max(nearest, frame.near_mm);
+  }
+
+  std::uint64_t TracePacket(int x0, int x1, int y0, int y1) const {
+    // Fill the packet; lanes outside the tile stay idle.
+    alignas(64) int valid[16];
+    alignas(64) RTCRayHit16 packet;
+    Ray rays[16];
+    for (int lane = 0; lane < 16; ++lane) {
+      const int x = x0 + lane % kPacket, y = y0 + lane / kPacket;
+      const bool inside = x < x1 && y < y1;
+      valid[lane] = inside ? -1 : 0;
+      rays[lane] = PixelRay(frame_, (inside ? x : x0) + 0.5, (inside ? y : y0) + 0.5);
+      const Vec3 origin = rays[lane].origin + start_ * rays[lane].direction - data_.center;
+      packet.ray.org_x[lane] = static_cast<float>(origin.x);
+      packet.ray.org_y[lane] = static_cast<float>(origin.y);
+      packet.ray.org_z[lane] = static_cast<float>(origin.z);
+      packet.ray.dir_x[lane] = static_cast<float>(rays[lane].direction.x);
+      packet.ray.dir_y[lane] = static_cast<float>(rays[lane].direction.y);
+      packet.ray.dir_z[lane] = static_cast<float>(rays[lane].direction.z);
+      packet.ray.tnear[lane] = 0;
+      packet.ray.tfar[lane] = INFINITY;
+      packet.ray.time[lane] = 0;
+      packet.ray.mask[lane] = 0xffffffffu;
+      packet.ray.id[lane] = static_cast<unsigned>(lane);
+      packet.ray.flags[lane] = 0;
+      packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+
+    // Find the triangles.
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(valid, data_.scene, &context, &packet);
+
+    // Compute the points again in double.
+    std::uint64_t hits = 0;
+    for (int lane = 0; lane < 16; ++lane) {
+      if (valid[lane] == 0 || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+      const unsigned instance = packet.hit.instID[0][lane];
+      const unsigned geometry = instance == RTC_INVALID_GEOMETRY_ID ? packet.hit.geomID[lane] : instance;
+      const int x = x0 + lane % kPacket, y = y0 + lane / kPacket;
+      Store(static_cast<std::size_t>(y) * out_.width + x, rays[lane], data_.node_of_geometry[geometry],
+            packet.hit.primID[lane]);
+      ++hits;
+    }
+    return hits;
+  }
+
+  void Store(std::size_t pixel, const Ray& ray, std::uint32_t node_index, std::uint32_t triangle) const {
+    const MeshNode& node = data_.mesh->nodes[node_index];
+    const MeshPart& part = data_.mesh->parts[node.part];
+    const PlacedNode& placed = data_.nodes[node_index];
+    Vec3 corners[3], normals[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = part.triangles[triangle][k];
+      const auto& p = part.positions[vertex];
+      const auto& n = part.normals[vertex];
+      corners[k] = placed.placement.Point({p[0], p[1], p[2]});
+      const Vec3 normal{n[0], n[1], n[2]};
+      normals[k] = {Dot(placed.normal_rows[0], normal), Dot(placed.normal_rows[1], normal),
+                    Dot(placed.normal_rows[2], normal)};
+    }
+    const HitPoint hit = Refine(frame_, ray, start_, corners, normals, placed.side);
+    out_.depth[pixel] = hit.depth;
+    out_.normal[pixel] = {static_cast<float>(hit.normal.x), static_cast<float>(hit.normal.y),
+                          static_cast<float>(hit.normal.z)};
+    out_.face[pixel] = node.first_placed_face + part.face_of_triangle[triangle];
+  }
+
+  const BaselineScene::Data& data_;
+  const CameraFrame& frame_;
+  SampleBuffer& out_;
+  const double start_;
+};
+
+}  // namespace
+
+Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& camera,
+                                     const BaselineOptions& options) {
+  const Result<CameraFrame> frame = MakeFrame(camera, scene.bounds().diagonal());
+  if (!frame.ok()) return frame.error();
+  const Clock::time_point start = Clock::now();
+  BaselineResult result;
+  result.frame = frame.value();
+  std::atomic<std::uint64_t> hits{0};
+  try {
+    result.samples.Resize(camera.width_px, camera.height_px);
+    const TileTracer tracer(scene.data(), result.frame, result.samples);
+    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    arena.execute([&] {
+      tbb::parallel_for(
+          tbb::blocked_range2d<int>(0, camera.height_px, kTile, 0, camera.width_px, kTile),
+          [&](const tbb::blocked_range2d<int>& tile) {
+            if (options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed)) return;
+            hits +=
+                tracer.Trace(tile.cols().begin(), tile.cols().end(), tile.rows().begin(), tile.rows().end());
+          },
+          tbb::simple_partitioner());
+    });
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::kLimitExceeded, "view '" + camera.name + "': its samples do not fit into memory"};
+  }
+  if (options.cancel != nullptr && options.cancel->load()) return Error{ErrorCode::kCancelled, "cancelled"};
+
+  result.stats.rays =
+      static_cast<std::uint64_t>(camera.width_px) * static_cast<std::uint64_t>(camera.height_px);
+  result.stats.hits = hits;
+  result.stats.buffer_bytes =
+      result.samples.size() * (sizeof(double) + 3 * sizeof(float) + sizeof(std::uint32_t));
+  result.stats.trace_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  return result;
+}
+
+}  // namespace facetless
