@@ -1,10 +1,10 @@
-// The sample assembly: two levels, three parts, eleven placements, colours of whole parts and of single
+// The sample assembly: two levels, three parts, eleven placements; colours of whole parts and of single
 // faces.
 //
 //   stack
-//   ├── lower: flange          (plate + bolt 1 … bolt 4)
-//   ├── spacer
-//   └── upper: flange          (the same flange, upside down)
+//   ├── lower flange: flange     (base plate: plate; bolt 1 … bolt 4: bolt M8)
+//   ├── middle spacer: spacer
+//   └── upper flange: flange
 #pragma once
 
 #include <TDocStd_Document.hxx>
