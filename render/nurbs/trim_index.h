@@ -20,10 +20,11 @@
 //  same arguments
 //     give the same bits on every machine: no libm but sqrt.
 //
-// Structure: each loop is a chain of pieces monotone in u and in v, cut until they hug their chords. A binary
-// tree over consecutive pieces stores the box and the two end points of every stretch of chain. A stretch
-// whose box is clear of the query counts by its two ends alone, so a query opens only the boxes that contain
-// it; at a piece the side is known from the strip around the chord, or else from an exact root of the curve.
+// Structure: each loop is a chain of pieces monotone in u and in v (render/nurbs/trim_pieces.h). A tree of
+// nodes with up to eight children over consecutive pieces stores the box and the two ends of every stretch of
+// chain. A stretch whose box is clear of the query counts by its two ends alone, so a query opens only the
+// boxes that contain it; at a piece the side is known from the strip around its chord, or else from a root of
+// its curve.
 #pragma once
 
 #include <cstddef>
@@ -31,6 +32,7 @@
 #include <vector>
 
 #include "render/model/model.h"
+#include "render/nurbs/trim_pieces.h"
 
 namespace facetless {
 
@@ -51,8 +53,10 @@ struct TrimAnswer {
   TrimPath path = TrimPath::kBoxes;
   std::uint32_t coedge = kNoIndex;  // nearest coedge (Model::coedges) whose band, grown by the error box,
                                     // holds (u,v), and that has a 3D edge; kNoIndex: none
-  std::uint32_t other_coedge = kNoIndex;  // at a corner: the second one; kNoIndex away from corners
-  double edge_parameter = 0;              // the matching parameter of `coedge`'s edge; 0 if there is none
+  std::uint32_t other_coedge =
+      kNoIndex;                // at a corner: its neighbour in the loop; kNoIndex away from corners
+  bool other_is_next = false;  // other_coedge follows `coedge` in the loop; false: it comes before
+  double edge_parameter = 0;   // the matching parameter of `coedge`'s edge; 0 if there is none
   double other_edge_parameter = 0;
 };
 
@@ -75,9 +79,47 @@ class FaceTrim {
   bool whole() const { return whole_; }
 
   std::size_t bytes() const;
-  std::size_t piece_count() const;
+  std::size_t piece_count() const { return pieces_.pieces.size(); }
 
  private:
+  static constexpr int kWidth = 8;
+
+  // Up to eight stretches of chain. Unused lanes have an empty box.
+  struct alignas(64) Node {
+    double u_low[kWidth], u_high[kWidth], v_low[kWidth], v_high[kWidth];  // boxes, rounding included
+    double v_begin[kWidth], v_end[kWidth];                                // of the stretch's two ends
+    std::uint32_t child[kWidth];                                          // a node, or a piece with kPieceBit
+    float band_u = 0, band_v = 0;                                         // widest of all pieces below
+    std::uint32_t count = 0;
+  };
+  struct Ends {  // of a coedge, in its loop
+    std::uint32_t previous = kNoIndex,
+                  next = kNoIndex;  // neighbours, collapsed ones skipped; kNoIndex: no edge to ask
+    double begin = 0, end = 0;      // edge parameters
+    bool material_left = true;
+  };
+  struct Rect {
+    double u_low, u_high, v_low, v_high;
+  };
+  enum class PieceSide : std::uint8_t { kLeft, kRight, kMeets };
+  struct Stretch;
+  struct Builder;
+  struct Contacts;
+
+  template <typename OpenPiece>
+  bool Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd, const OpenPiece& open_piece) const;
+  PieceSide SideOfRect(std::uint32_t piece, const Rect& rect, double band_scale, TrimPath& path) const;
+  bool CrossesRightOf(std::uint32_t piece, Vec2 point, TrimPath& path) const;
+  bool OddExcept(Vec2 point, std::uint32_t excluded) const;
+  bool MaterialLeft(std::uint32_t piece) const;
+  void FindNeighbours(const Model& model, const Face& face);
+  void FindMaterial();
+  void FindWhole(const SurfaceEval& surface);
+
+  TrimPieces pieces_;
+  std::vector<Node> nodes_;         // the root is the last; none: no loops
+  std::uint32_t first_coedge_ = 0;  // ends_[i] is of coedge first_coedge_ + i
+  std::vector<Ends> ends_;
   bool whole_ = false;
 };
 

@@ -1,0 +1,270 @@
+#include "render/nurbs/monotone_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace facetless {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+// A derivative's root is found to this much of the curve's parameter; a shorter stretch is beyond what its
+// coefficients can tell.
+constexpr double kRootWidth = 0x1p-48;
+// Bracketing steps per root: every third one halves, so 150 are more than the 53 halvings that doubles have,
+// thrice.
+constexpr int kMaxBracketSteps = 200;
+
+// Horner's scheme in Bernstein form. `point(i)` is coefficient i of `degree`.
+template <typename T, typename Coefficient>
+T Bernstein(int degree, double t, const Coefficient& point) {
+  if (degree == 0) return point(0);
+  const double s = 1 - t;
+  double power = 1, binomial = 1;
+  T sum = s * point(0);
+  for (int i = 1; i < degree; ++i) {
+    power *= t;
+    binomial = binomial * (degree - i + 1) / i;
+    sum = s * (sum + power * binomial * point(i));
+  }
+  return sum + power * t * point(degree);
+}
+
+// A polynomial in Bernstein form with coefficients within ±noise of the true ones.
+struct Polynomial {
+  std::vector<double> coefficients;
+  double noise = 0;
+
+  int Sign(std::size_t i) const {
+    const double c = coefficients[i];
+    return std::fabs(c) <= noise ? 0 : (c > 0 ? 1 : -1);
+  }
+  bool IsNoise() const {
+    return std::all_of(coefficients.begin(), coefficients.end(),
+                       [this](double c) { return std::fabs(c) <= noise; });
+  }
+  int Variations() const {
+    int count = 0, last = 0;
+    for (std::size_t i = 0; i < coefficients.size(); ++i) {
+      const int sign = Sign(i);
+      if (sign != 0 && last != 0 && sign != last) ++count;
+      if (sign != 0) last = sign;
+    }
+    return count;
+  }
+  double At(double t) const {
+    return Bernstein<double>(static_cast<int>(coefficients.size()) - 1, t,
+                             [this](int i) { return coefficients[static_cast<std::size_t>(i)]; });
+  }
+};
+
+// The one sign change of `p` in [0,1], by regula falsi (Illinois) with a halving at every third step.
+double BracketedRoot(const Polynomial& p) {
+  double a = 0, b = 1, fa = p.coefficients.front(), fb = p.coefficients.back();
+  for (int step = 0; step < kMaxBracketSteps && b - a > kRootWidth; ++step) {
+    double t = step % 3 == 2 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
+    if (!(t > a && t < b)) t = 0.5 * (a + b);
+    const double f = p.At(t);
+    if (f == 0) return t;
+    if ((f > 0) == (fa > 0)) {
+      a = t, fa = f, fb *= 0.5;
+    } else {
+      b = t, fb = f, fa *= 0.5;
+    }
+  }
+  return 0.5 * (a + b);
+}
+
+// de Casteljau at 1/2: `p` keeps the left half, the right half is returned.
+Polynomial SplitInHalf(Polynomial& p) {
+  Polynomial right = p;
+  auto& c = p.coefficients;
+  for (std::size_t i = 1, n = c.size(); i < n; ++i) {
+    right.coefficients[n - i] = c[n - 1];
+    for (std::size_t k = n - 1; k >= i; --k) c[k] = 0.5 * (c[k - 1] + c[k]);
+  }
+  right.coefficients[0] = c.back();
+  return right;
+}
+
+// Roots in (a, b), the domain that [0,1] of `p` stands for.
+void AppendRoots(Polynomial p, double a, double b, std::vector<double>& roots) {
+  const int variations = p.Variations();
+  if (variations == 0) {
+    // A multiple root: a stretch of nothing but noise between two that may differ in sign.
+    if (b - a < 1 && p.IsNoise()) roots.push_back(0.5 * (a + b));
+    return;
+  }
+  const bool ends_differ = p.Sign(0) * p.Sign(p.coefficients.size() - 1) < 0;
+  if (variations == 1 && ends_differ) {
+    roots.push_back(a + (b - a) * BracketedRoot(p));
+    return;
+  }
+  const double middle = 0.5 * (a + b);
+  if (b - a <= kRootWidth) {
+    roots.push_back(middle);
+    return;
+  }
+  Polynomial right = SplitInHalf(p);
+  // A root on the cut itself belongs to neither half.
+  if (right.Sign(0) == 0) roots.push_back(middle);
+  AppendRoots(std::move(p), a, middle, roots);
+  AppendRoots(std::move(right), middle, b, roots);
+}
+
+double Coordinate(const Vec3& p, int axis) {
+  return axis == 0 ? p.x : p.y;
+}
+
+bool Polynomially(const PlaneCurve& curve) {
+  return std::all_of(curve.points, curve.points + curve.degree + 1,
+                     [&](const Vec3& p) { return p.z == curve.points[0].z; });
+}
+
+// The numerator of the derivative of coordinate `axis`: X' if all weights are equal, else X'·W − X·W', with X
+// taken relative to the first point.
+Polynomial DerivativeNumerator(const PlaneCurve& curve, int axis) {
+  const int n = curve.degree;
+  const double origin = Coordinate(curve.points[0], axis) / curve.points[0].z;
+  double size = 0, weight = 0;
+  std::vector<double> x;
+  for (int i = 0; i <= n; ++i) {
+    const Vec3& p = curve.points[i];
+    x.push_back(Coordinate(p, axis) - origin * p.z);
+    size = std::max(size, std::fabs(Coordinate(p, axis)) + std::fabs(origin * p.z));
+    weight = std::max(weight, p.z);
+  }
+
+  Polynomial result;
+  if (Polynomially(curve)) {
+    for (int i = 0; i < n; ++i) result.coefficients.push_back(x[i + 1] - x[i]);
+    result.noise = 4 * kEpsilon * size;  // four roundings of numbers up to `size`
+    return result;
+  }
+
+  // Product of degrees n − 1 and n: c_k = Σ C(n−1,i)·C(n,j)/C(2n−1,k)·(ΔX_i·W_j − ΔW_i·X_j), i + j = k.
+  result.coefficients.assign(2 * n, 0.0);
+  double outer = 1;  // C(n−1, i)
+  for (int i = 0; i < n; ++i) {
+    double inner = outer;  // C(n−1,i)·C(n,j)
+    for (int j = 0; j <= n; ++j) {
+      result.coefficients[i + j] += inner * ((x[i + 1] - x[i]) * curve.points[j].z -
+                                             (curve.points[i + 1].z - curve.points[i].z) * x[j]);
+      inner = inner * (n - j) / (j + 1);
+    }
+    outer = outer * (n - 1 - i) / (i + 1);
+  }
+  double total = 1;  // C(2n−1, k)
+  for (int k = 0; k < 2 * n; ++k) {
+    result.coefficients[k] /= total;
+    total = total * (2 * n - 1 - k) / (k + 1);
+  }
+  // The products are convex sums of terms up to 4·size·weight, each with a few roundings, and n of them are
+  // added.
+  result.noise = (n + 8) * 4 * kEpsilon * size * weight;
+  return result;
+}
+
+}  // namespace
+
+Vec2 PointOn(const PlaneCurve& curve, double t) {
+  const Vec3 h = Bernstein<Vec3>(curve.degree, t, [&](int i) { return curve.points[i]; });
+  return {h.x / h.z, h.y / h.z};
+}
+
+Vec2 TangentOn(const PlaneCurve& curve, double t) {
+  const Vec3 h = Bernstein<Vec3>(curve.degree, t, [&](int i) { return curve.points[i]; });
+  const Vec3 d = Bernstein<Vec3>(curve.degree - 1, t, [&](int i) {
+    return double(curve.degree) * (curve.points[i + 1] - curve.points[i]);
+  });
+  return {(d.x - d.z * h.x / h.z) / h.z, (d.y - d.z * h.y / h.z) / h.z};
+}
+
+Vec2 EvaluationError(const PlaneCurve& curve) {
+  Vec2 size;
+  for (int i = 0; i <= curve.degree; ++i) {
+    const Vec3& p = curve.points[i];
+    size = {std::max(size.x, std::fabs(p.x / p.z)), std::max(size.y, std::fabs(p.y / p.z))};
+  }
+  // Four roundings per step for the numerator and four for the weight, then the quotient; the terms are all
+  // of one sign.
+  return (8 * curve.degree + 4) * 0.5 * kEpsilon * size;
+}
+
+void AppendTurns(const PlaneCurve& curve, std::vector<double>& parameters) {
+  if (curve.degree < 2) return;
+  for (int axis = 0; axis < 2; ++axis) AppendRoots(DerivativeNumerator(curve, axis), 0, 1, parameters);
+}
+
+void StretchHull(const PlaneCurve& curve, double t0, double t1, std::vector<Vec2>& hull) {
+  const int n = curve.degree;
+  std::vector<Vec3> p(curve.points, curve.points + n + 1);
+  // Keep [0, t1], then [t0 / t1, 1] of that.
+  for (int i = 1; i <= n; ++i)
+    for (int k = n; k >= i; --k) p[k] = (1 - t1) * p[k - 1] + t1 * p[k];
+  const double s = t0 / t1;
+  for (int i = 1; i <= n; ++i)
+    for (int k = 0; k <= n - i; ++k) p[k] = (1 - s) * p[k] + s * p[k + 1];
+  hull.clear();
+  for (const Vec3& h : p) hull.push_back({h.x / h.z, h.y / h.z});
+}
+
+CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
+  // Mirror u where the piece falls, so that both coordinates increase from a to b.
+  const double mirror = piece.high.x >= piece.low.x ? 1 : -1;
+  const Vec2 span = piece.high - piece.low;
+  const double scale_u = span.x != 0 ? mirror / span.x : 0, scale_v = span.y != 0 ? 1 / span.y : 0;
+  const double above = mirror > 0 ? 1 : -1;  // the sign of kLeft for a point above the curve
+  double a = piece.t_low, b = piece.t_high;
+  double fa = mirror * (piece.low.x - q.x) * scale_u + (piece.low.y - q.y) * scale_v;
+  double fb = mirror * (piece.high.x - q.x) * scale_u + (piece.high.y - q.y) * scale_v;
+
+  // Along the piece, f = Δu/|span u| + Δv/|span v| to q increases; where it vanishes the curve passes q on
+  // one side.
+  for (int step = 0; step < kMaxBracketSteps; ++step) {
+    double t = step % 3 == 2 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
+    if (!((t > a && t < b) || (t < a && t > b))) t = 0.5 * (a + b);
+    if (t == a || t == b) break;
+    const Vec2 c = PointOn(piece.curve, t);
+    const double x = mirror * (c.x - q.x), y = c.y - q.y;
+    // The curve runs through c with both coordinates increasing: q is up and to the left of c, or down and to
+    // the right.
+    if (x > piece.error.x && y < -piece.error.y) return static_cast<CurveSide>(above);
+    if (x < -piece.error.x && y > piece.error.y) return static_cast<CurveSide>(-above);
+    if (std::fabs(x) <= piece.error.x && std::fabs(y) <= piece.error.y) break;
+    const double f = x * scale_u + y * scale_v;
+    if (f < 0) {
+      a = t, fa = f, fb *= 0.5;
+    } else {
+      b = t, fb = f, fa *= 0.5;
+    }
+  }
+  return CurveSide::kOn;
+}
+
+double NearestParameter(const MonotonePiece& piece, Vec2 q, Vec2 scale) {
+  const auto scaled = [&](Vec2 a) { return Vec2{scale.x * a.x, scale.y * a.y}; };
+  const double t_min = std::min(piece.t_low, piece.t_high), t_max = std::max(piece.t_low, piece.t_high);
+  // Start at the foot on the chord.
+  const Vec2 chord = scaled(piece.high - piece.low), offset = scaled(q - piece.low);
+  const double length = Dot(chord, chord);
+  const double along = length > 0 ? std::clamp(Dot(offset, chord) / length, 0.0, 1.0) : 0.5;
+  double t = piece.t_low + along * (piece.t_high - piece.t_low);
+  if (piece.curve.degree == 1 && piece.curve.points[0].z == piece.curve.points[1].z) return t;
+
+  const auto distance = [&](double at) { return Length(scaled(PointOn(piece.curve, at) - q)); };
+  double best = distance(t);
+  constexpr int kSteps = 12;  // quadratic near the curve, where this is asked
+  for (int step = 0; step < kSteps; ++step) {
+    const Vec2 d = scaled(PointOn(piece.curve, t) - q), tangent = scaled(TangentOn(piece.curve, t));
+    const double speed = Dot(tangent, tangent);
+    if (!(speed > 0)) break;
+    const double next = std::clamp(t - Dot(d, tangent) / speed, t_min, t_max);
+    const double reached = distance(next);
+    if (!(reached < best)) break;
+    t = next, best = reached;
+  }
+  return t;
+}
+
+}  // namespace facetless

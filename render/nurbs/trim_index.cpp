@@ -1,0 +1,473 @@
+#include "render/nurbs/trim_index.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace facetless {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kPieceBit = 0x80000000u;
+// Eight-fold nodes split by halves are at most 32 deep for 2^32 pieces, and at most seven siblings wait at
+// each depth.
+constexpr int kStackSize = 7 * 32 + 1;
+
+// cross(chord, q − low) with a bound of its rounding: each product has three roundings, the difference one.
+struct Offset {
+  double value, error;
+};
+Offset OffsetFromChord(const TrimPiece& piece, Vec2 q) {
+  const double du = piece.high.x - piece.low.x, dv = piece.high.y - piece.low.y;
+  const double a = du * (q.y - piece.low.y), b = dv * (q.x - piece.low.x);
+  return {a - b, 3 * kEpsilon * (std::fabs(a) + std::fabs(b))};
+}
+
+bool Spans(const TrimPiece& piece, double v) {
+  return piece.low.y <= v && v < piece.high.y;
+}
+
+}  // namespace
+
+// ---- Building
+// ----------------------------------------------------------------------------------------------------
+
+// A run of pieces of one loop, or a run of whole loops.
+struct FaceTrim::Stretch {
+  bool chain = true;
+  std::uint32_t first = 0, end = 0;  // pieces, or positions in Builder::order
+  std::uint32_t piece_count = 0;
+};
+
+struct FaceTrim::Builder {
+  TrimPieces& pieces;
+  std::vector<Node>& nodes;
+  std::vector<std::uint32_t> order;  // loops, in spatial order
+  std::vector<Vec2> center;          // of the loops' boxes
+
+  std::uint32_t LoopPieces(std::uint32_t loop) const {
+    return pieces.loop_first[loop + 1] - pieces.loop_first[loop];
+  }
+
+  Stretch Group(std::uint32_t first, std::uint32_t end) const {
+    if (end - first == 1) {
+      const std::uint32_t loop = order[first];
+      return {true, pieces.loop_first[loop], pieces.loop_first[loop + 1], LoopPieces(loop)};
+    }
+    Stretch group{false, first, end, 0};
+    for (std::uint32_t i = first; i < end; ++i) group.piece_count += LoopPieces(order[i]);
+    return group;
+  }
+
+  // In two: a chain in its middle, a group of loops along the longer side of its centres' box.
+  std::array<Stretch, 2> Halve(const Stretch& s) {
+    const std::uint32_t middle = s.first + (s.end - s.first) / 2;
+    if (s.chain)
+      return {Stretch{true, s.first, middle, middle - s.first}, Stretch{true, middle, s.end, s.end - middle}};
+    Vec2 low{kInfinity, kInfinity}, high{-kInfinity, -kInfinity};
+    for (std::uint32_t i = s.first; i < s.end; ++i) {
+      const Vec2 c = center[order[i]];
+      low = {std::min(low.x, c.x), std::min(low.y, c.y)};
+      high = {std::max(high.x, c.x), std::max(high.y, c.y)};
+    }
+    const bool by_u = high.x - low.x > high.y - low.y;
+    const auto key = [&](std::uint32_t loop) { return by_u ? center[loop].x : center[loop].y; };
+    std::nth_element(
+        order.begin() + s.first, order.begin() + middle, order.begin() + s.end,
+        [&](std::uint32_t a, std::uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+    return {Group(s.first, middle), Group(middle, s.end)};
+  }
+
+  // Adds the node over `s` after its children; returns its index.
+  std::uint32_t Add(const Stretch& s) {
+    std::vector<Stretch> children{s};
+    while (children.size() < kWidth) {
+      const auto largest =
+          std::max_element(children.begin(), children.end(),
+                           [](const Stretch& a, const Stretch& b) { return a.piece_count < b.piece_count; });
+      if (largest->piece_count <= 1) break;
+      const auto halves = Halve(*largest);
+      *largest = halves[0];
+      children.insert(largest + 1, halves[1]);
+    }
+    Node node;
+    for (const Stretch& child : children) AddChild(node, child);
+    for (std::uint32_t i = node.count; i < kWidth; ++i) {
+      node.u_low[i] = node.v_low[i] = kInfinity;
+      node.u_high[i] = node.v_high[i] = -kInfinity;
+      node.v_begin[i] = node.v_end[i] = 0;
+      node.child[i] = 0;
+    }
+    nodes.push_back(node);
+    return static_cast<std::uint32_t>(nodes.size() - 1);
+  }
+
+  void AddChild(Node& node, const Stretch& child) {
+    const std::uint32_t i = node.count++;
+    if (child.piece_count == 1) {
+      const TrimPiece& piece = pieces.pieces[child.first];
+      const Vec2 error = pieces.curves[child.first].error;
+      node.u_low[i] = std::min(piece.low.x, piece.high.x) - error.x;
+      node.u_high[i] = std::max(piece.low.x, piece.high.x) + error.x;
+      node.v_low[i] = piece.low.y - error.y;
+      node.v_high[i] = piece.high.y + error.y;
+      node.child[i] = child.first | kPieceBit;
+      node.band_u = std::max(node.band_u, piece.band_u);
+      node.band_v = std::max(node.band_v, piece.band_v);
+    } else {
+      node.child[i] = Add(child);
+      const Node& below = nodes[node.child[i]];
+      node.u_low[i] = *std::min_element(below.u_low, below.u_low + kWidth);
+      node.u_high[i] = *std::max_element(below.u_high, below.u_high + kWidth);
+      node.v_low[i] = *std::min_element(below.v_low, below.v_low + kWidth);
+      node.v_high[i] = *std::max_element(below.v_high, below.v_high + kWidth);
+      node.band_u = std::max(node.band_u, below.band_u);
+      node.band_v = std::max(node.band_v, below.band_v);
+    }
+    // Whole loops end where they begin.
+    node.v_begin[i] = child.chain ? pieces.Begin(child.first).y : 0;
+    node.v_end[i] = child.chain ? pieces.End(child.end - 1).y : 0;
+  }
+};
+
+FaceTrim FaceTrim::Build(const Model& model, std::uint32_t face) {
+  FaceTrim trim;
+  const Face& source = model.faces[face];
+  const SurfaceEval surface(model, source.surface);
+  trim.pieces_ = MakeTrimPieces(model, face, surface);
+
+  // The tree.
+  TrimPieces& all = trim.pieces_;
+  Builder builder{all, trim.nodes_, {}, {}};
+  for (std::uint32_t loop = 0; loop + 1 < all.loop_first.size(); ++loop) {
+    Vec2 low{kInfinity, kInfinity}, high{-kInfinity, -kInfinity};
+    for (std::uint32_t i = all.loop_first[loop]; i < all.loop_first[loop + 1]; ++i) {
+      const TrimPiece& p = all.pieces[i];
+      low = {std::min({low.x, p.low.x, p.high.x}), std::min(low.y, p.low.y)};
+      high = {std::max({high.x, p.low.x, p.high.x}), std::max(high.y, p.high.y)};
+    }
+    builder.center.push_back(0.5 * (low + high));
+    if (builder.LoopPieces(loop) > 0) builder.order.push_back(loop);
+  }
+  if (!builder.order.empty()) builder.Add(builder.Group(0, static_cast<std::uint32_t>(builder.order.size())));
+  trim.nodes_.shrink_to_fit();
+
+  trim.FindNeighbours(model, source);
+  trim.FindMaterial();
+  trim.FindWhole(surface);
+  return trim;
+}
+
+void FaceTrim::FindNeighbours(const Model& model, const Face& face) {
+  if (face.loops.count == 0) return;
+  std::uint32_t low = kNoIndex, high = 0;
+  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+    low = std::min(low, model.loops[l].coedges.first);
+    high = std::max(high, model.loops[l].coedges.end());
+  }
+  first_coedge_ = low;
+  ends_.resize(high - low);
+  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+    // A collapsed edge is a point: its neighbours meet there.
+    std::vector<std::uint32_t> around;
+    const Range coedges = model.loops[l].coedges;
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+      const Coedge& coedge = model.coedges[c];
+      if (coedge.segments.count == 0 || (coedge.edge != kNoIndex && model.edges[coedge.edge].degenerate))
+        continue;
+      around.push_back(c);
+      ends_[c - low].begin = model.trim_segments[coedge.segments.first].edge_begin;
+      ends_[c - low].end = model.trim_segments[coedge.segments.end() - 1].edge_end;
+    }
+    const auto askable = [&](std::uint32_t c) { return model.coedges[c].edge == kNoIndex ? kNoIndex : c; };
+    for (std::size_t i = 0, n = around.size(); i < n; ++i) {
+      ends_[around[i] - low].previous = askable(around[(i + n - 1) % n]);
+      ends_[around[i] - low].next = askable(around[(i + 1) % n]);
+    }
+  }
+}
+
+// By the longest piece of each coedge.
+void FaceTrim::FindMaterial() {
+  std::vector<std::uint32_t> longest(ends_.size(), kNoIndex);
+  const auto length = [&](std::uint32_t i) {
+    const TrimPiece& p = pieces_.pieces[i];
+    return std::fabs(p.high.x - p.low.x) + (p.high.y - p.low.y);
+  };
+  for (std::uint32_t i = 0; i < pieces_.pieces.size(); ++i) {
+    const std::uint32_t coedge = pieces_.pieces[i].coedge;
+    if (coedge == kNoIndex) continue;
+    std::uint32_t& best = longest[coedge - first_coedge_];
+    if (best == kNoIndex || length(i) > length(best)) best = i;
+  }
+  for (std::size_t c = 0; c < ends_.size(); ++c)
+    if (longest[c] != kNoIndex) ends_[c].material_left = MaterialLeft(longest[c]);
+}
+
+bool FaceTrim::MaterialLeft(std::uint32_t i) const {
+  const TrimPiece& piece = pieces_.pieces[i];
+  const MonotonePiece curve = pieces_.Monotone(i);
+  const Vec2 middle = PointOn(curve.curve, 0.5 * (curve.t_low + curve.t_high));
+  const bool odd = OddExcept(middle, i);
+  // Without this piece the count is that of its right side; on a horizontal one, by the half-open rule, that
+  // of the upper side, which is on the left of a piece that runs towards +u.
+  const bool upwards_left = piece.low.y < piece.high.y ? !odd : odd;
+  return upwards_left == piece.forward;
+}
+
+void FaceTrim::FindWhole(const SurfaceEval& surface) {
+  const double u0 = surface.u_begin(), u1 = surface.u_end(), v0 = surface.v_begin(), v1 = surface.v_end();
+  // The border of the grid and that of the loops may differ by the band, or by a rounding of the knots.
+  const double knot_u = 4 * kEpsilon * std::max(std::fabs(u0), std::fabs(u1));
+  const double knot_v = 4 * kEpsilon * std::max(std::fabs(v0), std::fabs(v1));
+  for (const TrimPiece& p : pieces_.pieces) {
+    if (p.slit) continue;
+    const double reach_u = std::max<double>(p.band_u, knot_u), reach_v = std::max<double>(p.band_v, knot_v);
+    const double low = std::min(p.low.x, p.high.x), high = std::max(p.low.x, p.high.x);
+    if (!(high <= u0 + reach_u || low >= u1 - reach_u || p.high.y <= v0 + reach_v || p.low.y >= v1 - reach_v))
+      return;
+  }
+  whole_ = OddExcept({0.5 * (u0 + u1), 0.5 * (v0 + v1)}, kNoIndex);
+}
+
+std::size_t FaceTrim::bytes() const {
+  return sizeof(*this) + nodes_.capacity() * sizeof(Node) + ends_.capacity() * sizeof(Ends) +
+         pieces_.pieces.capacity() * sizeof(TrimPiece) + pieces_.curves.capacity() * sizeof(TrimPieceCurve) +
+         pieces_.points.capacity() * sizeof(Vec3) + pieces_.loop_first.capacity() * sizeof(std::uint32_t);
+}
+
+// ---- Queries
+// -----------------------------------------------------------------------------------------------------
+
+// Counts the crossings of the half-line from `point` towards +u with all stretches whose box, grown by the
+// bands below its node, is clear of `rect`, and hands each piece that isn't clear to open_piece(piece, odd),
+// which says whether to go on. Returns false if it was stopped.
+template <typename OpenPiece>
+bool FaceTrim::Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd,
+                    const OpenPiece& open_piece) const {
+  if (nodes_.empty()) return true;
+  std::uint32_t stack[kStackSize];
+  int waiting = 0;
+  stack[waiting++] = static_cast<std::uint32_t>(nodes_.size() - 1);
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    // Compare all boxes at once: bit i of `open` is set where box i meets the rectangle, of `crossing` where
+    // its two ends are on different sides of the half-line's height and it lies to the right.
+    const double grow_u = band_scale * node.band_u, grow_v = band_scale * node.band_v;
+    const double u_low = rect.u_low - grow_u, u_high = rect.u_high + grow_u;
+    const double v_low = rect.v_low - grow_v, v_high = rect.v_high + grow_v;
+    unsigned open = 0, crossing = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const unsigned meets = (node.u_low[i] <= u_high) & (node.u_high[i] >= u_low) &
+                             (node.v_low[i] <= v_high) & (node.v_high[i] >= v_low);
+      const unsigned crosses =
+          ((node.v_begin[i] <= point.y) ^ (node.v_end[i] <= point.y)) & (node.u_low[i] > point.x);
+      open |= meets << i;
+      crossing |= crosses << i;
+    }
+    odd ^= __builtin_parity(crossing & ~open);
+    for (; open != 0; open &= open - 1) {
+      const std::uint32_t child = node.child[__builtin_ctz(open)];
+      if ((child & kPieceBit) == 0) {
+        stack[waiting++] = child;
+      } else if (!open_piece(child & ~kPieceBit, odd)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Where `rect`, grown by the piece's band, lies.
+FaceTrim::PieceSide FaceTrim::SideOfRect(std::uint32_t i, const Rect& rect, double band_scale,
+                                         TrimPath& path) const {
+  const TrimPiece& piece = pieces_.pieces[i];
+  const double grow_u = band_scale * piece.band_u, grow_v = band_scale * piece.band_v;
+  const double u_left = std::min(piece.low.x, piece.high.x), u_right = std::max(piece.low.x, piece.high.x);
+  const Vec2 error = pieces_.curves[i].error;
+  // Clear of the box: right of it there is no crossing; left of, above and below it the ends decide, as for a
+  // box on the right.
+  const double u0 = rect.u_low - grow_u, u1 = rect.u_high + grow_u, v0 = rect.v_low - grow_v,
+               v1 = rect.v_high + grow_v;
+  if (u0 > u_right + error.x) return PieceSide::kRight;
+  if (u1 < u_left - error.x || v0 > piece.high.y + error.y || v1 < piece.low.y - error.y)
+    return PieceSide::kLeft;
+
+  // Cut off what lies outside the box. A monotone curve runs from corner to corner of it, so the rest is
+  // clear of the curve iff its corner next to the curve is: the right one to the left of the curve, or the
+  // left one to the right.
+  const bool rising = piece.high.x >= piece.low.x;
+  const double a0 = std::max(u0, u_left), a1 = std::min(u1, u_right), b0 = std::max(v0, piece.low.y),
+               b1 = std::min(v1, piece.high.y);
+  if (!(a0 <= a1 && b0 <= b1)) return PieceSide::kMeets;
+  path = std::max(path, TrimPath::kStrip);
+  const Vec2 right{a1, rising ? b0 : b1}, left{a0, rising ? b1 : b0};
+  const Offset r = OffsetFromChord(piece, right), l = OffsetFromChord(piece, left);
+  if (r.value - r.error > piece.strip_high) return PieceSide::kLeft;
+  if (l.value + l.error < piece.strip_low) return PieceSide::kRight;
+
+  // A corner in the strip: ask the curve.
+  const bool ask_right = r.value + r.error >= piece.strip_low,
+             ask_left = l.value - l.error <= piece.strip_high;
+  if (!ask_right && !ask_left) return PieceSide::kMeets;
+  path = TrimPath::kCurve;
+  const MonotonePiece curve = pieces_.Monotone(i);
+  if (ask_right && SideOf(curve, right) == CurveSide::kLeft) return PieceSide::kLeft;
+  if (ask_left && SideOf(curve, left) == CurveSide::kRight) return PieceSide::kRight;
+  return PieceSide::kMeets;
+}
+
+// Whether the half-line from `point` towards +u crosses the piece. Within rounding of the curve the chord
+// decides.
+bool FaceTrim::CrossesRightOf(std::uint32_t i, Vec2 point, TrimPath& path) const {
+  const TrimPiece& piece = pieces_.pieces[i];
+  if (!Spans(piece, point.y)) return false;
+  if (point.x < std::min(piece.low.x, piece.high.x)) return true;
+  if (point.x > std::max(piece.low.x, piece.high.x)) return false;
+  path = std::max(path, TrimPath::kStrip);
+  const Offset offset = OffsetFromChord(piece, point);
+  if (offset.value - offset.error > piece.strip_high) return true;
+  if (offset.value + offset.error < piece.strip_low) return false;
+  path = TrimPath::kCurve;
+  const CurveSide side = SideOf(pieces_.Monotone(i), point);
+  return side != CurveSide::kOn ? side == CurveSide::kLeft : offset.value > 0;
+}
+
+bool FaceTrim::OddExcept(Vec2 point, std::uint32_t excluded) const {
+  bool odd = false;
+  TrimPath path = TrimPath::kBoxes;
+  // Without bands every piece that is opened counts by its own shape.
+  const auto open_piece = [&](std::uint32_t piece, bool& count) {
+    if (piece != excluded) count ^= CrossesRightOf(piece, point, path);
+    return true;
+  };
+  Walk(point, {point.x, point.x, point.y, point.y}, 0, odd, open_piece);
+  return odd;
+}
+
+RectClass FaceTrim::Classify(double u0, double u1, double v0, double v1, double band_scale) const {
+  if (!(u0 <= u1 && v0 <= v1 && u1 - u0 < kInfinity && v1 - v0 < kInfinity)) return RectClass::kMixed;
+  const Rect rect{u0, u1, v0, v1};
+  const Vec2 point{u0, v0};
+  bool odd = false;
+  TrimPath path = TrimPath::kBoxes;
+  const auto open_piece = [&](std::uint32_t i, bool& count) {
+    const TrimPiece& piece = pieces_.pieces[i];
+    if (piece.slit) {
+      count ^= CrossesRightOf(i, point, path);
+      return true;
+    }
+    const PieceSide side = SideOfRect(i, rect, band_scale, path);
+    count ^= side == PieceSide::kLeft && Spans(piece, point.y);
+    return side != PieceSide::kMeets;
+  };
+  if (!Walk(point, rect, band_scale, odd, open_piece)) return RectClass::kMixed;
+  return odd ? RectClass::kInside : RectClass::kOutside;
+}
+
+// The nearest point on each of the nearest coedges.
+struct FaceTrim::Contacts {
+  struct Contact {
+    std::uint32_t coedge;
+    double distance_mm, edge_parameter;
+  };
+  static constexpr int kMost = 4;  // two are asked; the others leave room for neighbours at crowded corners
+  Contact entries[kMost];
+  int count = 0;
+
+  void Add(const Contact& contact) {
+    // One entry per coedge, nearest first.
+    int i = 0;
+    while (i < count && entries[i].coedge != contact.coedge) ++i;
+    if (i < count && entries[i].distance_mm <= contact.distance_mm) return;
+    if (i == count && count < kMost) ++count;
+    if (i == kMost) {
+      if (entries[--i].distance_mm <= contact.distance_mm) return;
+    }
+    for (; i > 0 && entries[i - 1].distance_mm > contact.distance_mm; --i) entries[i] = entries[i - 1];
+    entries[i] = contact;
+  }
+  const Contact* Find(std::uint32_t coedge) const {
+    for (int i = 1; i < count; ++i)
+      if (entries[i].coedge == coedge) return &entries[i];
+    return nullptr;
+  }
+};
+
+TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, double band_scale) const {
+  TrimAnswer answer;
+  const Vec2 point{u, v};
+  const Rect rect{u - error_u, u + error_u, v - error_v, v + error_v};
+  if (!(rect.u_low <= u && u <= rect.u_high && rect.v_low <= v && v <= rect.v_high &&
+        rect.u_high - rect.u_low < kInfinity && rect.v_high - rect.v_low < kInfinity)) {
+    answer.certain = false;
+    return answer;
+  }
+  Contacts contacts;
+  const auto open_piece = [&](std::uint32_t i, bool& count) {
+    const TrimPiece& piece = pieces_.pieces[i];
+    if (piece.slit) {
+      count ^= CrossesRightOf(i, point, answer.path);
+      return true;
+    }
+    // Out of the band the piece counts by its side.
+    const PieceSide side = SideOfRect(i, rect, band_scale, answer.path);
+    if (side != PieceSide::kMeets) {
+      count ^= side == PieceSide::kLeft && Spans(piece, v);
+      return true;
+    }
+    count ^= CrossesRightOf(i, point, answer.path);
+    const bool band = band_scale > 0 && (piece.band_u > 0 || piece.band_v > 0);
+    if (answer.certain && (!band || SideOfRect(i, rect, 0, answer.path) == PieceSide::kMeets))
+      answer.certain = false;
+    if (piece.coedge == kNoIndex) return true;
+
+    // In the band: the nearest point, in millimetres by the band's own metric.
+    const TrimPieceCurve& curve = pieces_.curves[i];
+    const Vec2 scale{curve.reach_mm / piece.band_u, curve.reach_mm / piece.band_v};
+    const MonotonePiece monotone = pieces_.Monotone(i);
+    const double t = NearestParameter(monotone, point, scale);
+    const Vec2 away = PointOn(monotone.curve, t) - point;
+    contacts.Add({piece.coedge, Length(Vec2{scale.x * away.x, scale.y * away.y}),
+                  curve.edge_begin + t * (curve.edge_end - curve.edge_begin)});
+    return true;
+  };
+  Walk(point, rect, band_scale, answer.inside, open_piece);
+  if (contacts.count == 0) return answer;
+
+  const Contacts::Contact& nearest = contacts.entries[0];
+  const Ends& ends = ends_[nearest.coedge - first_coedge_];
+  answer.coedge = nearest.coedge;
+  answer.edge_parameter = nearest.edge_parameter;
+  answer.material_left = ends.material_left;
+  // At a corner: a neighbour whose band holds the point too, or the neighbour at the end that the nearest
+  // point is clamped to.
+  const Contacts::Contact* next = ends.next != kNoIndex ? contacts.Find(ends.next) : nullptr;
+  const Contacts::Contact* previous = ends.previous != kNoIndex ? contacts.Find(ends.previous) : nullptr;
+  // Of a loop of two edges the neighbour is the same at both corners: take the nearer one.
+  const bool at_end =
+      std::fabs(nearest.edge_parameter - ends.end) <= std::fabs(nearest.edge_parameter - ends.begin);
+  if (next != nullptr && (previous == nullptr || at_end)) {
+    answer.other_coedge = next->coedge;
+    answer.other_edge_parameter = next->edge_parameter;
+    answer.other_is_next = true;
+  } else if (previous != nullptr) {
+    answer.other_coedge = previous->coedge;
+    answer.other_edge_parameter = previous->edge_parameter;
+  } else if (nearest.edge_parameter == ends.end && ends.next != kNoIndex && ends.next != nearest.coedge) {
+    answer.other_coedge = ends.next;
+    answer.other_edge_parameter = ends_[ends.next - first_coedge_].begin;
+    answer.other_is_next = true;
+  } else if (nearest.edge_parameter == ends.begin && ends.previous != kNoIndex &&
+             ends.previous != nearest.coedge) {
+    answer.other_coedge = ends.previous;
+    answer.other_edge_parameter = ends_[ends.previous - first_coedge_].end;
+  }
+  if (answer.other_coedge != kNoIndex)
+    answer.other_material_left = ends_[answer.other_coedge - first_coedge_].material_left;
+  return answer;
+}
+
+}  // namespace facetless

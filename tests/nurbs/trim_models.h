@@ -1,0 +1,53 @@
+// Small models for the tests of trimming: one face on a surface whose shape is known in closed form, with
+// loops given as curves.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "render/model/model.h"
+
+namespace facetless::trim_models {
+
+using Curve = std::vector<Vec3>;     // control points (w·u, w·v, w)
+using Chain = std::vector<Curve>;    // the segments of one coedge
+using Outline = std::vector<Chain>;  // the coedges of one loop
+
+// Random numbers that are the same with every standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double Uniform(double low, double high) { return low + (high - low) * (double(engine_() >> 11) * 0x1p-53); }
+  int Integer(int low, int high) {
+    return low + static_cast<int>(engine_() % static_cast<std::uint64_t>(high - low + 1));
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+Curve Line(Vec2 a, Vec2 b);
+// Closed polygon, one coedge per side.
+Outline Polygon(const std::vector<Vec2>& corners);
+// Four rational quarters, counter-clockwise, one coedge.
+Outline Circle(Vec2 center, double radius);
+Outline Reversed(const Outline& outline);
+
+// The plane z = 0 with u = x, v = y in mm, over the rectangle.
+Model PlaneModel(double u0, double u1, double v0, double v1);
+// Half of a cylinder of that radius about z: u the angle from 0 to π in two spans, v = z from 0 to `height`.
+Model HalfCylinderModel(double radius, double height);
+// A unit sphere, u the longitude from 0 to 2π in four spans, v the latitude from −π/2 to π/2 in two; bounded
+// by the seam and the poles.
+Model SphereModel();
+
+// Adds a loop to the only face. Each coedge gets an edge of its own with the image of its curve on the plane
+// z = 0, and edge parameters 0 … number of segments.
+void AddLoop(Model& model, const Outline& outline, double gap_mm = 0);
+
+// Even-odd by brute force: the loops as polygons through `samples` points per segment. `margin` receives the
+// distance to them.
+bool InsideBySampling(const std::vector<Outline>& loops, Vec2 q, int samples, double* margin);
+
+}  // namespace facetless::trim_models
