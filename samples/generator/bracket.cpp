@@ -68,7 +68,7 @@ TopoDS_Shape CutHoles(const TopoDS_Shape& block) {
   // A hole through the base, slanted against all axes, that breaks through the inner fillet.
   const gp_Dir slant(-0.3, 0.15, 1);
   const gp_Pnt start = gp_Pnt(29, 27, 0).Translated(gp_Vec(slant) * -20.0);
-  return BRepAlgoAPI_Cut(result, BRepPrimAPI_MakeCylinder(gp_Ax2(start, slant), 7, 60).Shape()).Shape();
+  return BRepAlgoAPI_Cut(result, BRepPrimAPI_MakeCylinder(gp_Ax2(start, slant), 7, 42).Shape()).Shape();
 }
 
 }  // namespace
