@@ -7,6 +7,8 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
+#include <IGESControl_Reader.hxx>
+#include <STEPControl_Reader.hxx>
 #include <ShapeAnalysis_ShapeTolerance.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -16,6 +18,7 @@
 namespace facetless::samples {
 namespace {
 
+// The keys of report.json.
 const char* KindName(GeomAbs_SurfaceType type) {
   switch (type) {
     case GeomAbs_Plane:
@@ -28,6 +31,10 @@ const char* KindName(GeomAbs_SurfaceType type) {
       return "sphere";
     case GeomAbs_Torus:
       return "torus";
+    case GeomAbs_SurfaceOfRevolution:
+      return "revolution";
+    case GeomAbs_SurfaceOfExtrusion:
+      return "extrusion";
     case GeomAbs_BezierSurface:
       return "bezier";
     case GeomAbs_BSplineSurface:
@@ -37,9 +44,23 @@ const char* KindName(GeomAbs_SurfaceType type) {
   }
 }
 
+std::map<std::string, int> SurfaceKinds(const std::string& path) {
+  STEPControl_Reader step;
+  IGESControl_Reader iges;
+  XSControl_Reader& reader = path.ends_with(".iges") ? static_cast<XSControl_Reader&>(iges) : step;
+  if (reader.ReadFile(path.c_str()) != IFSelect_RetDone)
+    throw Standard_Failure(("cannot read " + path).c_str());
+  reader.TransferRoots();
+  std::map<std::string, int> kinds;
+  for (TopExp_Explorer face(reader.OneShape(), TopAbs_FACE); face.More(); face.Next()) {
+    ++kinds[KindName(BRepAdaptor_Surface(TopoDS::Face(face.Current())).GetType())];
+  }
+  return kinds;
+}
+
 }  // namespace
 
-nlohmann::ordered_json Measure(const TopoDS_Shape& shape) {
+nlohmann::ordered_json Measure(const TopoDS_Shape& shape, const std::string& path) {
   if (!BRepCheck_Analyzer(shape).IsValid()) throw Standard_Failure("not a valid shape");
   // Four decimal digits below the millimetre: looser edges would be a poor example, and show as cracks.
   constexpr double kLoosest = 1e-4;
@@ -47,12 +68,8 @@ nlohmann::ordered_json Measure(const TopoDS_Shape& shape) {
     throw Standard_Failure("edges are too loose");
 
   int faces = 0, solids = 0, closed = 0;
-  std::map<std::string, int> surfaces;
   double volume = 0;
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-    ++faces;
-    ++surfaces[KindName(BRepAdaptor_Surface(TopoDS::Face(face.Current())).GetType())];
-  }
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) ++faces;
   for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) {
     ++solids;
     bool all_shells_closed = true;
@@ -76,7 +93,7 @@ nlohmann::ordered_json Measure(const TopoDS_Shape& shape) {
   expected["faces"] = faces;
   expected["solids"] = solids;
   expected["closed_solids"] = closed;
-  expected["surfaces"] = surfaces;
+  expected["surfaces"] = SurfaceKinds(path);
   expected["area_mm2"] = properties.Mass();
   expected["volume_mm3"] = volume;
   expected["bounds_mm"] = {{low.X(), low.Y(), low.Z()}, {high.X(), high.Y(), high.Z()}};

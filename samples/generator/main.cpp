@@ -33,11 +33,12 @@ using facetless::samples::WriteStep;
 
 nlohmann::ordered_json WriteAssembly(const fs::path& folder) {
   const Handle(TDocStd_Document) document = facetless::samples::Assembly();
-  WriteStep(document, "stack", (folder / "assembly.step").string());
+  const std::string path = (folder / "assembly.step").string();
+  WriteStep(document, "stack", path);
   TDF_LabelSequence roots;
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   shapes->GetFreeShapes(roots);
-  return Measure(shapes->GetShape(roots.Value(1)));
+  return Measure(shapes->GetShape(roots.Value(1)), path);
 }
 
 void WriteAll(const fs::path& folder) {
@@ -52,15 +53,16 @@ void WriteAll(const fs::path& folder) {
   for (const auto& [name, make] : step_samples) {
     std::cout << name << std::endl;
     const TopoDS_Shape shape = make();
-    expected[name + ".step"] = Measure(shape);
-    WriteStep(shape, name, (folder / (name + ".step")).string());
+    const std::string path = (folder / (name + ".step")).string();
+    WriteStep(shape, name, path);
+    expected[name + ".step"] = Measure(shape, path);
   }
   std::cout << "assembly" << std::endl;
   expected["assembly.step"] = WriteAssembly(folder);
   std::cout << "trimmed" << std::endl;
   const TopoDS_Shape trimmed = facetless::samples::TrimmedFaces();
-  expected["trimmed.iges"] = Measure(trimmed);
   WriteIges(trimmed, "trimmed", (folder / "trimmed.iges").string());
+  expected["trimmed.iges"] = Measure(trimmed, (folder / "trimmed.iges").string());
 
   facetless::samples::WriteBroken(folder);
   for (const char* name : {"truncated.step", "nan.step", "wrong_type.step", "empty.step", "mesh.stl"}) {
