@@ -1,0 +1,310 @@
+#include "server/child_process.h"
+
+#include <fcntl.h>
+#include <linux/seccomp.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/pidfd.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <utility>
+
+namespace facetless {
+namespace {
+
+// How often the cancel flag and the wall clock are looked at.
+constexpr int kPollMs = 20;
+
+class Fd {
+ public:
+  explicit Fd(int fd = -1) : fd_(fd) {}
+  ~Fd() { Close(); }
+  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Fd& operator=(Fd&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  int get() const { return fd_; }
+  void Close() {
+    if (fd_ >= 0) close(std::exchange(fd_, -1));
+  }
+
+ private:
+  int fd_;
+};
+
+struct Pipe {
+  Fd read, write;
+  bool Open() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) return false;
+    read = Fd(ends[0]);
+    write = Fd(ends[1]);
+    return true;
+  }
+};
+
+std::vector<char*> Pointers(const std::vector<std::string>& strings) {
+  std::vector<char*> pointers;
+  for (const std::string& s : strings) pointers.push_back(const_cast<char*>(s.c_str()));
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+bool SetLimit(int resource, std::uint64_t value, std::uint64_t hard_extra = 0) {
+  if (value == 0) return true;
+  struct rlimit limit = {value, value + hard_extra};
+  struct rlimit now = {};
+  if (getrlimit(static_cast<__rlimit_resource>(resource), &now) != 0) return false;
+  // A limit that is already tighter stays.
+  limit.rlim_max = std::min(limit.rlim_max, now.rlim_max);
+  limit.rlim_cur = std::min(limit.rlim_cur, limit.rlim_max);
+  return setrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0;
+}
+
+// Everything that the child needs between fork and exec, made before the fork: after it only
+// async-signal-safe calls are allowed, since another thread may have held any lock.
+struct ChildPlan {
+  std::vector<std::string> argument_strings;
+  std::vector<char*> arguments, environment;
+  const ChildRequest* request = nullptr;
+  sock_fprog filter = {};
+  int null_fd = -1, out_fd = -1, err_fd = -1, report_fd = -1;
+  pid_t parent = 0;
+};
+
+[[noreturn]] void FailInChild(int report_fd) {
+  const int reason = errno;
+  [[maybe_unused]] const ssize_t written = write(report_fd, &reason, sizeof reason);
+  _exit(127);
+}
+
+[[noreturn]] void BecomeChild(const ChildPlan& plan) {
+  // Die with the parent, also if it died just now.
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || setpgid(0, 0) != 0) FailInChild(plan.report_fd);
+  if (getppid() != plan.parent) _exit(127);
+
+  // Default signal handling, nothing blocked.
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  struct sigaction standard = {};
+  standard.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
+
+  // Standard streams; the pipe that reports a failed start moves to 3 and closes on exec; all else is closed.
+  const int report = fcntl(plan.report_fd, F_DUPFD, 10);
+  if (report < 0 || dup2(plan.null_fd, 0) < 0 || dup2(plan.out_fd, 1) < 0 || dup2(plan.err_fd, 2) < 0 ||
+      dup2(report, 3) < 0 || fcntl(3, F_SETFD, FD_CLOEXEC) != 0)
+    FailInChild(plan.report_fd);
+  if (close_range(4, ~0U, 0) != 0) {
+    const long open_max = sysconf(_SC_OPEN_MAX);
+    for (int fd = 4; fd < open_max; ++fd) close(fd);
+  }
+
+  // The working directory and the limits.
+  const ChildLimits& limits = plan.request->limits;
+  if (chdir(plan.request->working_directory.c_str()) != 0) FailInChild(3);
+  const struct rlimit no_core = {0, 0};
+  if (setrlimit(RLIMIT_CORE, &no_core) != 0 || !SetLimit(RLIMIT_AS, limits.memory_bytes) ||
+      // The soft limit sends SIGXCPU, which can be told from our SIGKILL; the hard one is for a child that
+      // ignores it.
+      !SetLimit(RLIMIT_CPU, limits.cpu_seconds, 2) || !SetLimit(RLIMIT_FSIZE, limits.file_bytes) ||
+      !SetLimit(RLIMIT_NOFILE, limits.open_files))
+    FailInChild(3);
+
+  // No new privileges, and the filter of system calls last.
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) FailInChild(3);
+  if (plan.filter.len > 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &plan.filter) != 0) FailInChild(3);
+  execve(plan.request->program.c_str(), plan.arguments.data(), plan.environment.data());
+  FailInChild(3);
+}
+
+// Reads what is there. False at the end of the stream.
+bool Drain(int fd, const std::function<void(std::string_view)>& take) {
+  char buffer[1 << 14];
+  for (;;) {
+    const ssize_t got = read(fd, buffer, sizeof buffer);
+    if (got > 0) {
+      take({buffer, static_cast<std::size_t>(got)});
+      // Return between full buffers, so that a flood can't keep us from looking at the clock.
+      return true;
+    }
+    if (got < 0 && errno == EINTR) continue;
+    return got < 0 && errno == EAGAIN;
+  }
+}
+
+// Largest resident size and largest address space so far, from /proc: unlike getrusage's, these begin at exec
+// and don't contain the size that we had when we forked.
+struct MemoryPeaks {
+  std::uint64_t resident = 0, address_space = 0;
+  void Sample(pid_t child) {
+    std::ifstream status("/proc/" + std::to_string(child) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      const bool is_resident = line.starts_with("VmHWM:");
+      if (!is_resident && !line.starts_with("VmPeak:")) continue;
+      const std::uint64_t bytes = std::strtoull(line.c_str() + line.find(':') + 1, nullptr, 10) * 1024;
+      std::uint64_t& peak = is_resident ? resident : address_space;
+      peak = std::max(peak, bytes);
+    }
+  }
+};
+
+// Collects standard error: its tail, and its lines.
+class ErrorStream {
+ public:
+  explicit ErrorStream(const ChildRequest& request) : request_(request) {}
+  void Take(std::string_view bytes) {
+    tail_ += bytes;
+    if (tail_.size() > 2 * request_.stderr_cap) tail_.erase(0, tail_.size() - request_.stderr_cap);
+    if (!request_.on_stderr_line) return;
+    for (const char c : bytes) {
+      if (c != '\n') {
+        // A line longer than any that we understand is cut.
+        if (line_.size() < 4096) line_ += c;
+        continue;
+      }
+      request_.on_stderr_line(line_);
+      line_.clear();
+    }
+  }
+  std::string Tail() && {
+    if (tail_.size() > request_.stderr_cap) tail_.erase(0, tail_.size() - request_.stderr_cap);
+    return std::move(tail_);
+  }
+
+ private:
+  const ChildRequest& request_;
+  std::string tail_, line_;
+};
+
+}  // namespace
+
+Result<ChildOutcome> RunChild(const ChildRequest& request) {
+  const auto failed = [&](int reason) {
+    return Error{ErrorCode::kInternal, "cannot start " + request.program + ": " + strerror(reason)};
+  };
+  // Make the pipes and the plan.
+  Pipe out, err, report;
+  const Fd null(open("/dev/null", O_RDONLY | O_CLOEXEC));
+  if (!out.Open() || !err.Open() || !report.Open() || null.get() < 0) return failed(errno);
+  fcntl(out.read.get(), F_SETFL, O_NONBLOCK);
+  fcntl(err.read.get(), F_SETFL, O_NONBLOCK);
+  fcntl(report.read.get(), F_SETFL, O_NONBLOCK);
+  ChildPlan plan;
+  plan.request = &request;
+  plan.argument_strings = {request.program};
+  plan.argument_strings.insert(plan.argument_strings.end(), request.arguments.begin(),
+                               request.arguments.end());
+  plan.arguments = Pointers(plan.argument_strings);
+  plan.environment = Pointers(request.environment);
+  plan.filter = {static_cast<unsigned short>(request.syscall_filter.size()),
+                 const_cast<sock_filter*>(request.syscall_filter.data())};
+  plan.null_fd = null.get();
+  plan.out_fd = out.write.get();
+  plan.err_fd = err.write.get();
+  plan.report_fd = report.write.get();
+  plan.parent = getpid();
+
+  // Fork with every signal blocked: a handler of ours must not run in the child.
+  const auto start = std::chrono::steady_clock::now();
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t child = fork();
+  const int fork_error = errno;
+  if (child == 0) BecomeChild(plan);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (child < 0) return failed(fork_error);
+  // Both sides make the group, so that it exists whoever runs first; ours fails once the child has called
+  // exec, which is fine.
+  setpgid(child, child);
+  out.write.Close();
+  err.write.Close();
+  report.write.Close();
+
+  // Watch it: streams, clock, cancel flag, end.
+  ChildOutcome outcome;
+  ErrorStream error_stream(request);
+  const auto take_out = [&](std::string_view bytes) {
+    outcome.out += bytes.substr(0, request.stdout_cap - outcome.out.size());
+  };
+  const auto take_err = [&](std::string_view bytes) { error_stream.Take(bytes); };
+  const Fd process(pidfd_open(child, 0));
+  MemoryPeaks peaks;
+  bool out_open = true, err_open = true, started = false, killed = false;
+  int start_error = 0;
+  for (bool running = true; running;) {
+    struct pollfd watched[3] = {{out_open ? out.read.get() : -1, POLLIN, 0},
+                                {err_open ? err.read.get() : -1, POLLIN, 0},
+                                {process.get(), POLLIN, 0}};
+    poll(watched, 3, kPollMs);
+    if (watched[0].revents != 0) out_open = Drain(out.read.get(), take_out);
+    if (watched[1].revents != 0) err_open = Drain(err.read.get(), take_err);
+    // The report pipe closes when exec succeeds.
+    if (!started) started = read(report.read.get(), &start_error, sizeof start_error) == 0;
+    if (started) peaks.Sample(child);
+    siginfo_t info = {};
+    running =
+        waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0;
+    if (!running || killed) continue;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const bool cancelled = request.cancel != nullptr && *request.cancel;
+    if (cancelled || (request.limits.wall_seconds > 0 && seconds > request.limits.wall_seconds)) {
+      outcome.end = cancelled ? ChildEnd::kCancelled : ChildEnd::kTimedOut;
+      kill(-child, SIGKILL);
+      killed = true;
+    }
+  }
+  outcome.wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+
+  // End what it may have left behind (the unreaped child still holds the group's number), then read the rest
+  // and reap.
+  kill(-child, SIGKILL);
+  for (int i = 0; i < 64 && out_open && Drain(out.read.get(), take_out); ++i) {
+  }
+  for (int i = 0; i < 64 && err_open && Drain(err.read.get(), take_err); ++i) {
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  outcome.peak_bytes = peaks.resident;
+  outcome.peak_address_bytes = peaks.address_space;
+  outcome.error_tail = std::move(error_stream).Tail();
+
+  // A child that never became the program says why.
+  if (start_error == 0 && !started) {
+    [[maybe_unused]] const ssize_t got = read(report.read.get(), &start_error, sizeof start_error);
+  }
+  if (start_error != 0) return failed(start_error);
+  if (killed) return outcome;
+  if (WIFSIGNALED(status)) {
+    outcome.end = ChildEnd::kSignalled;
+    outcome.signal = WTERMSIG(status);
+  } else {
+    outcome.exit_code = WEXITSTATUS(status);
+  }
+  return outcome;
+}
+
+std::string SignalName(int signal) {
+  const char* name = sigabbrev_np(signal);
+  const char* text = sigdescr_np(signal);
+  if (name == nullptr || text == nullptr) return "signal " + std::to_string(signal);
+  std::string description = text;
+  if (!description.empty()) description[0] = static_cast<char>(description[0] | 0x20);
+  return std::string("SIG") + name + " (" + description + ")";
+}
+
+}  // namespace facetless

@@ -1,0 +1,274 @@
+#include "server/cli.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "server/commands.h"
+#include "server/exit_code.h"
+#include "server/files.h"
+#include "server/interrupt.h"
+#include "server/serve.h"
+#include "server/version.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kFooter = R"(Examples:
+  facetless inspect part.step                          what the file holds, and what was lost
+  facetless compare part.step --out report             exact image, tessellation, difference; open report/report.html
+  facetless compare part.step --out r --mesh web.glb   is this mesh good enough?
+  facetless serve                                      the same in a browser
+
+Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost; 2 failed under --strict or a --fail-* threshold;
+3 images of different sizes; 4 nothing usable in the input; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
+'facetless COMMAND --help' tells more.)";
+
+constexpr const char* kRenderFooter = R"(Examples:
+  facetless render part.step --out images --view iso --view front --size 1920x1080
+  facetless render part.step --out images --projection perspective --edges --background transparent
+  facetless render part.step --out images --camera '{"eye":[200,-300,150],"target":[0,0,0],"height":120}'
+  facetless render part.step --out images --camera @cameras.json --aov depth,normal,face
+
+--out receives NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html;
+standard output gets the path of report.json.)";
+
+constexpr const char* kCompareFooter = R"(Examples:
+  facetless compare part.step --out report
+  facetless compare part.step --out report --deflection 1e-4 --view iso --view top
+  facetless compare part.step --out report --mesh exported.glb --fail-deviation-mm 0.05
+  facetless compare part.step --out report --mesh exported.stl --mesh-unit in --mesh-up y
+
+--out receives, for each view, NAME.direct.png, NAME.baseline.png, NAME.difference.png, NAME.depth.tif and
+NAME.baseline-depth.tif, and report.json and report.html; standard output gets the path of report.json.)";
+
+constexpr const char* kMeshFooter = R"(Examples:
+  facetless mesh part.step --out part.glb
+  facetless mesh part.step --out part.glb --deflection-mm 0.01 --angular 10)";
+
+constexpr const char* kInspectFooter = R"(Example:
+  facetless inspect part.step | jq '.model.faces_skipped')";
+
+constexpr const char* kRegressFooter = R"(Examples:
+  facetless regress manifest.json --update          write the references
+  facetless regress manifest.json --out failures    compare with them; pictures of what failed go to failures/
+
+The manifest is described in docs/regression.md. The verdict is JSON on standard output; exit code 0 means that everything passed.)";
+
+constexpr const char* kServeFooter = R"(Examples:
+  facetless serve
+  facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
+  curl -F file=@part.step http://127.0.0.1:8080/v1/compare
+
+The service has no access control of its own: where it faces a network, put it behind a proxy that does. docs/api.md has the API.)";
+
+// Collects options into the JSON that ParseOptions reads, so that every check exists once.
+class OptionCollector {
+ public:
+  void Text(CLI::App* app, const std::string& flag, const std::string& help, const std::string& type) {
+    app->add_option_function<std::string>(
+           "--" + flag, [=, this](const std::string& v) { json_[flag] = v; }, help)
+        ->type_name(type);
+  }
+  void Number(CLI::App* app, const std::string& flag, const std::string& help, const std::string& type) {
+    app->add_option_function<double>(
+           "--" + flag, [=, this](double v) { json_[flag] = v; }, help)
+        ->type_name(type);
+  }
+  void Switch(CLI::App* app, const std::string& flag, const std::string& help) {
+    app->add_flag_callback(
+        "--" + flag, [=, this] { json_[flag] = true; }, help);
+  }
+  void Views(CLI::App* app) {
+    std::string names;
+    for (const std::string& name : ViewNames()) names += (names.empty() ? "" : ", ") + name;
+    app->add_option_function<std::vector<std::string>>(
+           "--view", [this](const std::vector<std::string>& v) { json_["view"] = v; },
+           "Named view, repeatable (default iso): " + names)
+        ->type_name("NAME")
+        ->expected(1)
+        ->take_all();
+    Text(app, "camera",
+         "Camera instead of a named view: JSON object, list of them, or @FILE (docs/cameras.md)", "JSON");
+  }
+
+  // The options as JSON. Errors: kBadUsage, kFileUnreadable (@FILE).
+  Result<Json> Take() {
+    if (!json_.contains("camera")) return json_;
+    std::string text = json_["camera"].get<std::string>();
+    if (text.starts_with("@")) {
+      constexpr std::size_t kMaxCameraFile = 1 << 20;
+      auto file = ReadFile(text.substr(1), kMaxCameraFile);
+      if (!file) return Error{ErrorCode::kBadUsage, "--camera: " + file.error().message};
+      text = std::move(file).value();
+    }
+    json_["camera"] = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+    if (json_["camera"].is_discarded())
+      return Error{ErrorCode::kBadUsage,
+                   "--camera is no valid JSON; an example is '{\"eye\":[200,-300,150],\"height\":120}'"};
+    return json_;
+  }
+
+ private:
+  Json json_ = Json::object();
+};
+
+void AddViewOptions(CLI::App* app, OptionCollector& options) {
+  options.Views(app);
+  options.Text(app, "size", "Picture size in pixels (default 1024x1024)", "WxH");
+  options.Text(app, "projection", "orthographic (default) or perspective, of named views", "NAME");
+  options.Number(app, "samples", "Samples per pixel of the colour image: 1, 4 (default), 9, 16, …", "N");
+  options.Text(app, "precision", "fast, standard (default) or certified", "NAME");
+  options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
+  options.Number(app, "timeout", "Seconds that everything after the import may take; 0 (default) is no limit",
+                 "S");
+  options.Switch(app, "audit", "Also count every crossing of every ray, and compare with the opposite view");
+  options.Switch(app, "edges", "Draw feature edges");
+  options.Text(app, "background", "studio (default) or transparent", "NAME");
+  options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
+}
+
+void AddTessellationOptions(CLI::App* app, OptionCollector& options) {
+  options.Number(app, "deflection", "Chord error relative to the diagonal of the bounding box (default 1e-3)",
+                 "REL");
+  options.Number(app, "deflection-mm", "Chord error in millimetres, instead of --deflection", "MM");
+  options.Number(app, "angular", "Angle between neighbouring facets in degrees (default 20)", "DEG");
+}
+
+void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments& arguments) {
+  options.Number(app, "import-timeout", "Seconds that the import may take (default 300)", "S");
+  options.Number(app, "import-memory", "Megabytes of address space that the import may use (default 8192)",
+                 "MB");
+  app->add_flag("--progress", arguments.progress, "Print progress even if standard error is no terminal");
+}
+
+CLI::App* AddFileCommand(CLI::App& app, const std::string& name, const std::string& help, const char* footer,
+                         CommandArguments& arguments) {
+  CLI::App* command = app.add_subcommand(name, help);
+  command->footer(footer);
+  command->add_option("FILE", arguments.file, "STEP, IGES or BREP file")->required();
+  return command;
+}
+
+void AddServeOptions(CLI::App* command, ServeOptions& serve) {
+  command->add_option("--listen", serve.listen, "Address and port; port 0 takes a free one")
+      ->type_name("ADDR:PORT")
+      ->capture_default_str();
+  command
+      ->add_option("--data", serve.data,
+                   "Directory of models and results (default: " + DefaultDataDirectory() + ")")
+      ->type_name("DIR");
+  command->add_option("--jobs", serve.jobs, "Runs at the same time")
+      ->type_name("N")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--queue", serve.queue, "Requests that may wait for a run; more get status 503")
+      ->type_name("N")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command->add_option("--max-upload", serve.max_upload_mb, "Megabytes of one upload")
+      ->type_name("MB")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  command->add_option("--max-samples", serve.max_samples, "Samples of one request: pixels × samples × views")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--timeout", serve.timeout_s, "Seconds that one request may take, waiting included")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--import-memory", serve.import_memory_mb, "Megabytes of address space of one import")
+      ->type_name("MB")
+      ->check(CLI::Range(64, 1 << 30))
+      ->capture_default_str();
+}
+
+// Runs a command on the collected options.
+int Dispatch(int (*command)(const CommandArguments&), CommandArguments& arguments,
+             OptionCollector& collected) {
+  auto json = collected.Take();
+  if (!json) return PrintError(json.error());
+  auto options = ParseOptions(json.value());
+  if (!options) return PrintError(options.error());
+  arguments.options = std::move(options).value();
+  return command(arguments);
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  InstallInterruptHandlers();
+  CLI::App app{
+      "Facetless renders CAD models from their exact surfaces, and shows what a tessellation gets wrong.",
+      "facetless"};
+  app.set_version_flag("--version", "facetless " + Version());
+  app.require_subcommand(1);
+  app.footer(kFooter);
+  CommandArguments arguments;
+  OptionCollector options;
+  ServeOptions serve;
+
+  // The commands.
+  CLI::App* inspect = AddFileCommand(app, "inspect", "Say what the file holds and what was lost (JSON)",
+                                     kInspectFooter, arguments);
+  CLI::App* render = AddFileCommand(app, "render", "Render the exact surfaces", kRenderFooter, arguments);
+  CLI::App* mesh = AddFileCommand(app, "mesh", "Write a tessellation as glTF binary", kMeshFooter, arguments);
+  CLI::App* compare =
+      AddFileCommand(app, "compare", "Render exact surfaces and a mesh, and report the difference",
+                     kCompareFooter, arguments);
+  CLI::App* regress = app.add_subcommand("regress", "Compare renderings with reference images, for CI");
+  regress->footer(kRegressFooter);
+  regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
+  CLI::App* serve_command = app.add_subcommand("serve", "Serve the HTTP API and a page for browsers");
+  serve_command->footer(kServeFooter);
+
+  // Their options.
+  for (CLI::App* command : {render, compare}) {
+    command->add_option("--out", arguments.out, "Directory for the results; made if absent")
+        ->required()
+        ->type_name("DIR");
+    AddViewOptions(command, options);
+  }
+  mesh->add_option("--out", arguments.out, "The glTF file to write")->required()->type_name("FILE.glb");
+  options.Text(compare, "mesh", "glTF binary or STL file to compare with, instead of our own tessellation",
+               "FILE");
+  options.Text(compare, "mesh-unit", "Unit of --mesh: mm, cm, m, in, ft (default: glTF m, STL mm)", "UNIT");
+  options.Text(compare, "mesh-up", "Up axis of --mesh: y or z (default: glTF y, STL z)", "AXIS");
+  for (CLI::App* command : {mesh, compare}) AddTessellationOptions(command, options);
+  options.Number(compare, "fail-deviation-mm", "Fail if the surfaces are farther apart", "MM");
+  options.Number(compare, "fail-depth-mm", "Fail if a depth differs by more", "MM");
+  options.Number(compare, "fail-silhouette-px", "Fail if silhouettes are farther apart", "PX");
+  options.Number(compare, "fail-flip", "Fail if the mean FLIP error is larger (0 … 1)", "X");
+  options.Number(compare, "fail-share", "Fail if a larger share of the pixels differs (0 … 1)", "X");
+  for (CLI::App* command : {inspect, render, mesh, compare})
+    options.Switch(command, "strict", "Fail (exit code 2) if anything of the file was lost");
+  regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
+  regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
+  options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
+  for (CLI::App* command : {inspect, render, mesh, compare, regress})
+    AddImportOptions(command, options, arguments);
+  AddServeOptions(serve_command, serve);
+
+  // Parse: help and version end with 0, everything that is wrong with 64.
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitDone : kExitUsage;
+  }
+  if (*serve_command) return Serve(serve);
+  for (const auto& [command, run] : {std::pair{inspect, &InspectCommand},
+                                     {render, &RenderCommand},
+                                     {mesh, &MeshCommand},
+                                     {compare, &CompareCommand},
+                                     {regress, &RegressCommand}}) {
+    if (*command) return Dispatch(run, arguments, options);
+  }
+  return kExitUsage;
+}
+
+}  // namespace facetless

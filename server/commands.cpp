@@ -1,0 +1,125 @@
+#include "server/commands.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "render/baseline/mesh_file.h"
+#include "render/model/model_file.h"
+#include "server/exit_code.h"
+#include "server/files.h"
+#include "server/interrupt.h"
+#include "server/progress.h"
+#include "server/regress.h"
+#include "server/run.h"
+#include "server/version.h"
+
+namespace facetless {
+namespace {
+
+void Print(const std::string& text) {
+  std::printf("%s\n", text.c_str());
+}
+
+ImportRequest ToImportRequest(const CommandArguments& arguments, Progress& progress) {
+  ImportRequest request;
+  request.input = arguments.file;
+  request.limits = arguments.options.import_limits;
+  request.cancel = &InterruptFlag();
+  request.progress = [&progress](const std::string& stage, double fraction) {
+    progress.Report(stage, fraction);
+  };
+  return request;
+}
+
+RunContext ToContext(Progress& progress) {
+  return {&InterruptFlag(),
+          [&progress](const std::string& stage, double fraction) { progress.Report(stage, fraction); }};
+}
+
+int LossExitCode(const RunOptions& options, std::size_t lost) {
+  if (lost == 0) return kExitDone;
+  return options.strict ? kExitFailed : kExitLost;
+}
+
+// Prints the path of the report, and returns the verdict's exit code.
+int PrintReport(const Result<nlohmann::json>& report, const std::string& directory) {
+  if (!report) return PrintError(report.error());
+  Print((std::filesystem::path(directory) / "report.json").string());
+  return report.value().at("verdict").at("exit_code").get<int>();
+}
+
+}  // namespace
+
+int PrintError(const Error& error) {
+  std::fprintf(stderr, "facetless: %s\n", error.message.c_str());
+  return ExitCodeOf(error);
+}
+
+int InspectCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  const nlohmann::json answer = {{"facetless", ProgramJson(arguments.options.threads)},
+                                 {"model", ImportedModelJson(imported.value())}};
+  Print(JsonText(answer));
+  return LossExitCode(arguments.options, LossCount(*imported.value().model));
+}
+
+int RenderCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  return PrintReport(RunRender(imported.value(), arguments.options, arguments.out, ToContext(progress)),
+                     arguments.out);
+}
+
+int MeshCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  ImportRequest request = ToImportRequest(arguments, progress);
+  request.meshes = {arguments.options.tessellation};
+  auto files = RunImporter(request);
+  if (!files) return PrintError(files.error());
+  auto model = ReadModel(files.value().model_path);
+  if (!model) return PrintError(model.error());
+  if (auto moved = MoveFile(files.value().mesh_paths.front(), arguments.out); !moved)
+    return PrintError(moved.error());
+  Print(arguments.out);
+  return LossExitCode(arguments.options, LossCount(model.value()));
+}
+
+int CompareCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  const RunOptions& options = arguments.options;
+  ImportRequest request = ToImportRequest(arguments, progress);
+  if (options.mesh.empty()) request.meshes = {options.tessellation};
+  auto imported = Import(request);
+  if (!imported) return PrintError(imported.error());
+
+  // The baseline: our tessellation, or somebody's mesh.
+  if (!options.mesh.empty()) {
+    auto mesh = LoadMesh(options.mesh, {.unit = options.mesh_unit, .up = options.mesh_up},
+                         imported.value().model.get());
+    if (!mesh) return PrintError(mesh.error());
+    imported.value().meshes.push_back(std::move(mesh).value());
+  }
+  return PrintReport(RunCompare(imported.value(), imported.value().meshes.front(), options, arguments.out,
+                                ToContext(progress)),
+                     arguments.out);
+}
+
+int RegressCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  RegressRequest request;
+  request.manifest = arguments.file;
+  request.out = arguments.out;
+  request.update = arguments.update;
+  request.threads = arguments.options.threads;
+  request.import_limits = arguments.options.import_limits;
+  request.context = ToContext(progress);
+  auto verdict = RunRegress(request);
+  if (!verdict) return PrintError(verdict.error());
+  Print(JsonText(verdict.value()));
+  return verdict.value().at("exit_code").get<int>();
+}
+
+}  // namespace facetless

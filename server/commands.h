@@ -1,0 +1,29 @@
+// What each command does once its command line is understood. Each returns an exit code (exit_code.h); what
+// it prints is listed in docs/cli.md.
+#pragma once
+
+#include <string>
+
+#include "render/model/result.h"
+#include "server/options.h"
+
+namespace facetless {
+
+struct CommandArguments {
+  std::string file;       // the CAD file, or regress's manifest
+  std::string out;        // --out
+  bool progress = false;  // --progress
+  bool update = false;    // regress --update
+  RunOptions options;
+};
+
+int InspectCommand(const CommandArguments& arguments);
+int RenderCommand(const CommandArguments& arguments);
+int MeshCommand(const CommandArguments& arguments);
+int CompareCommand(const CommandArguments& arguments);
+int RegressCommand(const CommandArguments& arguments);
+
+// Prints the sentence to standard error and returns the exit code.
+int PrintError(const Error& error);
+
+}  // namespace facetless

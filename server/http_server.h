@@ -1,0 +1,41 @@
+// The transport: HTTP/1.1 over TCP in front of a Service.
+//
+//  1. Bodies are read in pieces and counted after decompression, so that neither chunked nor compressed ones
+//  pass the limit;
+//     parts "file" and "mesh" go straight to files, the rest is small.
+//  2. One request per connection: what a refused request leaves unread can't be taken for the next one.
+//  3. Every response carries nosniff, and never what an exception said.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "render/model/result.h"
+#include "server/service.h"
+
+namespace facetless {
+
+class HttpServer {
+ public:
+  // Binds at once; port 0 takes a free one. Error: kBadUsage (the address is not to be had).
+  static Result<std::unique_ptr<HttpServer>> Bind(Service& service, const std::string& host, int port);
+  ~HttpServer();
+
+  int port() const;
+  // Serves until Stop is called and every request has been answered. False if the socket failed before that.
+  bool Run();
+  // May be called from another thread, also before Run.
+  void Stop();
+
+  // Called after each request: method, path, status, milliseconds.
+  std::function<void(const std::string&, const std::string&, int, double)> on_request;
+
+ private:
+  struct State;
+  explicit HttpServer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace facetless

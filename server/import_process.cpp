@@ -1,0 +1,206 @@
+#include "server/import_process.h"
+
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "server/child_process.h"
+#include "server/sandbox.h"
+
+namespace facetless {
+namespace {
+
+constexpr std::uint64_t kMegabyte = 1024 * 1024;
+
+// Sanitizers reserve terabytes of address space, so a limit on it would stop the program before main.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitAddressSpace = false;
+#else
+constexpr bool kLimitAddressSpace = true;
+#endif
+
+std::string ImporterPath() {
+  if (const char* other = std::getenv("FACETLESS_IMPORTER"); other != nullptr && *other != '\0') return other;
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return (self.parent_path() / "facetless-import").string();
+}
+
+// A number that reads back as the same double.
+std::string Number(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+std::string Seconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", seconds);
+  return text;
+}
+
+// What the importer may know of our environment: where OpenCASCADE's resources and shared libraries are,
+// nothing else.
+std::vector<std::string> ImporterEnvironment(const std::string& directory) {
+  std::vector<std::string> environment = {"LC_ALL=C.UTF-8", "TZ=UTC", "HOME=" + directory,
+                                          "TMPDIR=" + directory};
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    if (text.starts_with("CSF_") || text.starts_with("CASROOT=") || text.starts_with("LD_LIBRARY_PATH=") ||
+        text.starts_with("GLIBC_TUNABLES="))
+      environment.emplace_back(text);
+  }
+  return environment;
+}
+
+Result<void> CheckInput(const std::string& path) {
+  struct stat info = {};
+  if (stat(path.c_str(), &info) != 0)
+    return Error{ErrorCode::kFileUnreadable, "cannot open " + path + ": " + std::strerror(errno)};
+  if (!S_ISREG(info.st_mode)) return Error{ErrorCode::kFileUnreadable, path + " is not a regular file"};
+  if (access(path.c_str(), R_OK) != 0)
+    return Error{ErrorCode::kFileUnreadable, "cannot open " + path + ": " + std::strerror(errno)};
+  return {};
+}
+
+// "progress transfer 0.25"
+void ReportProgress(std::string_view line, const ImportRequest& request) {
+  constexpr std::string_view kPrefix = "progress ";
+  if (!line.starts_with(kPrefix)) return;
+  line.remove_prefix(kPrefix.size());
+  const std::size_t space = line.find(' ');
+  if (space == std::string_view::npos) return;
+  double fraction = 0;
+  const auto parsed = std::from_chars(line.data() + space + 1, line.data() + line.size(), fraction);
+  if (parsed.ec != std::errc{} || !(fraction >= 0 && fraction <= 1)) return;
+  request.progress(std::string(line.substr(0, space)), fraction);
+}
+
+Error TimeError(const std::string& name, const ImportLimits& limits) {
+  return {ErrorCode::kLimitExceeded, name + ": the import took longer than " + Seconds(limits.timeout_s) +
+                                         "; --import-timeout allows more"};
+}
+
+Error MemoryError(const std::string& name, const ImportLimits& limits) {
+  return {ErrorCode::kLimitExceeded, name + ": the import needs more than " +
+                                         std::to_string(limits.memory_mb) +
+                                         " MB of memory; --import-memory allows more"};
+}
+
+// True if a death by a signal was a failed allocation: the library says so, or the address space had come
+// within an eighth of its limit (the request that fails is not part of the peak).
+bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
+  if (outcome.error_tail.find("bad_alloc") != std::string::npos ||
+      outcome.error_tail.find("annot allocate memory") != std::string::npos)
+    return true;
+  return limits.memory_bytes > 0 &&
+         outcome.peak_address_bytes > limits.memory_bytes - limits.memory_bytes / 8;
+}
+
+// The error that a finished child stands for; nothing if it exited by itself.
+std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& child_limits,
+                              const std::string& name, const ImportLimits& limits) {
+  switch (outcome.end) {
+    case ChildEnd::kExited:
+      return std::nullopt;
+    case ChildEnd::kCancelled:
+      return Error{ErrorCode::kCancelled, name + ": the import was stopped"};
+    case ChildEnd::kTimedOut:
+      return TimeError(name, limits);
+    case ChildEnd::kSignalled:
+      break;
+  }
+  if (outcome.signal == SIGXCPU) return TimeError(name, limits);
+  if (outcome.signal == SIGXFSZ)
+    return Error{ErrorCode::kLimitExceeded,
+                 name + ": the imported model is larger than " + std::to_string(limits.file_mb) + " MB"};
+  // Nobody but the kernel's out-of-memory killer sends SIGKILL here.
+  if (outcome.signal == SIGKILL)
+    return Error{ErrorCode::kLimitExceeded, name + ": the machine ran out of memory during the import"};
+  if (RanOutOfMemory(outcome, child_limits)) return MemoryError(name, limits);
+  return Error{ErrorCode::kImporterCrashed,
+               name + ": the importer died of " + SignalName(outcome.signal) + " while reading it"};
+}
+
+}  // namespace
+
+ErrorCode ErrorCodeFromName(const std::string& name) {
+  for (int code = 0; code <= static_cast<int>(ErrorCode::kInternal); ++code) {
+    if (name == ErrorCodeName(static_cast<ErrorCode>(code))) return static_cast<ErrorCode>(code);
+  }
+  return ErrorCode::kInternal;
+}
+
+Result<ImportedFiles> RunImporter(const ImportRequest& request) {
+  const std::string name = std::filesystem::path(request.input).filename().string();
+  if (auto checked = CheckInput(request.input); !checked) return checked.error();
+  auto directory = TempDir::Create(request.temp_parent);
+  if (!directory) return directory.error();
+  ImportedFiles files;
+  files.directory = std::move(directory).value();
+  files.model_path = files.directory.File("model.flm");
+
+  // The command line.
+  std::error_code path_error;
+  ChildRequest child;
+  child.program = ImporterPath();
+  child.arguments = {std::filesystem::absolute(request.input, path_error).string(), "--model",
+                     files.model_path};
+  for (std::size_t i = 0; i < request.meshes.size(); ++i) {
+    const TessellationOptions& mesh = request.meshes[i];
+    files.mesh_paths.push_back(files.directory.File("mesh" + std::to_string(i) + ".glb"));
+    const bool absolute = mesh.deflection_mm > 0;
+    child.arguments.insert(
+        child.arguments.end(),
+        {"--mesh", files.mesh_paths.back(), absolute ? "--deflection-mm" : "--deflection",
+         Number(absolute ? mesh.deflection_mm : mesh.deflection), "--angular", Number(mesh.angular_deg)});
+  }
+
+  // The limits. Processor time is that of all cores together, so that the wall clock is what a user meets.
+  const ImportLimits& limits = request.limits;
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  child.limits.wall_seconds = limits.timeout_s;
+  child.limits.cpu_seconds = static_cast<std::uint64_t>(std::ceil(limits.timeout_s * cores));
+  child.limits.memory_bytes = kLimitAddressSpace ? limits.memory_mb * kMegabyte : 0;
+  child.limits.file_bytes = limits.file_mb * kMegabyte;
+  child.limits.open_files = 256;
+  child.environment = ImporterEnvironment(files.directory.path());
+  child.working_directory = files.directory.path();
+  auto filter = ImporterSyscallFilter();
+  if (!filter) return filter.error();
+  child.syscall_filter = std::move(filter).value();
+  child.cancel = request.cancel;
+  if (request.progress) child.on_stderr_line = [&](std::string_view line) { ReportProgress(line, request); };
+
+  // Run it, and turn its end into files or an error.
+  auto run = RunChild(child);
+  if (!run) return run.error();
+  const ChildOutcome& outcome = run.value();
+  if (auto error = EndError(outcome, child.limits, name, limits)) return *error;
+  files.wall_ms = outcome.wall_ms;
+  files.peak_bytes = outcome.peak_bytes;
+  files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
+  if (!files.summary.is_object())
+    return Error{ErrorCode::kInternal, name + ": the importer ended with code " +
+                                           std::to_string(outcome.exit_code) + " and gave no answer"};
+  if (outcome.exit_code != 0 || !files.summary.value("ok", false)) {
+    const nlohmann::json error = files.summary.value("error", nlohmann::json::object());
+    return Error{
+        ErrorCodeFromName(error.value("code", "internal")),
+        error.value("message", name + ": the importer ended with code " + std::to_string(outcome.exit_code))};
+  }
+  return files;
+}
+
+}  // namespace facetless

@@ -1,0 +1,65 @@
+// Runs `facetless-import` on one file: the only way from a CAD file to a Model.
+//
+//  1. The importer is a process of its own (child_process.h), under limits of memory, processor time, wall
+//  time and file size, without
+//     sockets and without the right to start processes (sandbox.h), in an empty directory of its own.
+//  2. Whatever the file does to it, RunImporter returns either files or one Error, and leaves nothing behind
+//  but what ImportedFiles owns.
+//  3. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
+//  another one.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "render/model/result.h"
+#include "server/temp_dir.h"
+
+namespace facetless {
+
+struct TessellationOptions {
+  double deflection =
+      1e-3;  // relative to the diagonal of the model's bounding box; used if deflection_mm is 0
+  double deflection_mm = 0;
+  double angular_deg = 20;
+};
+
+struct ImportLimits {
+  double timeout_s = 300;          // wall clock; --import-timeout
+  std::uint64_t memory_mb = 8192;  // address space; --import-memory
+  std::uint64_t file_mb = 4096;    // of each file that it writes
+};
+
+struct ImportRequest {
+  std::string input;
+  std::vector<TessellationOptions> meshes;  // one file each; none: the model only
+  ImportLimits limits;
+  std::string temp_parent;  // where the files go; empty: $TMPDIR or /tmp
+  const std::atomic<bool>* cancel = nullptr;
+  // `stage` is read, transfer, convert or mesh; fraction 0 … 1. Called on the caller's thread.
+  std::function<void(const std::string& stage, double fraction)> progress;
+};
+
+struct ImportedFiles {
+  TempDir directory;  // holds all of them
+  std::string model_path;
+  std::vector<std::string> mesh_paths;  // in the order of ImportRequest::meshes
+  nlohmann::json summary;               // the importer's own answer
+  double wall_ms = 0;
+  std::uint64_t peak_bytes = 0;
+};
+
+// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal); kLimitExceeded
+// (names the limit and the option that raises it); kCancelled; kInternal (no importer, or an answer that is
+// none); and whatever the importer reports.
+Result<ImportedFiles> RunImporter(const ImportRequest& request);
+
+// The error code with the given stable name; kInternal for a name that no code has.
+ErrorCode ErrorCodeFromName(const std::string& name);
+
+}  // namespace facetless

@@ -1,0 +1,46 @@
+// HTTP requests and responses as plain data: what passes between the transport (http_server.h) and the
+// service (service.h).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/temp_dir.h"
+
+namespace facetless {
+
+// One part of a multipart body; a body of another type is one part without a name.
+struct BodyPart {
+  std::string name, file_name, content_type;
+  std::string text;    // the content of small parts
+  std::string path;    // of a part kept in a file: where; else empty
+  std::string sha256;  // of a part kept in a file
+  std::uint64_t bytes = 0;
+};
+
+struct HttpRequest {
+  std::string method, path;                    // path: decoded, without the query
+  std::map<std::string, std::string> headers;  // names in lower case; of repeated ones the first
+  std::map<std::string, std::string> query;
+  std::vector<BodyPart> parts;
+  TempDir uploads;  // holds the parts' files
+
+  std::string Header(const std::string& lower_case_name) const {
+    const auto found = headers.find(lower_case_name);
+    return found == headers.end() ? "" : found->second;
+  }
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;
+  std::string body;
+  std::string file_path;  // if not empty, the body is this file's content
+  std::vector<std::pair<std::string, std::string>> headers;
+};
+
+}  // namespace facetless

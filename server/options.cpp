@@ -1,0 +1,411 @@
+#include "server/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "render/compare/compare_view.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+Error BadUsage(std::string message) {
+  return {ErrorCode::kBadUsage, std::move(message)};
+}
+
+// A value as the caller wrote it; bytes that are no UTF-8 are replaced.
+std::string Quoted(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string Plain(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
+Result<double> ParseNumber(const Json& json, const std::string& name, double low, double high) {
+  const double value = json.is_number() ? json.get<double>() : NAN;
+  if (value >= low && value <= high) return value;
+  const std::string range = std::isfinite(high) ? "a number from " + Plain(low) + " to " + Plain(high)
+                                                : "a number of at least " + Plain(low);
+  return BadUsage(name + " is " + Quoted(json) + ", but must be " + range);
+}
+
+Result<int> ParseInteger(const Json& json, const std::string& name, int low, int high) {
+  auto number = ParseNumber(json, name, low, high);
+  if (!number) return number.error();
+  if (number.value() != std::floor(number.value()))
+    return BadUsage(name + " is " + Quoted(json) + ", but must be a whole number");
+  return static_cast<int>(number.value());
+}
+
+Result<bool> ParseBool(const Json& json, const std::string& name) {
+  if (!json.is_boolean()) return BadUsage(name + " is " + Quoted(json) + ", but must be true or false");
+  return json.get<bool>();
+}
+
+Result<std::string> ParseText(const Json& json, const std::string& name) {
+  if (!json.is_string()) return BadUsage(name + " is " + Quoted(json) + ", but must be a string");
+  return json.get<std::string>();
+}
+
+// The index of the given word in `words`.
+Result<int> ParseWord(const Json& json, const std::string& name, const std::vector<std::string>& words) {
+  if (json.is_string()) {
+    const auto found = std::find(words.begin(), words.end(), json.get<std::string>());
+    if (found != words.end()) return static_cast<int>(found - words.begin());
+  }
+  return BadUsage(name + " is " + Quoted(json) + ", but must be one of " + Joined(words));
+}
+
+// A list of strings, or one string with commas.
+Result<std::vector<std::string>> ParseWords(const Json& json, const std::string& name) {
+  std::vector<std::string> words;
+  if (json.is_string()) {
+    const std::string text = json.get<std::string>();
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const std::size_t end = std::min(text.find(',', begin), text.size());
+      words.push_back(text.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    return words;
+  }
+  if (!json.is_array())
+    return BadUsage(name + " is " + Quoted(json) + ", but must be a name or a list of names");
+  for (const Json& word : json) {
+    if (!word.is_string()) return BadUsage(name + " lists " + Quoted(word) + ", which is not a name");
+    words.push_back(word.get<std::string>());
+  }
+  return words;
+}
+
+Result<void> ParseSize(const Json& json, RunOptions& options) {
+  constexpr int kMaxPixels = 65536;
+  const Error error =
+      BadUsage("size is " + Quoted(json) + ", but must be WIDTHxHEIGHT, each from 1 to 65536 pixels");
+  int width = 0, height = 0;
+  if (json.is_array() && json.size() == 2 && json[0].is_number_integer() && json[1].is_number_integer()) {
+    width = static_cast<int>(std::clamp<std::int64_t>(json[0].get<std::int64_t>(), 0, kMaxPixels + 1));
+    height = static_cast<int>(std::clamp<std::int64_t>(json[1].get<std::int64_t>(), 0, kMaxPixels + 1));
+  } else if (json.is_string()) {
+    const std::string text = json.get<std::string>();
+    const char* end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, width);
+    if (first.ec != std::errc{} || first.ptr == end || *first.ptr != 'x') return error;
+    const auto second = std::from_chars(first.ptr + 1, end, height);
+    if (second.ec != std::errc{} || second.ptr != end) return error;
+  }
+  if (width < 1 || width > kMaxPixels || height < 1 || height > kMaxPixels) return error;
+  options.width = width;
+  options.height = height;
+  return {};
+}
+
+Result<void> ParseSamples(const Json& json, RunOptions& options) {
+  auto samples = ParseInteger(json, "samples", 1, 64);
+  if (!samples) return samples.error();
+  // Pixels are square, so a grid that is much finer along one axis wastes its samples.
+  const SampleGrid grid = GridOf(samples.value());
+  if (std::max(grid.x, grid.y) > 2 * std::min(grid.x, grid.y)) {
+    std::string allowed;
+    for (int n = 1; n <= 64; ++n) {
+      const SampleGrid other = GridOf(n);
+      if (std::max(other.x, other.y) <= 2 * std::min(other.x, other.y)) allowed += " " + std::to_string(n);
+    }
+    return BadUsage("samples is " + Quoted(json) + ", which makes no near-square grid; use one of" + allowed);
+  }
+  options.samples = samples.value();
+  return {};
+}
+
+// Parsers by name. Each stores into the options what it read.
+using Parser = std::function<Result<void>(const Json&, RunOptions&)>;
+
+template <typename Parsed, typename Target>
+Result<void> Store(Parsed parsed, Target& target) {
+  if (!parsed) return parsed.error();
+  target = std::move(parsed).value();
+  return {};
+}
+
+Parser NumberParser(const char* name, double low, double high,
+                    std::function<void(RunOptions&, double)> store) {
+  return [=](const Json& json, RunOptions& options) -> Result<void> {
+    auto number = ParseNumber(json, name, low, high);
+    if (!number) return number.error();
+    store(options, number.value());
+    return {};
+  };
+}
+
+template <typename Enum>
+Parser WordParser(const char* name, std::vector<std::string> words, Enum RunOptions::*member) {
+  return [=](const Json& json, RunOptions& options) -> Result<void> {
+    auto index = ParseWord(json, name, words);
+    if (!index) return index.error();
+    if constexpr (std::is_same_v<Enum, std::string>) {
+      options.*member = words[static_cast<std::size_t>(index.value())];
+    } else {
+      options.*member = static_cast<Enum>(index.value());
+    }
+    return {};
+  };
+}
+
+Parser BoolParser(const char* name, bool RunOptions::*member) {
+  return [=](const Json& json, RunOptions& options) { return Store(ParseBool(json, name), options.*member); };
+}
+
+Parser LimitParser(const char* name, std::optional<double> Thresholds::*member) {
+  return NumberParser(name, 0, INFINITY,
+                      [=](RunOptions& options, double value) { options.fail.*member = value; });
+}
+
+Result<void> ParseCameras(const Json& json, RunOptions& options) {
+  options.cameras = json.is_array() ? json : Json::array({json});
+  if (options.cameras.empty()) return BadUsage("camera is an empty list");
+  for (const Json& camera : options.cameras) {
+    if (!camera.is_object()) return BadUsage("camera is " + Quoted(camera) + ", but must be an object");
+  }
+  return {};
+}
+
+Result<void> ParseViews(const Json& json, RunOptions& options) {
+  auto views = ParseWords(json, "view");
+  if (!views) return views.error();
+  if (views.value().empty()) return BadUsage("view is an empty list");
+  for (const std::string& view : views.value()) {
+    if (std::find(ViewNames().begin(), ViewNames().end(), view) == ViewNames().end())
+      return BadUsage("there is no view \"" + view + "\"; the views are " + Joined(ViewNames()));
+  }
+  options.views = std::move(views).value();
+  return {};
+}
+
+Result<void> ParseAovs(const Json& json, RunOptions& options) {
+  static const std::vector<std::string> kNames = {"depth", "normal", "face", "uv", "certificate"};
+  auto aovs = ParseWords(json, "aov");
+  if (!aovs) return aovs.error();
+  for (const std::string& aov : aovs.value()) {
+    if (std::find(kNames.begin(), kNames.end(), aov) == kNames.end())
+      return BadUsage("there is no AOV \"" + aov + "\"; the AOVs are " + Joined(kNames));
+  }
+  options.aovs = std::move(aovs).value();
+  return {};
+}
+
+const std::vector<std::pair<std::string, Parser>>& Parsers() {
+  static const std::vector<std::pair<std::string, Parser>> parsers = {
+      {"view", ParseViews},
+      {"camera", ParseCameras},
+      {"size", ParseSize},
+      {"projection", WordParser("projection", {"orthographic", "perspective"}, &RunOptions::projection)},
+      {"samples", ParseSamples},
+      {"precision", WordParser("precision", {"fast", "standard", "certified"}, &RunOptions::precision)},
+      {"threads", [](const Json& json,
+                     RunOptions& o) { return Store(ParseInteger(json, "threads", 0, 1024), o.threads); }},
+      {"timeout", NumberParser("timeout", 0, INFINITY, [](RunOptions& o, double v) { o.timeout_s = v; })},
+      {"audit", BoolParser("audit", &RunOptions::audit)},
+      {"edges", BoolParser("edges", &RunOptions::edges)},
+      {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
+      {"aov", ParseAovs},
+      {"mesh", [](const Json& json, RunOptions& o) { return Store(ParseText(json, "mesh"), o.mesh); }},
+      {"mesh_unit", WordParser("mesh_unit", {"mm", "cm", "m", "in", "ft"}, &RunOptions::mesh_unit)},
+      {"mesh_up", WordParser("mesh_up", {"y", "z"}, &RunOptions::mesh_up)},
+      {"deflection",
+       NumberParser("deflection", 1e-9, 1, [](RunOptions& o, double v) { o.tessellation.deflection = v; })},
+      // The smallest normal double stands for "greater than 0".
+      {"deflection_mm", NumberParser("deflection_mm", std::numeric_limits<double>::min(), 1e12,
+                                     [](RunOptions& o, double v) { o.tessellation.deflection_mm = v; })},
+      {"angular",
+       NumberParser("angular", 0.1, 90, [](RunOptions& o, double v) { o.tessellation.angular_deg = v; })},
+      {"import_timeout", NumberParser("import_timeout", 0.01, 1e6,
+                                      [](RunOptions& o, double v) { o.import_limits.timeout_s = v; })},
+      {"import_memory", NumberParser("import_memory", 64, 1e9,
+                                     [](RunOptions& o, double v) {
+                                       o.import_limits.memory_mb = static_cast<std::uint64_t>(v);
+                                     })},
+      {"strict", BoolParser("strict", &RunOptions::strict)},
+      {"fail_deviation_mm", LimitParser("fail_deviation_mm", &Thresholds::deviation_mm)},
+      {"fail_depth_mm", LimitParser("fail_depth_mm", &Thresholds::depth_mm)},
+      {"fail_silhouette_px", LimitParser("fail_silhouette_px", &Thresholds::silhouette_px)},
+      {"fail_flip", LimitParser("fail_flip", &Thresholds::flip)},
+      {"fail_share", LimitParser("fail_share", &Thresholds::share)},
+  };
+  return parsers;
+}
+
+Result<Vec3> ParsePoint(const Json& json, const std::string& name) {
+  const Error error = BadUsage("camera." + name + " is " + Quoted(json) + ", but must be [x, y, z]");
+  if (!json.is_array() || json.size() != 3) return error;
+  double xyz[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!json[i].is_number() || !std::isfinite(json[i].get<double>())) return error;
+    xyz[i] = json[i].get<double>();
+  }
+  return Vec3{xyz[0], xyz[1], xyz[2]};
+}
+
+bool IsFileStem(const std::string& name) {
+  if (name.empty() || name.size() > 64) return false;
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
+}  // namespace
+
+bool RunOptions::WantsAov(const std::string& name) const {
+  return std::find(aovs.begin(), aovs.end(), name) != aovs.end();
+}
+
+Result<RunOptions> ParseOptions(const Json& json) {
+  if (!json.is_object()) return BadUsage("the options must be a JSON object");
+  RunOptions options;
+  std::set<std::string> given;
+  for (const auto& [key, value] : json.items()) {
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '-', '_');
+    const auto parser = std::find_if(Parsers().begin(), Parsers().end(),
+                                     [&](const auto& entry) { return entry.first == name; });
+    if (parser == Parsers().end())
+      return BadUsage("there is no option \"" + key + "\"; the options are " + Joined(OptionNames()));
+    if (!given.insert(name).second) return BadUsage("the option " + name + " is given twice");
+    if (auto parsed = parser->second(value, options); !parsed) return parsed.error();
+  }
+  // Options that exclude each other.
+  const std::pair<const char*, const char*> exclusive[] = {{"view", "camera"},
+                                                           {"deflection", "deflection_mm"},
+                                                           {"mesh", "deflection"},
+                                                           {"mesh", "deflection_mm"},
+                                                           {"mesh", "angular"}};
+  for (const auto& [a, b] : exclusive) {
+    if (given.contains(a) && given.contains(b)) return BadUsage(std::string("give either ") + a + " or " + b);
+  }
+  return options;
+}
+
+const std::vector<std::string>& OptionNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, parser] : Parsers()) all.push_back(name);
+    return all;
+  }();
+  return names;
+}
+
+Result<Camera> ParseCamera(const Json& json, const RunOptions& options, const Box3& bounds,
+                           const std::string& default_name) {
+  static const std::set<std::string> kKeys = {"name",   "eye",       "target", "up",       "projection",
+                                              "height", "fov_y_deg", "width",  "height_px"};
+  for (const auto& [key, value] : json.items()) {
+    if (!kKeys.contains(key))
+      return BadUsage("a camera has no \"" + key +
+                      "\"; it has name, eye, target, up, projection, height or fov_y_deg, width, height_px");
+  }
+  Camera camera;
+  camera.name = default_name;
+  camera.target = bounds.center();
+  camera.projection = options.projection;
+  camera.width_px = options.width;
+  camera.height_px = options.height;
+
+  // Name and projection.
+  if (json.contains("name")) {
+    auto name = ParseText(json["name"], "camera.name");
+    if (!name) return name.error();
+    camera.name = name.value();
+  }
+  if (!IsFileStem(camera.name))
+    return BadUsage("camera.name \"" + camera.name +
+                    "\" must be 1 to 64 letters, digits, _ or -, since files are named after it");
+  if (json.contains("projection")) {
+    auto index = ParseWord(json["projection"], "camera.projection", {"orthographic", "perspective"});
+    if (!index) return index.error();
+    camera.projection = static_cast<Projection>(index.value());
+  }
+
+  // Where it stands and looks.
+  if (!json.contains("eye")) return BadUsage("a camera needs an \"eye\": [x, y, z] in millimetres");
+  for (auto [key, point] : {std::pair{"eye", &camera.eye}, {"target", &camera.target}, {"up", &camera.up}}) {
+    if (!json.contains(key)) continue;
+    if (auto stored = Store(ParsePoint(json[key], key), *point); !stored) return stored.error();
+  }
+  if (!json.contains("up")) {
+    const Vec3 forward = Normalized(camera.target - camera.eye);
+    // Within 0.06 degrees of the vertical, a rounded direction would roll the picture visibly.
+    constexpr double kSineOfVertical = 1e-3;
+    camera.up = Length(Cross(forward, {0, 0, 1})) > kSineOfVertical ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
+  }
+
+  // What it sees.
+  const bool orthographic = camera.projection == Projection::kOrthographic;
+  if (json.contains(orthographic ? "fov_y_deg" : "height"))
+    return BadUsage(orthographic ? "an orthographic camera has a height, no fov_y_deg"
+                                 : "a perspective camera has a fov_y_deg, no height");
+  for (auto [key, size] : {std::pair{"width", &camera.width_px}, {"height_px", &camera.height_px}}) {
+    if (!json.contains(key)) continue;
+    if (auto stored = Store(ParseInteger(json[key], std::string("camera.") + key, 1, 65536), *size); !stored)
+      return stored.error();
+  }
+  const double aspect = static_cast<double>(camera.width_px) / camera.height_px;
+  camera.height = 1.05 * bounds.diagonal() / std::min(1.0, aspect);
+  if (json.contains("height")) {
+    auto height = ParseNumber(json["height"], "camera.height", std::numeric_limits<double>::min(), 1e15);
+    if (auto stored = Store(std::move(height), camera.height); !stored) return stored.error();
+  }
+  if (json.contains("fov_y_deg")) {
+    auto angle = ParseNumber(json["fov_y_deg"], "camera.fov_y_deg", 1e-3, 179);
+    if (auto stored = Store(std::move(angle), camera.fov_y_deg); !stored) return stored.error();
+  }
+  if (auto frame = MakeFrame(camera, bounds.diagonal()); !frame) return frame.error();
+  return camera;
+}
+
+Result<std::vector<Camera>> ResolveCameras(const RunOptions& options, const Box3& bounds) {
+  std::vector<Camera> cameras;
+  if (options.cameras.is_array()) {
+    for (const Json& json : options.cameras) {
+      const std::string name = cameras.empty() ? "camera" : "camera-" + std::to_string(cameras.size() + 1);
+      auto camera = ParseCamera(json, options, bounds, name);
+      if (!camera) return camera.error();
+      cameras.push_back(std::move(camera).value());
+    }
+  } else {
+    for (const std::string& view : options.views) {
+      auto camera = NamedView(view, bounds, options.projection, options.width, options.height);
+      if (!camera) return camera.error();
+      cameras.push_back(std::move(camera).value());
+    }
+  }
+  std::set<std::string> names;
+  for (const Camera& camera : cameras) {
+    if (!names.insert(camera.name).second)
+      return BadUsage("two views are named " + camera.name + ", but files are named after them");
+  }
+  return cameras;
+}
+
+const char* PrecisionName(Precision precision) {
+  constexpr const char* kNames[] = {"fast", "standard", "certified"};
+  return kNames[static_cast<int>(precision)];
+}
+
+const char* ProjectionName(Projection projection) {
+  return projection == Projection::kOrthographic ? "orthographic" : "perspective";
+}
+
+}  // namespace facetless

@@ -1,0 +1,97 @@
+// What a caller may ask of a run. The command line and the HTTP service both fill it from JSON, so a name, a
+// range and an error message exist once.
+//
+//  1. A JSON name is the command line's without the dashes in front, and with _ for - inside: --deflection-mm
+//  is "deflection_mm".
+//     (- is accepted, too.)
+//  2. An unknown name, a wrong type, a number out of range and two options that contradict each other are
+//  kBadUsage; the
+//     message names the option and what is allowed.
+//
+// name            type, range                                                    default
+// view            name or list of names (NamedView)                              iso
+// camera          object or list: see ParseCamera; excludes view
+// size            "WxH" or [W, H], each 1 … 65536 pixels                          1024x1024
+// projection      orthographic | perspective, of named views                     orthographic
+// samples         per pixel, 1 … 64, a near-square grid k × m (m ≤ 2k)            4
+// precision       fast | standard | certified                                    standard
+// threads         0 (all cores) … 1024                                           0
+// timeout         seconds for everything after the import, 0: none               0
+// audit, edges    true | false                                                   false
+// background      studio | transparent                                           studio
+// aov             list, or one string with commas: depth, normal, face, uv, certificate
+// mesh            path of a mesh to compare with instead of our tessellation
+// mesh_unit       mm | cm | m | in | ft                                          the format's own
+// mesh_up         y | z                                                          the format's own
+// deflection      relative to the diagonal, 1e-9 … 1                              1e-3
+// deflection_mm   millimetres, > 0; excludes deflection
+// angular         degrees, 0.1 … 90                                              20
+// import_timeout  seconds, > 0                                                   300
+// import_memory   megabytes, >= 64                                               8192
+// strict          true: any loss fails                                           false
+// fail_deviation_mm, fail_depth_mm, fail_silhouette_px, fail_flip, fail_share: fail if a view's
+// deviation_mm.max, depth_mm.max,
+//                 silhouette.max_distance_px, color.flip_mean or color.share_over_threshold is larger, >= 0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "render/model/result.h"
+#include "render/model/vec.h"
+#include "render/shade/shade.h"
+#include "render/trace/camera.h"
+#include "render/trace/direct.h"
+#include "server/import_process.h"
+
+namespace facetless {
+
+// The largest values that a run may have and still pass.
+struct Thresholds {
+  std::optional<double> deviation_mm, depth_mm, silhouette_px, flip, share;
+};
+
+struct RunOptions {
+  std::vector<std::string> views = {"iso"};
+  nlohmann::json cameras;  // null, or a list of camera objects
+  int width = 1024, height = 1024;
+  Projection projection = Projection::kOrthographic;
+  int samples = 4;
+  Precision precision = Precision::kStandard;
+  int threads = 0;
+  double timeout_s = 0;
+  bool audit = false, edges = false;
+  Background background = Background::kStudio;
+  std::vector<std::string> aovs;
+  std::string mesh, mesh_unit, mesh_up;
+  TessellationOptions tessellation;
+  ImportLimits import_limits;
+  bool strict = false;
+  Thresholds fail;
+
+  bool WantsAov(const std::string& name) const;
+};
+
+// Error: kBadUsage.
+Result<RunOptions> ParseOptions(const nlohmann::json& json);
+
+// The names that ParseOptions knows, as in the table above.
+const std::vector<std::string>& OptionNames();
+
+// One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up"
+// [0,0,1] ([0,1,0] if that is the view direction), "projection" that of the options, "height" (orthographic)
+// what shows `bounds` with 5 % of margin, "fov_y_deg" 40, "name" as given, "width" and "height_px" those of
+// the options. So a camera of a report can be given back as it is. Error: kBadUsage.
+Result<Camera> ParseCamera(const nlohmann::json& json, const RunOptions& options, const Box3& bounds,
+                           const std::string& default_name);
+
+// The cameras of a run, their names distinct. Error: kBadUsage.
+Result<std::vector<Camera>> ResolveCameras(const RunOptions& options, const Box3& bounds);
+
+const char* PrecisionName(Precision precision);
+const char* ProjectionName(Projection projection);
+
+}  // namespace facetless

@@ -1,0 +1,25 @@
+// Errors over HTTP: RFC 9457 `application/problem+json`.
+//
+// {"type": "urn:facetless:problem:<code>", "title", "status", "detail"}: type and status are stable, title
+// and detail are for people. The codes are those of ErrorCodeName, and for what concerns HTTP itself
+// not-found, method-not-allowed, payload-too-large, unsupported-media-type, malformed-request, cross-site,
+// request-timeout, busy, timeout and shutting-down; docs/api.md lists them.
+#pragma once
+
+#include <string>
+
+#include "render/model/result.h"
+#include "server/message.h"
+
+namespace facetless {
+
+HttpResponse Problem(int status, const std::string& code, const std::string& title,
+                     const std::string& detail);
+
+// For an error of a run: 422 where the input or the options are to blame, else 500.
+HttpResponse ProblemOf(const Error& error);
+
+// For a status that the transport itself answers with.
+HttpResponse ProblemOfStatus(int status);
+
+}  // namespace facetless

@@ -1,0 +1,260 @@
+#include "server/run.h"
+
+#include <cmath>
+#include <utility>
+
+#include "render/baseline/mesh_file.h"
+#include "render/baseline/tracer.h"
+#include "render/compare/compare_view.h"
+#include "render/compare/report.h"
+#include "render/image/io.h"
+#include "render/model/model_file.h"
+#include "server/files.h"
+#include "server/interrupt.h"
+#include "server/report_html.h"
+#include "server/version.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* cancel) {
+  ViewOptions view;
+  view.samples = options.samples;
+  view.precision = options.precision;
+  view.threads = options.threads;
+  view.edges = options.edges;
+  view.background = options.background;
+  view.uv = options.WantsAov("uv");
+  view.audit = options.audit;
+  view.cancel = cancel;
+  return view;
+}
+
+// Writes one view's files and collects their names by role.
+class ViewFiles {
+ public:
+  ViewFiles(const std::string& directory, const std::string& view)
+      : stem_(directory + "/" + view), view_(view) {}
+
+  void Png(const char* role, const Image8& image) {
+    if (ok_.ok()) Done(role, ".png", WritePng(stem_ + "." + role + ".png", image));
+  }
+  void Depth(const char* role, const SampleBuffer& samples) {
+    if (ok_.ok())
+      Done(role, ".tif",
+           WriteDepth(stem_ + "." + role + ".tif", samples.width, samples.height, samples.depth));
+  }
+  // The depth is a file of its own already, in double.
+  void Aovs(const SampleBuffer& samples, const RunOptions& options) {
+    AovSelection wanted;
+    wanted.depth = options.WantsAov("depth");
+    wanted.normal = options.WantsAov("normal");
+    wanted.face = options.WantsAov("face");
+    wanted.uv = options.WantsAov("uv");
+    wanted.certificate = options.WantsAov("certificate");
+    if (ok_.ok() && !options.aovs.empty())
+      Done("aov", ".exr", WriteAovs(stem_ + ".aov.exr", samples, wanted));
+  }
+  Result<Json> Take() && {
+    if (!ok_) return ok_.error();
+    return std::move(names_);
+  }
+
+ private:
+  void Done(const char* role, const char* extension, Result<void> result) {
+    ok_ = std::move(result);
+    names_[role] = view_ + "." + role + extension;
+  }
+
+  std::string stem_, view_;
+  Json names_ = Json::object();
+  Result<void> ok_;
+};
+
+// What both kinds of run share: cameras, the clock, the report's envelope and its files.
+class Run {
+ public:
+  Run(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
+      const RunContext& context, const char* command)
+      : imported_(imported),
+        options_(options),
+        directory_(directory),
+        context_(context),
+        command_(command),
+        deadline_(options.timeout_s, context.cancel) {}
+
+  const std::atomic<bool>* cancel() const { return deadline_.flag(); }
+  const std::string& directory() const { return directory_; }
+
+  // Calls `one` for each camera; it returns the view's entry of the report.
+  template <typename One>
+  Result<Json> ForEachView(One one) {
+    if (auto made = MakeDirectories(directory_); !made) return made.error();
+    auto cameras = ResolveCameras(options_, imported_.model->bounds);
+    if (!cameras) return cameras.error();
+    Json views = Json::array();
+    for (const Camera& camera : cameras.value()) {
+      Progress(static_cast<double>(views.size()) / static_cast<double>(cameras.value().size()));
+      Result<Json> view = *cancel() ? Result<Json>(Error{ErrorCode::kCancelled, "stopped"}) : one(camera);
+      if (!view) return Explained(view.error());
+      views.push_back(std::move(view).value());
+    }
+    Progress(1);
+    return views;
+  }
+
+  // Completes the report and writes it.
+  Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
+    Json report = {{"facetless", ProgramJson(options_.threads)},
+                   {"command", command_},
+                   {"options",
+                    {{"samples", options_.samples},
+                     {"precision", PrecisionName(options_.precision)},
+                     {"edges", options_.edges},
+                     {"audit", options_.audit}}},
+                   {"model", ImportedModelJson(imported_)},
+                   {"views", std::move(views)},
+                   {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+    if (auto written = WriteFileAtomically(directory_ + "/report.json", JsonText(report) + "\n"); !written)
+      return written.error();
+    auto html = ReportHtml(report, directory_);
+    if (!html) return html.error();
+    if (auto written = WriteFileAtomically(directory_ + "/report.html", html.value()); !written)
+      return written.error();
+    return report;
+  }
+
+  // A stop that the clock caused names the option that allows more.
+  Error Explained(const Error& error) const {
+    if (error.code != ErrorCode::kCancelled || !deadline_.expired()) return error;
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%g", options_.timeout_s);
+    return {ErrorCode::kLimitExceeded, imported_.model->info.file + ": rendering took longer than " +
+                                           seconds + " s; --timeout allows more"};
+  }
+
+ private:
+  void Progress(double fraction) const {
+    if (context_.progress) context_.progress(command_, fraction);
+  }
+
+  const ImportedModel& imported_;
+  const RunOptions& options_;
+  const std::string directory_;
+  const RunContext& context_;
+  const char* command_;
+  Deadline deadline_;
+};
+
+}  // namespace
+
+Result<ImportedModel> Import(const ImportRequest& request) {
+  auto files = RunImporter(request);
+  if (!files) return files.error();
+  ImportedModel imported;
+  imported.import_ms = files.value().wall_ms;
+  imported.import_peak_bytes = files.value().peak_bytes;
+  auto model = ReadModel(files.value().model_path);
+  if (!model) return model.error();
+  imported.model = std::make_unique<const Model>(std::move(model).value());
+  for (const std::string& path : files.value().mesh_paths) {
+    auto mesh = LoadMesh(path, {}, imported.model.get());
+    if (!mesh) return mesh.error();
+    imported.meshes.push_back(std::move(mesh).value());
+  }
+  return imported;
+}
+
+Json ImportedModelJson(const ImportedModel& imported) {
+  Json json = ModelJson(*imported.model);
+  json["import_ms"] = imported.import_ms;
+  if (imported.import_peak_bytes > 0) json["import_peak_bytes"] = imported.import_peak_bytes;
+  return json;
+}
+
+std::size_t LossCount(const Model& model) {
+  return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
+}
+
+Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values) {
+  Json broken = Json::array();
+  for (const ViewValues& view : values) {
+    const auto check = [&](const char* name, const std::optional<double>& limit, double value) {
+      // In this form a NaN breaks the threshold.
+      if (!limit || value <= *limit) return;
+      broken.push_back({{"view", view.view},
+                        {"threshold", name},
+                        {"limit", *limit},
+                        {"value", std::isfinite(value) ? Json(value) : Json(nullptr)}});
+    };
+    check("fail_deviation_mm", options.fail.deviation_mm, view.deviation_mm);
+    check("fail_depth_mm", options.fail.depth_mm, view.depth_mm);
+    check("fail_silhouette_px", options.fail.silhouette_px, view.silhouette_px);
+    check("fail_flip", options.fail.flip, view.flip);
+    check("fail_share", options.fail.share, view.share);
+  }
+  const bool failed = !broken.empty() || (options.strict && lost > 0);
+  return {{"passed", !failed},
+          {"strict", options.strict},
+          {"lost", lost},
+          {"broken", broken},
+          {"exit_code", failed     ? 2
+                        : lost > 0 ? 1
+                                   : 0}};
+}
+
+Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
+                       const RunContext& context) {
+  Run run(imported, options, directory, context, "render");
+  const Scene scene(*imported.model);
+  auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
+    auto view = RenderView(scene, camera, ToViewOptions(options, run.cancel()));
+    if (!view) return view.error();
+    ViewFiles files(run.directory(), camera.name);
+    files.Png("direct", view.value().image);
+    files.Depth("depth", view.value().samples);
+    files.Aovs(view.value().samples, options);
+    auto names = std::move(files).Take();
+    if (!names) return names.error();
+    Json json = RenderJson(camera, view.value());
+    json["files"] = std::move(names).value();
+    return json;
+  });
+  if (!views) return views.error();
+  return run.Finish(std::move(views).value(), {});
+}
+
+Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
+                        const std::string& directory, const RunContext& context) {
+  Run run(imported, options, directory, context, "compare");
+  const Scene scene(*imported.model);
+  const auto baseline = BaselineScene::Build(mesh, options.threads);
+  if (!baseline) return baseline.error();
+  std::vector<ViewValues> values;
+  auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
+    auto compared = CompareView(scene, baseline.value(), camera, ToViewOptions(options, run.cancel()));
+    if (!compared) return compared.error();
+    const ViewComparison& view = compared.value();
+    ViewFiles files(run.directory(), camera.name);
+    files.Png("direct", view.direct.image);
+    files.Png("baseline", view.baseline.image);
+    files.Png("difference", view.picture.image);
+    files.Depth("depth", view.direct.samples);
+    files.Depth("baseline-depth", view.baseline.samples);
+    files.Aovs(view.direct.samples, options);
+    auto names = std::move(files).Take();
+    if (!names) return names.error();
+    const Difference& d = view.difference;
+    values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
+                      d.color.flip_mean, d.color.share_over_threshold});
+    Json json = ComparisonJson(view, baseline.value());
+    json["files"] = std::move(names).value();
+    return json;
+  });
+  if (!views) return views.error();
+  return run.Finish(std::move(views).value(), values);
+}
+
+}  // namespace facetless

@@ -1,0 +1,100 @@
+#include "server/sandbox.h"
+
+#include <sched.h>
+#include <seccomp.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+namespace facetless {
+namespace {
+
+// By name, since a call that this kernel's headers don't know must not break the build.
+constexpr const char* kDenied[] = {"socket",
+                                   "socketpair",
+                                   "connect",
+                                   "bind",
+                                   "listen",
+                                   "accept",
+                                   "accept4",
+                                   "sendto",
+                                   "sendmsg",
+                                   "sendmmsg",
+                                   "fork",
+                                   "vfork",
+                                   "ptrace",
+                                   "process_vm_readv",
+                                   "process_vm_writev",
+                                   "process_madvise",
+                                   "pidfd_getfd",
+                                   "mount",
+                                   "umount2",
+                                   "pivot_root",
+                                   "chroot",
+                                   "unshare",
+                                   "setns",
+                                   "open_by_handle_at",
+                                   "bpf",
+                                   "perf_event_open",
+                                   "userfaultfd",
+                                   "io_uring_setup",
+                                   "keyctl",
+                                   "add_key",
+                                   "request_key",
+                                   "init_module",
+                                   "finit_module",
+                                   "delete_module",
+                                   "kexec_load",
+                                   "kexec_file_load",
+                                   "reboot",
+                                   "swapon",
+                                   "swapoff",
+                                   "acct",
+                                   "settimeofday",
+                                   "clock_settime",
+                                   "adjtimex",
+                                   "personality"};
+
+}  // namespace
+
+Result<std::vector<sock_filter>> ImporterSyscallFilter() {
+  const auto failed = [](const char* step) {
+    return Error{ErrorCode::kInternal,
+                 std::string("cannot build the importer's system-call filter: ") + step};
+  };
+  const std::unique_ptr<void, void (*)(scmp_filter_ctx)> context(seccomp_init(SCMP_ACT_ALLOW),
+                                                                 seccomp_release);
+  if (context == nullptr) return failed("init");
+  // Deny by name; a call that does not exist on this architecture can't be made either.
+  for (const char* name : kDenied) {
+    const int number = seccomp_syscall_resolve_name(name);
+    if (number == __NR_SCMP_ERROR) continue;
+    const int result = seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(EPERM), number, 0);
+    if (result != 0 && result != -EDOM) return failed(name);
+  }
+  // Threads, but no processes: clone needs CLONE_THREAD; clone3, whose flags a filter can't see, pretends not
+  // to exist, so that the C library falls back to clone.
+  if (seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(EPERM), SCMP_SYS(clone), 1,
+                       SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0)) != 0)
+    return failed("clone");
+  if (seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0) != 0)
+    return failed("clone3");
+
+  // Export the program through a file in memory.
+  const int file = memfd_create("facetless-filter", MFD_CLOEXEC);
+  if (file < 0) return failed("memfd_create");
+  const bool exported = seccomp_export_bpf(context.get(), file) == 0;
+  const off_t bytes = exported ? lseek(file, 0, SEEK_END) : -1;
+  std::vector<sock_filter> program(bytes > 0 ? static_cast<std::size_t>(bytes) / sizeof(sock_filter) : 0);
+  const ssize_t wanted = static_cast<ssize_t>(program.size() * sizeof(sock_filter));
+  const bool read_back =
+      wanted > 0 && pread(file, program.data(), static_cast<std::size_t>(wanted), 0) == wanted;
+  close(file);
+  if (!read_back) return failed("export");
+  return program;
+}
+
+}  // namespace facetless

@@ -1,0 +1,125 @@
+#include "server/serve.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "server/commands.h"
+#include "server/exit_code.h"
+#include "server/file_store.h"
+#include "server/http_server.h"
+#include "server/interrupt.h"
+#include "server/service.h"
+
+namespace facetless {
+namespace {
+
+// How long running requests may go on after the signal: container runtimes kill after ten seconds.
+constexpr auto kGrace = std::chrono::seconds(5);
+constexpr auto kPoll = std::chrono::milliseconds(50);
+
+struct Address {
+  std::string host;
+  int port = 0;
+};
+
+// "127.0.0.1:8080", "[::1]:8080", "localhost:0".
+Result<Address> ParseAddress(const std::string& text) {
+  const Error error = {ErrorCode::kBadUsage,
+                       "--listen is " + text + ", but must be ADDRESS:PORT, like 127.0.0.1:8080"};
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) return error;
+  Address address;
+  address.host = text.substr(0, colon);
+  if (address.host.front() == '[' && address.host.back() == ']')
+    address.host = address.host.substr(1, address.host.size() - 2);
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data() + colon + 1, end, address.port);
+  if (parsed.ec != std::errc{} || parsed.ptr != end || address.port < 0 || address.port > 65535) return error;
+  return address;
+}
+
+// Control characters would forge lines of the log.
+std::string Printable(const std::string& text) {
+  std::string printable;
+  for (const char c : text) printable += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return printable;
+}
+
+}  // namespace
+
+std::string DefaultDataDirectory() {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value == nullptr ? "" : value);
+  };
+  if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty()) return cache + "/facetless";
+  if (const std::string home = variable("HOME"); !home.empty()) return home + "/.cache/facetless";
+  return "facetless-data";
+}
+
+int Serve(const ServeOptions& options) {
+  auto address = ParseAddress(options.listen);
+  if (!address) return PrintError(address.error());
+  const std::string data =
+      std::filesystem::absolute(options.data.empty() ? DefaultDataDirectory() : options.data);
+  auto store = FileStore::Open(data);
+  if (!store) return PrintError(store.error());
+
+  // The service and its transport.
+  ServiceLimits limits;
+  limits.jobs = options.jobs;
+  limits.queue = options.queue;
+  limits.timeout_s = options.timeout_s;
+  limits.max_upload_bytes = options.max_upload_mb << 20;
+  limits.max_samples = options.max_samples;
+  limits.import_memory_mb = options.import_memory_mb;
+  limits.private_directory = data;
+  std::atomic<bool> stop_runs{false};
+  Service service(*store.value(), limits, stop_runs);
+  auto server = HttpServer::Bind(service, address.value().host, address.value().port);
+  if (!server) return PrintError(server.error());
+  const auto log = spdlog::stderr_logger_mt("facetless");
+  log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  server.value()->on_request = [&](const std::string& method, const std::string& path, int status,
+                                   double ms) {
+    log->info("{} {} {} {:.0f} ms", method, Printable(path), status, ms);
+  };
+
+  // Serve until a signal comes.
+  std::atomic<bool> ended{false};
+  std::thread serving([&] {
+    if (!server.value()->Run()) log->error("the listening socket failed");
+    ended = true;
+  });
+  const bool ipv6 = address.value().host.find(':') != std::string::npos;
+  std::printf("http://%s%s%s:%d\n", ipv6 ? "[" : "", address.value().host.c_str(), ipv6 ? "]" : "",
+              server.value()->port());
+  std::fflush(stdout);
+  log->info("serving on port {}, data in {}, {} jobs, {} waiting", server.value()->port(), data, options.jobs,
+            options.queue);
+  while (!InterruptFlag() && !ended) std::this_thread::sleep_for(kPoll);
+
+  // Stop: nothing new, a few seconds for what runs, then end that, too.
+  const bool asked = InterruptFlag();
+  log->info("stopping");
+  server.value()->Stop();
+  std::atomic<bool> stopped{false};
+  std::thread grace([&] {
+    for (auto waited = std::chrono::milliseconds(0); waited < kGrace && !stopped; waited += kPoll)
+      std::this_thread::sleep_for(kPoll);
+    stop_runs = true;
+  });
+  serving.join();
+  stopped = true;
+  grace.join();
+  return asked ? kExitDone : kExitInternal;
+}
+
+}  // namespace facetless

@@ -1,0 +1,27 @@
+// `facetless serve`: the service as a process.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace facetless {
+
+struct ServeOptions {
+  std::string listen = "127.0.0.1:8080";
+  std::string data;  // empty: DefaultDataDirectory()
+  int jobs = 2, queue = 16;
+  std::uint64_t max_upload_mb = 256;
+  std::uint64_t max_samples = 1 << 25;
+  double timeout_s = 300;
+  std::uint64_t import_memory_mb = 8192;
+};
+
+// $XDG_CACHE_HOME/facetless, else $HOME/.cache/facetless, else ./facetless-data.
+std::string DefaultDataDirectory();
+
+// Prints the address to standard output when it is ready and a line per request to standard error, until
+// SIGINT or SIGTERM: then it accepts nothing more, gives running requests a few seconds, stops them, and
+// returns an exit code.
+int Serve(const ServeOptions& options);
+
+}  // namespace facetless
