@@ -1,0 +1,236 @@
+// FLIP for pictures of low dynamic range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild:
+// "FLIP: A Difference Evaluator for Alternating Images", HPG 2020. Section and table numbers are that
+// paper's.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/image/compare_input.h"
+#include "render/image/metrics.h"
+#include "render/image/plane.h"
+
+namespace facetless {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+// Linear sRGB to XYZ, from the chromaticities of IEC 61966-2-1 and D65 at (0.3127, 0.3290).
+constexpr double kToXyz[3][3] = {{10135552.0 / 24577794, 8788810.0 / 24577794, 4435075.0 / 24577794},
+                                 {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
+                                 {1425312.0 / 73733382, 8788810.0 / 73733382, 70074185.0 / 73733382}};
+
+Triple Apply(const double (&m)[3][3], const Triple& v) {
+  Triple out;
+  for (int r = 0; r < 3; ++r) out[r] = m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2];
+  return out;
+}
+
+struct Matrix {
+  double m[3][3];
+};
+Matrix Inverse(const double (&m)[3][3]) {
+  Matrix inverse;
+  double determinant = 0;
+  for (int c = 0; c < 3; ++c)
+    determinant += m[0][c] * (m[1][(c + 1) % 3] * m[2][(c + 2) % 3] - m[1][(c + 2) % 3] * m[2][(c + 1) % 3]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      inverse.m[c][r] = (m[(r + 1) % 3][(c + 1) % 3] * m[(r + 2) % 3][(c + 2) % 3] -
+                         m[(r + 1) % 3][(c + 2) % 3] * m[(r + 2) % 3][(c + 1) % 3]) /
+                        determinant;
+  return inverse;
+}
+const Matrix kFromXyz = Inverse(kToXyz);
+const Triple kWhite = Apply(kToXyz, {1, 1, 1});
+
+// Opponent space YyCxCz (section 4.1.1) of linear RGB, and back.
+Triple ToOpponent(const Triple& rgb) {
+  const Triple xyz = Apply(kToXyz, rgb);
+  const double x = xyz[0] / kWhite[0], y = xyz[1] / kWhite[1], z = xyz[2] / kWhite[2];
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+Triple FromOpponent(const Triple& opponent) {
+  const double y = (opponent[0] + 16) / 116;
+  const double x = y + opponent[1] / 500, z = y - opponent[2] / 200;
+  return Apply(kFromXyz.m, {x * kWhite[0], y * kWhite[1], z * kWhite[2]});
+}
+
+// CIELAB of linear RGB, its chroma scaled by lightness: the Hunt effect (section 4.1.2).
+Triple ToHuntLab(const Triple& rgb) {
+  const Triple xyz = Apply(kToXyz, rgb);
+  constexpr double kDelta = 6.0 / 29;
+  Triple f;
+  for (int c = 0; c < 3; ++c) {
+    const double t = xyz[c] / kWhite[c];
+    f[c] = t > kDelta * kDelta * kDelta ? std::cbrt(t) : t / (3 * kDelta * kDelta) + 4.0 / 29;
+  }
+  const double lightness = 116 * f[1] - 16;
+  return {lightness, 0.01 * lightness * 500 * (f[0] - f[1]), 0.01 * lightness * 200 * (f[1] - f[2])};
+}
+
+double HyAb(const Triple& a, const Triple& b) {
+  return std::fabs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
+}
+
+// Section 4.1.3: the colour error, its large part compressed, 0 … 1.
+class ColorError {
+ public:
+  double operator()(const Triple& a, const Triple& b) const {
+    const double error = std::pow(HyAb(a, b), kExponent);
+    const double knee = kKnee * largest_;
+    const double share = error < knee ? error * kKneeValue / knee
+                                      : kKneeValue + (error - knee) / (largest_ - knee) * (1 - kKneeValue);
+    return std::clamp(share, 0.0, 1.0);
+  }
+
+ private:
+  static constexpr double kExponent = 0.7, kKnee = 0.4, kKneeValue = 0.95;
+  const double largest_ = std::pow(HyAb(ToHuntLab({0, 1, 0}), ToHuntLab({0, 0, 1})), kExponent);
+};
+
+// A sum of two Gaussians, the contrast sensitivity of one opponent channel (table 1).
+struct Sensitivity {
+  double a1, b1, a2, b2;
+};
+constexpr Sensitivity kSensitivity[3] = {
+    {1, 0.0047, 0, 1e-5}, {1, 0.0053, 0, 1e-5}, {34.1, 0.04, 13.5, 0.025}};
+
+Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_per_degree) {
+  constexpr double kPi = std::numbers::pi;
+  const double widest = 0.04;  // all kernels have the radius of the widest
+  const int radius = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * kPi * kPi)) * pixels_per_degree));
+  // Each Gaussian is separable; weigh the two by their share of the kernel's sum.
+  Plane out(plane.width, plane.height);
+  double total = 0, weight[2] = {0, 0};
+  Taps taps[2];
+  for (int k = 0; k < 2; ++k) {
+    const double a = k == 0 ? s.a1 : s.a2, b = k == 0 ? s.b1 : s.b2;
+    if (a == 0) continue;
+    double sum = 0;
+    for (int i = -radius; i <= radius; ++i) {
+      const double degrees = i / pixels_per_degree;
+      taps[k].push_back(std::exp(-kPi * kPi * degrees * degrees / b));
+      sum += taps[k].back();
+    }
+    for (double& tap : taps[k]) tap /= sum;
+    weight[k] = a * std::sqrt(kPi / b) * sum * sum;
+    total += weight[k];
+  }
+  for (int k = 0; k < 2; ++k) {
+    if (taps[k].empty()) continue;
+    const Plane filtered = Filter(plane, taps[k], taps[k]);
+    const float share = static_cast<float>(weight[k] / total);
+    for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] += share * filtered.values[i];
+  }
+  return out;
+}
+
+// The picture as the eye resolves it (section 4.1.1), in Hunt-adjusted Lab; and its luminance, unfiltered, 0
+// … 1.
+struct Seen {
+  std::array<Plane, 3> lab;
+  Plane luminance;
+};
+Seen See(const Image8& image, double pixels_per_degree) {
+  std::array<Plane, 3> planes = LinearChannels(image);
+  Seen seen;
+  seen.luminance = Plane(image.width, image.height);
+  const std::size_t count = planes[0].values.size();
+  const auto each = [&](const auto& change) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const Triple out = change({planes[0].values[i], planes[1].values[i], planes[2].values[i]}, i);
+        for (int c = 0; c < 3; ++c) planes[c].values[i] = static_cast<float>(out[c]);
+      }
+    });
+  };
+  each([&](const Triple& rgb, std::size_t i) {
+    const Triple opponent = ToOpponent(rgb);
+    seen.luminance.values[i] = static_cast<float>((opponent[0] + 16) / 116);
+    return opponent;
+  });
+  for (int c = 0; c < 3; ++c) planes[c] = FilterSensitivity(planes[c], kSensitivity[c], pixels_per_degree);
+  each([](const Triple& opponent, std::size_t) {
+    Triple rgb = FromOpponent(opponent);
+    for (double& channel : rgb) channel = std::clamp(channel, 0.0, 1.0);
+    return ToHuntLab(rgb);
+  });
+  seen.lab = std::move(planes);
+  return seen;
+}
+
+// Section 4.2.1: Gaussian derivatives; the positive and the negative taps of the kernel sum to 1 each.
+struct FeatureTaps {
+  Taps smooth, edge, point;
+
+  explicit FeatureTaps(double pixels_per_degree) {
+    constexpr double kFeatureWidthDeg = 0.082;
+    const double sigma = 0.5 * kFeatureWidthDeg * pixels_per_degree;
+    const int radius = static_cast<int>(std::ceil(3 * sigma));
+    double sum = 0;
+    for (int i = -radius; i <= radius; ++i) {
+      const double g = std::exp(-(i * i) / (2 * sigma * sigma));
+      smooth.push_back(g);
+      edge.push_back(-i * g);
+      point.push_back((i * i / (sigma * sigma) - 1) * g);
+      sum += g;
+    }
+    for (double& tap : smooth) tap /= sum;
+    Balance(edge);
+    Balance(point);
+  }
+
+ private:
+  static void Balance(Taps& taps) {
+    double positive = 0, negative = 0;
+    for (double tap : taps) (tap > 0 ? positive : negative) += tap;
+    for (double& tap : taps) tap /= tap > 0 ? positive : -negative;
+  }
+};
+
+struct Features {
+  Plane edge, point;  // lengths of the gradients
+};
+Features FindFeatures(const Plane& luminance, const FeatureTaps& taps) {
+  const auto length = [&](const Taps& derivative) {
+    Plane x = Filter(luminance, derivative, taps.smooth);
+    const Plane y = Filter(luminance, taps.smooth, derivative);
+    for (std::size_t i = 0; i < x.values.size(); ++i) x.values[i] = std::hypot(x.values[i], y.values[i]);
+    return x;
+  };
+  return {length(taps.edge), length(taps.point)};
+}
+
+}  // namespace
+
+Result<std::vector<float>> FlipMap(const Image8& reference, const Image8& test, double pixels_per_degree) {
+  if (Result<void> same = CheckSameSize(reference, test); !same.ok()) return same.error();
+  if (!(pixels_per_degree >= 1 && pixels_per_degree <= 1000))
+    return Error{ErrorCode::kBadUsage, "pixels per degree must lie between 1 and 1000"};
+
+  // The colour pipeline.
+  const Seen a = See(reference, pixels_per_degree), b = See(test, pixels_per_degree);
+  // The feature pipeline.
+  const FeatureTaps taps(pixels_per_degree);
+  const Features fa = FindFeatures(a.luminance, taps), fb = FindFeatures(b.luminance, taps);
+
+  // Equation 11: features amplify the colour error.
+  const ColorError color_error;
+  std::vector<float> map(a.luminance.values.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, map.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const double color = color_error({a.lab[0].values[i], a.lab[1].values[i], a.lab[2].values[i]},
+                                       {b.lab[0].values[i], b.lab[1].values[i], b.lab[2].values[i]});
+      const double feature = std::max(std::fabs(fa.edge.values[i] - fb.edge.values[i]),
+                                      std::fabs(fa.point.values[i] - fb.point.values[i]));
+      const double amplified = std::sqrt(std::clamp(feature / std::numbers::sqrt2, 0.0, 1.0));
+      map[i] = static_cast<float>(std::pow(color, 1 - amplified));
+    }
+  });
+  return map;
+}
+
+}  // namespace facetless

@@ -1,0 +1,29 @@
+// One channel of a picture in float32, and the separable filters that metrics are made of. Private to image/.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "render/image/film.h"
+
+namespace facetless {
+
+struct Plane {
+  int width = 0, height = 0;
+  std::vector<float> values;  // row-major
+
+  Plane() = default;
+  Plane(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * h) {}
+};
+
+// Taps for offsets −radius … radius; taps.size() = 2·radius + 1.
+using Taps = std::vector<double>;
+
+// Filters rows with `along_x`, then columns with `along_y`; beyond the border the border's pixel repeats.
+Plane Filter(const Plane& plane, const Taps& along_x, const Taps& along_y);
+
+// The picture's channels as linear light 0 … 1; transparent pixels over mid grey (an encoded 0.5).
+std::array<Plane, 3> LinearChannels(const Image8& image);
+
+}  // namespace facetless
