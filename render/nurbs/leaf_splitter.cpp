@@ -94,12 +94,16 @@ ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRu
   return box;
 }
 
-// The direction in which the projected net extends farther.
-Direction LongerDirection(const BezierNet& net, const DepthRule& rule) {
+// How far the projected net extends along u and v, in samples: bounds of the first differences.
+struct Extent {
+  double u = 0, v = 0;
+};
+
+Extent MeasureExtent(const BezierNet& net, const DepthRule& rule) {
   const int stride = net.stride(), pu = net.degree_u, pv = net.degree_v;
   const int middle = (pu / 2) * stride + pv / 2;
   const bool shift = rule.weight_varies && net.value[kW][middle] > 0;
-  double extent_u = 0, extent_v = 0;
+  Extent extent;
   for (const NetComponent c : {kX, kY}) {
     const double* f = net.value[c];
     const double* w = net.value[kW];
@@ -107,12 +111,12 @@ Direction LongerDirection(const BezierNet& net, const DepthRule& rule) {
     for (int k = 0; k <= pu; ++k) {
       for (int l = 0; l <= pv; ++l) {
         const int i = k * stride + l;
-        if (k < pu) extent_u = std::max(extent_u, pu * std::fabs(f[i + stride] - f[i] - center * (w[i + stride] - w[i])));
-        if (l < pv) extent_v = std::max(extent_v, pv * std::fabs(f[i + 1] - f[i] - center * (w[i + 1] - w[i])));
+        if (k < pu) extent.u = std::max(extent.u, pu * std::fabs(f[i + stride] - f[i] - center * (w[i + stride] - w[i])));
+        if (l < pv) extent.v = std::max(extent.v, pv * std::fabs(f[i + 1] - f[i] - center * (w[i + 1] - w[i])));
       }
     }
   }
-  return extent_v > extent_u ? Direction::kV : Direction::kU;
+  return extent;
 }
 
 }  // namespace
@@ -214,12 +218,12 @@ void LeafSplitter::Visit(const Node& node) {
       leaves_->push_back(leaf);
       return;
     }
-    const bool thin = std::min(box.x_high - box.x_low, box.y_high - box.y_low) < 1;
-    const bool comparable = verdict.kappa_halved_u != verdict.kappa_halved_v;
-    if (certified || thin || !comparable) {
-      direction = LongerDirection(net, patch_->rule);
-    } else {
-      direction = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
+    // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there only the extent on the screen counts.
+    const Extent extent = MeasureExtent(net, patch_->rule);
+    direction = extent.v > extent.u ? Direction::kV : Direction::kU;
+    if (!certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {
+      const Direction best = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
+      if ((best == Direction::kV ? extent.v : extent.u) >= 1) direction = best;
     }
   } else if (last_level) {
     return;  // a piece of 2^-32 of the patch across the eye plane, within the near plane's distance of the eye

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "render/kernels/dispatch.h"
+#include "render/trace/audit.h"
 #include "render/trace/hit_geometry.h"
 #include "render/trace/prepare.h"
 #include "render/trace/tile_tracer.h"
@@ -127,6 +128,16 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   stats.bmssm_bits = view.tiles->bits();
   stats.scene_bytes = view.bytes() + stats.bmssm_bytes + scene.data().bytes();
   stats.unseen_faces = view.unseen_faces;
+
+  // Count every crossing, where asked to.
+  if (options.audit) {
+    Result<AuditResult> audit = Audit(scene.data(), view, camera, result.frame, options.cancel);
+    if (!audit.ok()) return audit.error();
+    if (audit.value().has_closed_solid) stats.odd_rays = audit.value().odd_samples.size();
+    stats.reverse_mismatches = audit.value().mismatched_samples.size();
+    stats.odd_samples = std::move(audit.value().odd_samples);
+    stats.mismatched_samples = std::move(audit.value().mismatched_samples);
+  }
   return result;
 }
 

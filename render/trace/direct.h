@@ -35,6 +35,8 @@ struct DirectStats {
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
   std::optional<std::uint64_t> odd_rays;      // audit only; null where the model has no closed solid
+  std::optional<std::uint64_t> reverse_mismatches;  // audit only
+  std::vector<std::uint32_t> odd_samples, mismatched_samples;  // audit only: row·width + column of those rays
   std::vector<std::uint32_t> unseen_faces;    // placed-face ids that no row or no column holds
   std::uint64_t bmssm_bits = 0, bmssm_bytes = 0;
   std::uint64_t scene_bytes = 0;              // leaves and all that tracing holds, without the model

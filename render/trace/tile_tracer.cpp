@@ -12,6 +12,15 @@ namespace {
 // A gap seen at grazing incidence covers gap/cosine of the surface; beyond this factor the band would swallow the face.
 constexpr double kMaxBandScale = 64;
 
+// A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges the other side of the
+// seam may have left it to this one.
+double OntoPatch(double bezier, double half) {
+  const double overlap = 2 * kBorderOverlap * half;
+  if (bezier < 0 && bezier >= -overlap) return 0;
+  if (bezier > 1 && bezier <= 1 + overlap) return 1;
+  return bezier;
+}
+
 }  // namespace
 
 TraceShared::TraceShared(const Scene::Data& scene_data, const PreparedView& prepared, const Camera& view_camera, const CameraFrame& view_frame)
@@ -83,7 +92,8 @@ bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x
   // Map the hit to native parameters: the hit, never the curve.
   const SpanParameter& u_map = shared_.scene.spans[surface.u_spans.first + hit_leaf.patch / surface.v_spans.count];
   const SpanParameter& v_map = shared_.scene.spans[surface.v_spans.first + hit_leaf.patch % surface.v_spans.count];
-  const double bezier_u = hit_leaf.u_mid + hit_s * hit_leaf.u_half, bezier_v = hit_leaf.v_mid + hit_t * hit_leaf.v_half;
+  const double bezier_u = OntoPatch(hit_leaf.u_mid + hit_s * hit_leaf.u_half, hit_leaf.u_half);
+  const double bezier_v = OntoPatch(hit_leaf.v_mid + hit_t * hit_leaf.v_half, hit_leaf.v_half);
   const double u = u_map.ToNative(bezier_u), v = v_map.ToNative(bezier_v);
   const double solver_error = 2 * kSolverTolerance + 2 * hit_leaf.rounding * hit_leaf.inverse_gap;
   const double error_u = solver_error * hit_leaf.u_half / u_map.Rate(bezier_u), error_v = solver_error * hit_leaf.v_half / v_map.Rate(bezier_v);
