@@ -1,0 +1,85 @@
+#include "import/command_line.h"
+
+#include <cmath>
+#include <cstdlib>
+
+namespace facetless {
+namespace {
+
+constexpr char kHelp[] =
+    "Usage: facetless-import INPUT --model OUT.flm [--mesh OUT.glb [mesh options]]... [--deadline-s N]\n"
+    "\n"
+    "Reads a STEP, IGES or BREP file, whatever its extension, and writes its exact surfaces as a model "
+    "file.\n"
+    "\n"
+    "  --model OUT.flm      the model file\n"
+    "  --mesh OUT.glb       also a tessellation, as glTF binary; may be given many times, each followed by\n"
+    "    --deflection REL     distance of facets to the surface, relative to the model's diagonal (default "
+    "0.001)\n"
+    "    --deflection-mm MM   the same in millimetres\n"
+    "    --angular DEG        turn of the normal from facet to facet (default 20)\n"
+    "  --deadline-s N       give up (killed by SIGALRM) after N seconds\n"
+    "\n"
+    "Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.\n";
+
+Error Usage(const std::string& what) {
+  return {ErrorCode::kBadUsage, what + " See facetless-import --help."};
+}
+
+// A number above 0; 0 if the text is none.
+double PositiveNumber(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return end != text.c_str() && *end == '\0' && std::isfinite(value) && value > 0 ? value : 0;
+}
+
+}  // namespace
+
+Result<CommandLine> ParseCommandLine(int argc, const char* const* argv) {
+  CommandLine line;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option == "--help" || option == "-h") {
+      line.help = true;
+      return line;
+    }
+    if (!option.starts_with("--")) {
+      if (!line.input.empty())
+        return Usage("There are two input files, " + line.input + " and " + option + ".");
+      line.input = option;
+      continue;
+    }
+    if (i + 1 >= argc) return Usage(option + " needs a value.");
+    const std::string value = argv[++i];
+    if (option == "--model") {
+      line.model = value;
+    } else if (option == "--mesh") {
+      line.meshes.push_back({});
+      line.meshes.back().path = value;
+    } else if (option == "--deflection" || option == "--deflection-mm" || option == "--angular" ||
+               option == "--deadline-s") {
+      const double number = PositiveNumber(value);
+      if (number == 0) return Usage(option + " needs a number above 0, not \"" + value + "\".");
+      if (option == "--deadline-s") {
+        line.deadline_s = static_cast<unsigned>(std::ceil(std::fmin(number, 1e9)));
+        continue;
+      }
+      if (line.meshes.empty()) return Usage(option + " must follow the --mesh that it belongs to.");
+      MeshRequest& mesh = line.meshes.back();
+      (option == "--deflection"      ? mesh.deflection
+       : option == "--deflection-mm" ? mesh.deflection_mm
+                                     : mesh.angular_deg) = number;
+    } else {
+      return Usage("There is no option " + option + ".");
+    }
+  }
+  if (line.input.empty()) return Usage("There is no input file.");
+  if (line.model.empty()) return Usage("--model OUT.flm is missing.");
+  return line;
+}
+
+const char* CommandLineHelp() {
+  return kHelp;
+}
+
+}  // namespace facetless

@@ -1,0 +1,31 @@
+// The command line of facetless-import. Mesh options follow the --mesh that they belong to, so that one call can mesh a model at many
+// deflections; that is why it is read by hand and not by a table of options.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/model/result.h"
+
+namespace facetless {
+
+struct MeshRequest {
+  std::string path;
+  double deflection = 1e-3;  // relative to the diagonal of the model
+  double deflection_mm = 0;  // above 0: used instead
+  double angular_deg = 20;
+};
+
+struct CommandLine {
+  bool help = false;
+  std::string input, model;
+  std::vector<MeshRequest> meshes;
+  unsigned deadline_s = 0;  // 0: none
+};
+
+// Error: kBadUsage, with the option that is wrong.
+Result<CommandLine> ParseCommandLine(int argc, const char* const* argv);
+
+const char* CommandLineHelp();
+
+}  // namespace facetless

@@ -1,0 +1,77 @@
+#include "import/convert.h"
+
+#include <cmath>
+
+#include "import/bounds.h"
+#include "import/part_converter.h"
+
+namespace facetless {
+namespace {
+
+Placement ToPlacement(const gp_Trsf& transformation) {
+  Placement placement;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) placement.m[r][c] = transformation.Value(r + 1, c + 1);
+  }
+  return placement;
+}
+
+void AddInstances(const CadDocument& document, Model& model) {
+  std::uint32_t next = 0;
+  for (const Occurrence& occurrence : document.occurrences) {
+    Instance instance;
+    instance.part = static_cast<std::uint32_t>(occurrence.prototype);
+    instance.placement = ToPlacement(occurrence.placement);
+    instance.has_color = occurrence.has_color;
+    instance.color = occurrence.color;
+    instance.name = occurrence.name;
+    instance.first_placed_face = next;
+    next += model.parts[instance.part].faces.count;
+    model.instances.push_back(std::move(instance));
+  }
+}
+
+void FindLargestGap(Model& model) {
+  for (const Face& face : model.faces) {
+    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+      const Range coedges = model.loops[l].coedges;
+      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+        if (model.coedges[c].gap_mm <= model.info.max_edge_gap_mm) continue;
+        model.info.max_edge_gap_mm = model.coedges[c].gap_mm;
+        model.info.max_edge_gap_entity = face.entity;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Result<Conversion> Convert(CadDocument document, const Progress& progress) {
+  Conversion result;
+  Model& model = result.model;
+  model.info = std::move(document.info);
+  for (std::size_t p = 0; p < document.prototypes.size(); ++p) {
+    std::size_t done = 0;
+    PartConverter part(document, document.prototypes[p], model, result.faces);
+    part.Run([&] {
+      const double share = static_cast<double>(++done) / static_cast<double>(part.face_count());
+      progress((static_cast<double>(p) + share) / static_cast<double>(document.prototypes.size()));
+    });
+  }
+  AddInstances(document, model);
+  model.info.faces_imported = model.faces.size();
+  if (model.PlacedFaceCount() == 0) {
+    std::string why = "No face of the file could be converted";
+    if (!model.info.faces_lost.empty()) {
+      const Loss& loss = model.info.faces_lost.front();
+      why += "; the first one, " + (loss.entity.empty() ? std::string("without a name") : loss.entity) +
+             ", because " + loss.reason;
+    }
+    return Error{ErrorCode::kNothingUsable, why + "."};
+  }
+  FindLargestGap(model);
+  model.bounds = PlacedBounds(model);
+  return result;
+}
+
+}  // namespace facetless

@@ -1,0 +1,26 @@
+// From shapes to the model: faces, loops, edges, solids, parts, instances, bounds.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+#include <functional>
+#include <vector>
+
+#include "import/document.h"
+#include "render/model/model.h"
+#include "render/model/result.h"
+
+namespace facetless {
+
+struct Conversion {
+  Model model;
+  std::vector<TopoDS_Face> faces;  // the shape of each of model.faces, placed within its part
+};
+
+// Called with the share of prototypes' faces done, 0 … 1.
+using Progress = std::function<void(double)>;
+
+// Faces that cannot be converted are listed in info.faces_lost; loops and edges that are missing in loops_lost and
+// edges_lost. Error: kNothingUsable (no face is left).
+Result<Conversion> Convert(CadDocument document, const Progress& progress);
+
+}  // namespace facetless

@@ -1,0 +1,44 @@
+// What a reader makes of a CAD file: OpenCASCADE shapes as prototypes, where they are placed, and what the file says about them.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+#include <cstdint>
+#include <gp_Trsf.hxx>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "render/model/model.h"
+
+namespace facetless {
+
+// What the file declares about a face, to be compared with what came out.
+struct FaceOrigin {
+  std::string entity, name;
+  int bounds = 0;  // that have edges; 0: not known
+  int edges = 0;   // different ones, of all bounds
+};
+
+struct Prototype {
+  std::string name;
+  TopoDS_Shape shape;
+  std::unordered_map<const void*, Color> colors;  // of faces, by TShape
+};
+
+struct Occurrence {
+  std::size_t prototype = 0;
+  gp_Trsf placement;
+  bool has_color = false;
+  Color color;
+  std::string name;
+};
+
+struct CadDocument {
+  ImportInfo info;  // what reading knows; conversion adds the rest
+  std::vector<Prototype> prototypes;
+  std::vector<Occurrence> occurrences;
+  std::unordered_map<const void*, FaceOrigin> origins;  // by TShape
+  bool pcurves_in_file = false;
+};
+
+}  // namespace facetless

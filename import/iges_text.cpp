@@ -1,0 +1,283 @@
+#include "import/iges_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <map>
+
+namespace facetless {
+namespace {
+
+constexpr std::size_t kColumns = 80;
+constexpr std::size_t kParameterColumns = 64;
+
+struct Lines {
+  std::vector<std::string> start, global, directory, parameter;
+};
+
+// The number in columns [first, first + 8) of a directory line.
+int Field(const std::string& line, std::size_t first) {
+  int value = 0;
+  std::size_t begin = first;
+  while (begin < first + 8 && line[begin] == ' ') ++begin;
+  std::from_chars(line.data() + begin, line.data() + first + 8, value);
+  return value;
+}
+
+bool Split(std::string_view bytes, Lines& lines) {
+  std::size_t at = 0;
+  while (at < bytes.size()) {
+    const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
+    std::string line(bytes.substr(at, end - at));
+    at = end + 1;
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
+    if (line.empty()) continue;
+    if (line.size() < 73 || line.size() > kColumns) return false;
+    line.resize(kColumns, ' ');
+    switch (line[72]) {
+      case 'S':
+        lines.start.push_back(line);
+        break;
+      case 'G':
+        lines.global.push_back(line);
+        break;
+      case 'D':
+        lines.directory.push_back(line);
+        break;
+      case 'P':
+        lines.parameter.push_back(line);
+        break;
+      case 'T':
+        return true;
+      default:
+        return false;
+    }
+  }
+  return true;
+}
+
+// Parameter and record delimiters, as the global section's first two fields give them.
+struct Delimiters {
+  char parameter = ',', record = ';';
+};
+Delimiters DelimitersOf(const Lines& lines) {
+  Delimiters result;
+  if (lines.global.empty()) return result;
+  const std::string& text = lines.global.front();
+  std::size_t at = 0;
+  if (text.starts_with("1H")) {
+    result.parameter = text[2];
+    at = 4;
+  } else if (!text.empty() && text[0] == ',') {
+    at = 1;
+  }
+  if (text.compare(at, 2, "1H") == 0) result.record = text[at + 2];
+  return result;
+}
+
+// The text of each entity's parameters, by directory number.
+std::map<int, std::string> ParameterTexts(const Lines& lines) {
+  std::map<int, std::string> texts;
+  for (const std::string& line : lines.parameter) {
+    int owner = 0;
+    std::size_t begin = kParameterColumns;
+    while (begin < 72 && line[begin] == ' ') ++begin;
+    std::from_chars(line.data() + begin, line.data() + 72, owner);
+    texts[owner] += line.substr(0, kParameterColumns);
+  }
+  return texts;
+}
+
+// Splits at delimiters outside Hollerith strings (nH…); up to the record's end.
+std::vector<std::string> Tokens(const std::string& text, const Delimiters& delimiters) {
+  std::vector<std::string> tokens{""};
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == delimiters.parameter) {
+      tokens.emplace_back();
+    } else if (c == delimiters.record) {
+      break;
+    } else if (c == 'H' && !tokens.back().empty() &&
+               std::all_of(tokens.back().begin(), tokens.back().end(),
+                           [](unsigned char d) { return std::isdigit(d); })) {
+      std::size_t length = 0;
+      std::from_chars(tokens.back().data(), tokens.back().data() + tokens.back().size(), length);
+      tokens.back() += text.substr(i, 1 + std::min(length, text.size() - i));
+      i += std::min(length, text.size() - i);
+    } else if (c != ' ') {
+      tokens.back() += c;
+    }
+  }
+  return tokens;
+}
+
+// Index of the first real among an entity's parameters (0 is its type), from which on all are reals; 0 if it has none or
+// reals are mixed with integers later on.
+std::size_t FirstReal(int type) {
+  switch (type) {
+    case 100:
+    case 104:
+    case 110:
+    case 123:
+    case 124:
+      return 1;  // arc, conic, line, direction, matrix
+    case 106:
+      return 3;  // copious data
+    case 112:
+      return 5;  // parametric spline curve
+    case 114:
+      return 5;  // parametric spline surface
+    case 122:
+      return 2;  // tabulated cylinder
+    case 126:
+      return 7;  // rational B-spline curve
+    case 128:
+      return 10;  // rational B-spline surface
+    default:
+      return 0;
+  }
+}
+
+// Parameters that are reals, as [first, last).
+std::pair<std::size_t, std::size_t> Reals(int type, const std::vector<std::string>& tokens) {
+  const std::size_t first = FirstReal(type);
+  if (first == 0) return {0, 0};
+  std::size_t last = tokens.size();
+  if (type == 126 || type == 128) {
+    // Properties and pointers may follow the numbers: count the numbers.
+    const auto value = [&](std::size_t i) {
+      long long number = 0;
+      if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
+      return number;
+    };
+    if (type == 126) {
+      const long long k = value(1), m = value(2);
+      last = std::min<std::size_t>(
+          last, first + static_cast<std::size_t>(std::max(0LL, (k + m + 2) + 4 * (k + 1) + 5)));
+    } else {
+      const long long k1 = value(1), k2 = value(2), m1 = value(3), m2 = value(4);
+      const long long points = (k1 + 1) * (k2 + 1);
+      last = std::min<std::size_t>(last, first + static_cast<std::size_t>(std::max(
+                                                     0LL, (k1 + m1 + 2) + (k2 + m2 + 2) + 4 * points + 4)));
+    }
+  } else if (type == 100 || type == 110 || type == 123 || type == 104 || type == 124 || type == 122) {
+    constexpr std::array<std::pair<int, std::size_t>, 6> kCounts{
+        {{100, 7}, {104, 11}, {110, 6}, {122, 3}, {123, 3}, {124, 12}}};
+    for (const auto& [known, count] : kCounts) {
+      if (known == type) last = std::min(last, first + count);
+    }
+  }
+  return {first, last};
+}
+
+bool IsInteger(const std::string& token) {
+  const std::size_t begin = !token.empty() && (token[0] == '-' || token[0] == '+') ? 1 : 0;
+  return token.size() > begin && std::all_of(token.begin() + static_cast<std::ptrdiff_t>(begin), token.end(),
+                                             [](unsigned char c) { return std::isdigit(c); });
+}
+
+// The largest number of values that a B-spline's counts claim.
+bool ClaimsMoreThan(std::size_t available, int type, const std::vector<std::string>& tokens) {
+  if (type != 126 && type != 128) return false;
+  const auto value = [&](std::size_t i) {
+    double number = 0;
+    if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
+    return number;
+  };
+  const double points = type == 126 ? value(1) + 1 : (value(1) + 1) * (value(2) + 1);
+  return points * 3 > static_cast<double>(available);
+}
+
+std::string Padded(std::size_t number, std::size_t width) {
+  std::string text = std::to_string(number);
+  return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
+}
+
+// Lays tokens out in 64 columns, each token whole unless it is longer than a line.
+std::vector<std::string> Wrapped(const std::vector<std::string>& tokens, const Delimiters& delimiters) {
+  std::vector<std::string> lines{""};
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    std::string token = tokens[i] + (i + 1 == tokens.size() ? delimiters.record : delimiters.parameter);
+    if (lines.back().size() + token.size() > kParameterColumns && !lines.back().empty()) lines.emplace_back();
+    while (token.size() > kParameterColumns) {
+      lines.back() = token.substr(0, kParameterColumns);
+      token.erase(0, kParameterColumns);
+      lines.emplace_back();
+    }
+    lines.back() += token;
+  }
+  return lines;
+}
+
+}  // namespace
+
+Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
+  Lines lines;
+  if (!Split(bytes, lines) || lines.directory.empty())
+    return Error{ErrorCode::kFormatBroken,
+                 name + " is an IGES file whose records are damaged or cut off; export the model again."};
+  IgesFacts facts;
+  const Delimiters delimiters = DelimitersOf(lines);
+  const std::map<int, std::string> texts = ParameterTexts(lines);
+  for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
+    IgesEntity entity;
+    entity.type = Field(lines.directory[i], 0);
+    entity.directory = static_cast<int>(i) + 1;
+    entity.dependent =
+        lines.directory[i][67] != '0' && std::isdigit(static_cast<unsigned char>(lines.directory[i][67]));
+    facts.entities.push_back(entity);
+    if (const auto text = texts.find(entity.directory); text != texts.end()) {
+      if (ClaimsMoreThan(text->second.size(), entity.type, Tokens(text->second.substr(0, 256), delimiters)))
+        return Error{ErrorCode::kFormatBroken, name + ": entity D" + std::to_string(entity.directory) +
+                                                   " (type " + std::to_string(entity.type) +
+                                                   ") claims more control points than the file holds."};
+    }
+  }
+  return facts;
+}
+
+std::uint64_t RepairIgesReals(std::string& bytes) {
+  Lines lines;
+  if (!Split(bytes, lines)) return 0;
+  const Delimiters delimiters = DelimitersOf(lines);
+  std::map<int, std::string> texts = ParameterTexts(lines);
+  // Find integers where reals belong.
+  std::uint64_t changed = 0;
+  std::vector<std::vector<std::string>> tokens_of(lines.directory.size());
+  for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
+    const auto text = texts.find(static_cast<int>(i) + 1);
+    if (text == texts.end()) continue;
+    tokens_of[i] = Tokens(text->second, delimiters);
+    const auto [first, last] = Reals(Field(lines.directory[i], 0), tokens_of[i]);
+    for (std::size_t t = first; t < last; ++t) {
+      if (!IsInteger(tokens_of[i][t])) continue;
+      tokens_of[i][t] += '.';
+      ++changed;
+    }
+  }
+  if (changed == 0) return 0;
+  // Write all sections again: parameters move to other lines, and the directory must follow.
+  std::vector<std::string> parameter;
+  for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
+    const std::vector<std::string> wrapped = Wrapped(tokens_of[i], delimiters);
+    lines.directory[i].replace(8, 8, Padded(parameter.size() + 1, 8));
+    lines.directory[i + 1].replace(24, 8, Padded(wrapped.size(), 8));
+    for (std::string line : wrapped) {
+      line.resize(kParameterColumns, ' ');
+      parameter.push_back(line + Padded(i + 1, 8) + 'P' + Padded(parameter.size() + 1, 7));
+    }
+  }
+  std::string out;
+  for (const auto* section : {&lines.start, &lines.global, &lines.directory, &parameter}) {
+    for (const std::string& line : *section) out += line + '\n';
+  }
+  std::string terminate = "S" + Padded(lines.start.size(), 7) + "G" + Padded(lines.global.size(), 7) + "D" +
+                          Padded(lines.directory.size(), 7) + "P" + Padded(parameter.size(), 7);
+  terminate.resize(72, ' ');
+  out += terminate + "T      1\n";
+  bytes = std::move(out);
+  return changed;
+}
+
+}  // namespace facetless

@@ -1,0 +1,184 @@
+// facetless-import: one CAD file in, one model file and any number of meshes out, then the process ends. Its limits of memory, time and
+// file size are set by whoever starts it.
+//
+// Standard output is one JSON object; standard error has a line `progress STAGE FRACTION` now and then.
+// Exit status: 0 written, 4 nothing usable, 64 bad usage.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "import/command_line.h"
+#include "import/convert.h"
+#include "import/mesh_file.h"
+#include "import/readers.h"
+#include "import/source_file.h"
+#include "render/model/model_file.h"
+
+namespace facetless {
+namespace {
+
+constexpr int kExitDone = 0, kExitNothingUsable = 4, kExitUsage = 64;
+
+double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::uint64_t PeakBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// Notes when stages begin, and tells standard error of progress, at most once per whole per cent.
+class Stages {
+ public:
+  static void Report(const char* stage, double fraction) {
+    const int percent = static_cast<int>(fraction * 100);
+    if (stage == last_stage_ && percent == last_percent_) return;
+    if (stage != last_stage_) begin_ = std::chrono::steady_clock::now();
+    last_stage_ = stage;
+    last_percent_ = percent;
+    std::fprintf(stderr, "progress %s %.2f\n", stage, fraction);
+    if (fraction >= 1) {
+      if (last_stage_ == "read") read_ms = MillisecondsSince(begin_);
+      if (last_stage_ == "transfer") transfer_ms = MillisecondsSince(begin_);
+      if (last_stage_ == "convert") convert_ms = MillisecondsSince(begin_);
+    }
+  }
+  inline static double read_ms = 0, transfer_ms = 0, convert_ms = 0;
+
+ private:
+  inline static std::string last_stage_;
+  inline static int last_percent_ = -1;
+  inline static std::chrono::steady_clock::time_point begin_;
+};
+
+// A folder of the process's own, removed at the end.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (std::filesystem::temp_directory_path() / "facetless-import-XXXXXX").string();
+    if (mkdtemp(name.data())) path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+int Fail(const Error& error) {
+  std::cout << nlohmann::json{{"ok", false},
+                              {"error", {{"code", ErrorCodeName(error.code)}, {"message", error.message}}}}
+                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+            << "\n";
+  return error.code == ErrorCode::kBadUsage ? kExitUsage : kExitNothingUsable;
+}
+
+nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes,
+                       const std::vector<MeshRequest>& requests) {
+  const ImportInfo& info = model.info;
+  nlohmann::json summary{{"ok", true},
+                         {"format", info.format},
+                         {"unit", info.unit},
+                         {"faces", model.faces.size()},
+                         {"placed_faces", model.PlacedFaceCount()},
+                         {"faces_declared", info.faces_declared},
+                         {"faces_lost", info.faces_lost.size()},
+                         {"loops_lost", info.loops_lost.size()},
+                         {"edges_lost", info.edges_lost.size()},
+                         {"approximated", info.approximated.size()},
+                         {"solids", model.solids.size()},
+                         {"parts", model.parts.size()},
+                         {"instances", model.instances.size()},
+                         {"patches", model.control_points.size()},
+                         {"diagonal_mm", model.Diagonal()},
+                         {"max_edge_gap_mm", info.max_edge_gap_mm},
+                         {"read_ms", info.read_ms},
+                         {"transfer_ms", info.transfer_ms},
+                         {"convert_ms", info.convert_ms},
+                         {"peak_bytes", info.peak_bytes},
+                         {"warnings", info.warnings},
+                         {"meshes", nlohmann::json::array()}};
+  std::uint64_t patches = 0;
+  for (const Surface& surface : model.surfaces) patches += surface.PatchCount();
+  summary["patches"] = patches;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    summary["meshes"].push_back({{"path", requests[i].path},
+                                 {"deflection_mm", meshes[i].deflection_mm},
+                                 {"angular_deg", meshes[i].angular_deg},
+                                 {"triangles", meshes[i].triangles},
+                                 {"mesh_ms", meshes[i].mesh_ms},
+                                 {"faces_unmeshed", meshes[i].faces_unmeshed}});
+  }
+  return summary;
+}
+
+int Import(const CommandLine& options) {
+  const Scratch scratch;
+  if (scratch.path().empty())
+    return Fail({ErrorCode::kWriteFailed, "No folder for temporary files can be made; set TMPDIR to one."});
+  if (options.deadline_s > 0) alarm(options.deadline_s);
+  PrepareOpenCascade(scratch.path());
+  // Read and convert.
+  Result<SourceFile> source = OpenSource(options.input, scratch.path());
+  if (!source.ok()) return Fail(source.error());
+  Result<CadDocument> document = ReadDocument(source.value(), &Stages::Report);
+  if (!document.ok()) return Fail(document.error());
+  Stages::Report("convert", 0);
+  Result<Conversion> conversion =
+      Convert(std::move(document.value()), [](double fraction) { Stages::Report("convert", fraction); });
+  if (!conversion.ok()) return Fail(conversion.error());
+  Stages::Report("convert", 1);
+  // Mesh, once for each request.
+  Model& model = conversion.value().model;
+  std::vector<MeshReport> meshes;
+  for (const MeshRequest& request : options.meshes) {
+    const double deflection =
+        request.deflection_mm > 0 ? request.deflection_mm : request.deflection * model.Diagonal();
+    Result<MeshReport> mesh = WriteMesh(conversion.value(), {deflection, request.angular_deg}, request.path,
+                                        [](double fraction) { Stages::Report("mesh", fraction); });
+    if (!mesh.ok()) return Fail(mesh.error());
+    model.info.mesh_ms += mesh.value().mesh_ms;
+    meshes.push_back(std::move(mesh.value()));
+  }
+  // Write the model last: it carries the times and the memory of everything before.
+  model.info.read_ms = Stages::read_ms;
+  model.info.transfer_ms = Stages::transfer_ms;
+  model.info.convert_ms = Stages::convert_ms;
+  model.info.peak_bytes = PeakBytes();
+  if (Result<void> written = WriteModel(model, options.model); !written.ok()) return Fail(written.error());
+  std::cout
+      << Summary(model, meshes, options.meshes).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+      << "\n";
+  return kExitDone;
+}
+
+}  // namespace
+}  // namespace facetless
+
+int main(int argc, char** argv) {
+  const auto options = facetless::ParseCommandLine(argc, argv);
+  if (!options.ok()) {
+    std::cerr << options.error().message << "\n";
+    return facetless::Fail(options.error());
+  }
+  if (options.value().help) {
+    std::cout << facetless::CommandLineHelp();
+    return facetless::kExitDone;
+  }
+  return facetless::Import(options.value());
+}

@@ -1,0 +1,246 @@
+#include "import/pcurve.h"
+
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <GeomAdaptor_Surface.hxx>
+#include <Geom_Plane.hxx>
+#include <ShapeFix_Edge.hxx>
+#include <TopLoc_Location.hxx>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "import/approximate.h"
+#include "import/curve_pieces.h"
+#include "import/surface_patches.h"
+
+namespace facetless {
+namespace {
+
+// Arcs of p-curves and edges are at most an eighth of a turn: within one, parameter and angle differ by less than 1 % of its width.
+constexpr double kMaxArc = std::numbers::pi / 4;
+// Points per piece at which a gap is measured, ends included.
+constexpr int kGapSamples = 5;
+// Below this share of the edge's size a computed p-curve is as good as it gets: the noise of projecting and interpolating.
+constexpr double kGapNoise = 1e-9;
+// A new p-curve must be this much better than the one it replaces.
+constexpr double kWorthwhile = 0.5;
+// Halvings of a p-curve that is fitted anew.
+constexpr int kFitDepth = 4;
+
+// The 3D edge as seen from the surface's own frame.
+struct SpatialEdge {
+  GeomAdaptor_Curve curve;
+  gp_Trsf to_surface;
+  bool moved = false;
+  double first = 0, last = 1;
+
+  void D2(double s, gp_Pnt& point, gp_Vec& d1, gp_Vec& d2) const {
+    curve.D2(s, point, d1, d2);
+    if (!moved) return;
+    point.Transform(to_surface);
+    d1.Transform(to_surface);
+    d2.Transform(to_surface);
+  }
+  gp_Pnt Value(double s) const {
+    gp_Pnt point = curve.Value(s);
+    if (moved) point.Transform(to_surface);
+    return point;
+  }
+};
+
+// Distance of `point` to the edge near parameter `s`, by Newton on the foot of the perpendicular, kept within the edge.
+double DistanceToEdge(const SpatialEdge& edge, const gp_Pnt& point, double s) {
+  double best = INFINITY;
+  for (int step = 0; step < 6; ++step) {
+    gp_Pnt there;
+    gp_Vec d1, d2;
+    edge.D2(s, there, d1, d2);
+    const gp_Vec offset(point, there);
+    const double distance = offset.Magnitude();
+    if (!(distance < best)) break;
+    best = distance;
+    const double slope = d1.SquareMagnitude() + offset.Dot(d2);
+    const double change = offset.Dot(d1) / (slope > 0 ? slope : d1.SquareMagnitude());
+    if (!std::isfinite(change)) break;
+    s = std::clamp(s - change, edge.first, edge.last);
+  }
+  return best;
+}
+
+double MeasureGap(const std::vector<CurvePiece>& pieces, const GeomAdaptor_Surface& surface,
+                  const SpatialEdge& edge) {
+  double gap = 0;
+  for (const CurvePiece& piece : pieces) {
+    for (int i = 0; i < kGapSamples; ++i) {
+      const double t = static_cast<double>(i) / (kGapSamples - 1);
+      const Vec3 uv = Cartesian(EvaluateBezier(piece.points, t));
+      const double distance = DistanceToEdge(edge, surface.Value(uv.x, uv.y),
+                                             NativeParameter(piece.begin, piece.end, piece.map, t));
+      // A distance that is no number must not pass for a small one.
+      if (!(distance <= gap)) gap = distance;
+    }
+  }
+  return gap;
+}
+
+// The parameters of the point of the surface nearest to `target`, by damped Gauss-Newton from a guess.
+Vec2 Project(const GeomAdaptor_Surface& surface, const gp_Pnt& target, Vec2 guess) {
+  Vec2 best = guess;
+  double best_distance = INFINITY;
+  Vec2 at = guess;
+  for (int step = 0; step < 12; ++step) {
+    gp_Pnt there;
+    gp_Vec du, dv;
+    surface.D1(at.x, at.y, there, du, dv);
+    const gp_Vec offset(there, target);
+    const double distance = offset.Magnitude();
+    if (!(distance < best_distance)) break;
+    best = at;
+    best_distance = distance;
+    // Solve the normal equations; a collapsed direction gives up.
+    const double a = du.Dot(du), b = du.Dot(dv), c = dv.Dot(dv), f = offset.Dot(du), g = offset.Dot(dv);
+    const double determinant = a * c - b * b;
+    if (!(determinant > 1e-14 * a * c)) break;
+    at = {best.x + (f * c - g * b) / determinant, best.y + (a * g - b * f) / determinant};
+    if (at.x == best.x && at.y == best.y) break;
+  }
+  return best;
+}
+
+// Projects the 3D edge onto the surface, starting from the p-curve that there is, and interpolates.
+std::vector<CurvePiece> Refitted(const std::vector<CurvePiece>& old, const GeomAdaptor_Surface& surface,
+                                 const SpatialEdge& edge, double tolerance) {
+  const auto guess = [&](double s) {
+    const auto piece =
+        std::find_if(old.begin(), old.end() - 1, [&](const CurvePiece& p) { return s <= p.end; });
+    const Vec3 uv =
+        Cartesian(EvaluateBezier(piece->points, PieceParameter(piece->begin, piece->end, piece->map, s)));
+    return Vec2{uv.x, uv.y};
+  };
+  // Measure parameters in millimetres, so that the fit's deviation is one.
+  const Vec2 middle = guess(0.5 * (edge.first + edge.last));
+  gp_Pnt point;
+  gp_Vec du, dv;
+  surface.D1(middle.x, middle.y, point, du, dv);
+  const double scale_u = du.Magnitude(), scale_v = dv.Magnitude();
+  if (!(scale_u > 0) || !(scale_v > 0)) return {};
+  std::vector<double> breaks{edge.first};
+  TColStd_Array1OfReal intervals(1, edge.curve.NbIntervals(GeomAbs_C2) + 1);
+  edge.curve.Intervals(intervals, GeomAbs_C2);
+  for (double value : intervals) {
+    if (value > breaks.back() && value < edge.last) breaks.push_back(value);
+  }
+  breaks.push_back(edge.last);
+  double deviation = 0;
+  std::vector<CurvePiece> pieces = ApproximateCurve(
+      [&](double s) {
+        const Vec2 uv = Project(surface, edge.Value(s), guess(s));
+        return Vec3{uv.x * scale_u, uv.y * scale_v, 0};
+      },
+      breaks, tolerance, kFitDepth, &deviation);
+  for (CurvePiece& piece : pieces) {
+    for (Vec4& p : piece.points) p = {p.x / scale_u, p.y / scale_v, 0, 1};
+  }
+  return pieces;
+}
+
+// On a plane every curve projects exactly: its control points do.
+std::vector<CurvePiece> PlanarPieces(const Geom_Plane& plane, std::vector<CurvePiece> pieces) {
+  const gp_Ax3& axes = plane.Position();
+  const Vec3 origin = ToVec3(axes.Location().XYZ()), x = ToVec3(axes.XDirection().XYZ()),
+             y = ToVec3(axes.YDirection().XYZ());
+  for (CurvePiece& piece : pieces) {
+    for (Vec4& p : piece.points) {
+      const Vec3 offset = Vec3{p.x, p.y, p.z} - p.w * origin;
+      p = {Dot(offset, x), Dot(offset, y), 0, p.w};
+    }
+  }
+  return pieces;
+}
+
+struct StoredCurve {
+  Handle(Geom2d_Curve) curve;
+  double first = 0, last = 1;
+  bool stored = false;
+};
+
+StoredCurve CurveOn(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+  StoredCurve result;
+  Standard_Boolean stored = false;
+  result.curve = BRep_Tool::CurveOnSurface(edge, face, result.first, result.last, &stored);
+  result.stored = stored;
+  return result;
+}
+
+}  // namespace
+
+Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file) {
+  TopLoc_Location surface_location, edge_location;
+  const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, surface_location));
+  const Handle(Geom_Plane) plane = Handle(Geom_Plane)::DownCast(surface);
+  // Bring the 3D curve into the surface's frame.
+  double first = 0, last = 1;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, edge_location, first, last);
+  const bool spatial = !curve.IsNull() && !BRep_Tool::Degenerated(edge) && first < last;
+  std::optional<SpatialEdge> in_space;
+  if (spatial) {
+    const gp_Trsf to_surface = surface_location.Transformation().Inverted() * edge_location.Transformation();
+    in_space = SpatialEdge{GeomAdaptor_Curve(curve, first, last), to_surface,
+                           !(surface_location == edge_location), first, last};
+  }
+
+  StoredCurve stored = CurveOn(edge, face);
+  Pcurve result;
+  if (!stored.stored && !plane.IsNull() && spatial) {
+    // A plane's p-curves are rarely stored: project the control points.
+    Result<CurvePieces> pieces = PiecesOf(curve, first, last, kMaxArc, Parametrization::kEndsOnly);
+    if (!pieces.ok()) return pieces.error();
+    if (in_space->moved) Transform(in_space->to_surface, pieces.value().pieces);
+    result.pieces = PlanarPieces(*plane, std::move(pieces.value().pieces));
+  } else {
+    if (stored.curve.IsNull() && spatial) {
+      ShapeFix_Edge().FixAddPCurve(edge, face, BRep_Tool::IsClosed(edge, face));
+      stored = CurveOn(edge, face);
+    }
+    if (stored.curve.IsNull())
+      return Error{ErrorCode::kFormatBroken, "an edge has no curve on the surface and none can be computed"};
+    Result<CurvePieces> pieces =
+        PiecesOf(stored.curve, stored.first, stored.last, kMaxArc, Parametrization::kEndsOnly);
+    if (!pieces.ok()) return pieces.error();
+    result.pieces = std::move(pieces.value().pieces);
+    result.from_file = stored.stored && pcurves_in_file;
+    // Carry the p-curve's parameter over to the edge's: the same range, or else a linear map between the two.
+    if (spatial && (stored.first != first || stored.last != last)) {
+      const double scale = (last - first) / (stored.last - stored.first);
+      for (CurvePiece& piece : result.pieces) {
+        piece.begin = first + (piece.begin - stored.first) * scale;
+        piece.end = first + (piece.end - stored.first) * scale;
+      }
+      result.pieces.back().end = last;
+    }
+  }
+  if (!spatial) return result;
+
+  // Measure; a computed curve that is not good enough is computed again by us.
+  const GeomAdaptor_Surface adaptor(surface);
+  result.gap_mm = MeasureGap(result.pieces, adaptor, *in_space);
+  const double size = in_space->Value(first).Distance(in_space->Value(0.5 * (first + last))) +
+                      in_space->Value(0.5 * (first + last)).Distance(in_space->Value(last));
+  if (!result.from_file && plane.IsNull() && !(result.gap_mm <= kGapNoise * size)) {
+    std::vector<CurvePiece> refitted = Refitted(result.pieces, adaptor, *in_space, kGapNoise * size);
+    const double gap = refitted.empty() ? INFINITY : MeasureGap(refitted, adaptor, *in_space);
+    if (gap <= kWorthwhile * result.gap_mm) {
+      result.pieces = std::move(refitted);
+      result.gap_mm = gap;
+    }
+  }
+  if (!std::isfinite(result.gap_mm))
+    return Error{ErrorCode::kFormatBroken, "an edge's curve on the surface is not finite"};
+  result.gap_mm *= std::fabs(surface_location.Transformation().ScaleFactor());
+  return result;
+}
+
+}  // namespace facetless

@@ -1,0 +1,24 @@
+// From a file to a document, one reader per format. OpenCASCADE's exceptions end here.
+#pragma once
+
+#include "import/document.h"
+#include "import/source_file.h"
+#include "render/model/result.h"
+
+namespace facetless {
+
+// Called with a stage ("read", "transfer") and the share of it that is done.
+using StageProgress = void (*)(const char* stage, double fraction);
+
+// Errors of all: kFormatBroken (OpenCASCADE cannot read it at all), kNothingUsable (it holds no faces).
+Result<CadDocument> ReadStep(const SourceFile& source, StageProgress progress);
+Result<CadDocument> ReadIges(const SourceFile& source, StageProgress progress);
+Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress);
+
+// The reader for the source's format; fills the parts of ImportInfo that all share.
+Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress);
+
+// Turns on OpenCASCADE's signal handler and sets its tables: call once per process, with a folder of the process's own.
+void PrepareOpenCascade(const std::string& scratch);
+
+}  // namespace facetless

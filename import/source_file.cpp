@@ -1,0 +1,177 @@
+#include "import/source_file.h"
+
+#include <openssl/evp.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string_view>
+
+namespace facetless {
+namespace {
+
+// Headers are looked for within this many bytes: room for comments that some writers put first.
+constexpr std::size_t kHeaderBytes = 4096;
+
+std::string Sha256(std::string_view bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+  unsigned int size = 0;
+  EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr);
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) {
+    constexpr char kHex[] = "0123456789abcdef";
+    text += kHex[digest[i] >> 4];
+    text += kHex[digest[i] & 15];
+  }
+  return text;
+}
+
+bool Contains(std::string_view text, std::string_view what) {
+  return text.find(what) != std::string_view::npos;
+}
+
+bool StartsWithNoCase(std::string_view text, std::string_view what) {
+  return text.size() >= what.size() && std::equal(what.begin(), what.end(), text.begin(), [](char a, char b) {
+           return a == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+// What a file is that is no CAD file, as a sentence with the remedy; empty if nobody knows.
+std::string Foreign(const std::string& name, std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, kHeaderBytes);
+  const std::string_view text = head.substr(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
+  const std::string mesh =
+      " is a mesh, which has no exact surfaces; pass it with --mesh, beside the CAD model that it was made "
+      "from.";
+  if (head.substr(0, 4) == "glTF") return name + " (glTF)" + mesh;
+  if (text.substr(0, 1) == "{" && Contains(head, "\"asset\"")) return name + " (glTF)" + mesh;
+  if (text.substr(0, 5) == "solid" && Contains(head, "facet")) return name + " (STL)" + mesh;
+  if (bytes.size() >= 84) {
+    // A binary STL says in byte 80 how many triangles of 50 bytes follow.
+    std::uint32_t triangles = 0;
+    for (int i = 3; i >= 0; --i) triangles = triangles << 8 | static_cast<unsigned char>(bytes[80 + i]);
+    if (triangles > 0 && bytes.size() == 84 + std::uint64_t{triangles} * 50) return name + " (STL)" + mesh;
+  }
+  if (text.substr(0, 3) == "ply") return name + " (PLY)" + mesh;
+  if (text.substr(0, 2) == "v " || Contains(head, "\nv ")) return name + " (OBJ)" + mesh;
+  if (StartsWithNoCase(text, "<!doctype html") || StartsWithNoCase(text, "<html"))
+    return name + " is a web page, not a CAD file; was the download redirected to a sign-in or error page?";
+  if (head.substr(0, 2) == "PK") return name + " is a ZIP archive; unpack it and pass the CAD file inside.";
+  if (head.substr(0, 2) == "\x1f\x8b") return name + " is compressed with gzip; unpack it first.";
+  return {};
+}
+
+// IGES: fixed records of 80 columns with the section's letter in column 73, the first of them S.
+bool LooksLikeIges(std::string_view bytes) {
+  const std::string_view line = bytes.substr(0, bytes.find_first_of("\r\n"));
+  return line.size() >= 73 && line.size() <= 81 && (line[72] == 'S' || line[72] == 'F');
+}
+
+std::optional<CadFormat> Recognise(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, kHeaderBytes);
+  if (Contains(head, "ISO-10303-21")) return CadFormat::kStep;
+  if (Contains(head, "DBRep_DrawableShape") || Contains(head, "CASCADE Topology")) return CadFormat::kBrep;
+  if (LooksLikeIges(bytes)) return CadFormat::kIges;
+  return {};
+}
+
+// Line ends of a text: CR alone and CR LF become LF. True if there was a CR that no LF follows.
+bool UnifyLineEnds(std::string& bytes) {
+  bool lone = false;
+  std::string out;
+  out.reserve(bytes.size());
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] != '\r') {
+      out += bytes[i];
+    } else {
+      const bool pair = i + 1 < bytes.size() && bytes[i + 1] == '\n';
+      lone = lone || !pair;
+      if (!pair) out += '\n';
+    }
+  }
+  bytes = std::move(out);
+  return lone;
+}
+
+}  // namespace
+
+Result<SourceFile> OpenSource(const std::string& path, const std::string& scratch) {
+  SourceFile source;
+  source.name = std::filesystem::path(path).filename().string();
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0)
+    return Error{ErrorCode::kFileUnreadable, path + " does not exist or may not be read."};
+  if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kFileUnreadable, path + " is not a regular file."};
+  std::string bytes;
+  {
+    std::ifstream in(path, std::ios::binary);
+    bytes.resize(static_cast<std::size_t>(status.st_size));
+    if (!in || !in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+      return Error{ErrorCode::kFileUnreadable, path + " may not be read."};
+  }
+  if (bytes.empty())
+    return Error{ErrorCode::kFormatUnknown,
+                 source.name + " is empty (0 bytes); was the upload or the export cut off?"};
+  source.sha256 = Sha256(bytes);
+
+  // Remove what stands in front of the header before asking what it is.
+  bool changed = false;
+  if (bytes.starts_with("\xef\xbb\xbf")) {
+    bytes.erase(0, 3);
+    source.repairs.push_back("A byte-order mark in front of the file was removed.");
+    changed = true;
+  }
+  const std::optional<CadFormat> format = Recognise(bytes);
+  if (!format) {
+    const std::string foreign = Foreign(source.name, bytes);
+    return Error{ErrorCode::kFormatUnknown,
+                 foreign.empty() ? source.name + " is none of STEP, IGES and BREP; export the model as STEP."
+                                 : foreign};
+  }
+  source.format = *format;
+  if (*format != CadFormat::kBrep) {
+    const bool had_cr = Contains(bytes, "\r");
+    if (UnifyLineEnds(bytes)) source.repairs.push_back("Line ends of CR alone were read as line ends.");
+    changed = changed || had_cr;
+  }
+  if (const std::size_t nuls = static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\0'));
+      nuls > 0 && *format != CadFormat::kBrep) {
+    std::replace(bytes.begin(), bytes.end(), '\0', ' ');
+    source.repairs.push_back(std::to_string(nuls) +
+                             " NUL bytes were read as spaces; what they replaced is lost.");
+    changed = true;
+  }
+  if (*format == CadFormat::kStep) {
+    Result<StepFacts> facts = ScanStep(source.name, bytes);
+    if (!facts.ok()) return facts.error();
+    source.step = std::move(facts.value());
+  } else if (*format == CadFormat::kIges) {
+    Result<IgesFacts> facts = ScanIges(source.name, bytes);
+    if (!facts.ok()) return facts.error();
+    source.iges = std::move(facts.value());
+    if (const std::uint64_t numbers = RepairIgesReals(bytes); numbers > 0) {
+      source.repairs.push_back(std::to_string(numbers) +
+                               " numbers written as integers were read as the reals that they must be.");
+      changed = true;
+    }
+  }
+  source.path = path;
+  if (changed) {
+    // OpenCASCADE wants a file: give it a copy of its own.
+    source.path = scratch + (*format == CadFormat::kIges   ? "/input.igs"
+                             : *format == CadFormat::kStep ? "/input.step"
+                                                           : "/input.brep");
+    std::ofstream out(source.path, std::ios::binary);
+    if (!out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
+      return Error{ErrorCode::kWriteFailed,
+                   "The repaired copy of " + source.name + " cannot be written into " + scratch + "."};
+  }
+  return source;
+}
+
+}  // namespace facetless
