@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/nurbs/angle_map.h"
+
 namespace facetless {
 namespace {
 
@@ -20,20 +22,6 @@ constexpr double kNamedFovDeg = 40;
 // A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner of
 // the box.
 constexpr double kStandOff = 0.1;
-
-// tan(x) for 0 < x < π/2, the same on every processor: Taylor series at a quarter of the angle, then two
-// doublings.
-double PortableTan(double x) {
-  const double y = x / 4;
-  const double z = y * y;
-  // Sum from the smallest term; the first one left out is below 1e-22 for y < π/8.
-  double sine = 1, cosine = 1;
-  for (int k = 17; k >= 3; k -= 2) sine = std::fma(-z / (k * (k - 1)), sine, 1.0);
-  for (int k = 18; k >= 2; k -= 2) cosine = std::fma(-z / (k * (k - 1)), cosine, 1.0);
-  double tangent = y * sine / cosine;
-  for (int doubling = 0; doubling < 2; ++doubling) tangent = 2 * tangent / std::fma(-tangent, tangent, 1.0);
-  return tangent;
-}
 
 bool Finite(Vec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -114,7 +102,7 @@ Result<CameraFrame> MakeFrame(const Camera& camera, double diagonal_mm) {
 
   // Size the samples: pixels are square, samples need not be.
   const double window =
-      orthographic ? camera.height : 2 * PortableTan(camera.fov_y_deg * (std::numbers::pi / 360));
+      orthographic ? camera.height : 2 * PolyTan(camera.fov_y_deg * (std::numbers::pi / 360));
   const double sample_y = window / camera.height_px;
   frame.pixel_y = sample_y;
   frame.pixel_x = sample_y * camera.samples_y / camera.samples_x;
@@ -183,7 +171,7 @@ Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection
   // Fit the corners of the box into the window, less its margin.
   const double used = 1 - 2 * kMargin;
   const double aspect = static_cast<double>(width_px) / height_px;
-  const double tan_y = PortableTan(camera.fov_y_deg * (std::numbers::pi / 360)) * used;
+  const double tan_y = PolyTan(camera.fov_y_deg * (std::numbers::pi / 360)) * used;
   double height = 0, distance = 0;
   for (const Vec3 corner : Corners(bounds)) {
     const Vec3 d = corner - camera.target;

@@ -1,0 +1,110 @@
+#include "render/shade/shade.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "render/shade/edges.h"
+#include "render/shade/studio.h"
+
+namespace facetless {
+namespace {
+
+constexpr std::size_t kNoPixel = std::numeric_limits<std::size_t>::max();
+
+Vec3 Linear(const Color& color) {
+  return {SrgbToLinear(color.r), SrgbToLinear(color.g), SrgbToLinear(color.b)};
+}
+
+Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options) {
+  const std::size_t count =
+      static_cast<std::size_t>(samples.width) * static_cast<std::size_t>(samples.height);
+  if (samples.width < 1 || samples.height < 1 || samples.depth.size() != count ||
+      samples.normal.size() != count || samples.face.size() != count)
+    return Error{ErrorCode::kSizeMismatch, "depth, normal and face of the samples have different sizes"};
+  if (!(options.edge_angle_deg >= 0 && options.edge_angle_deg <= 180))
+    return Error{ErrorCode::kBadUsage, "the edge angle must lie between 0 and 180 degrees"};
+  if (options.samples_x < 1 || options.samples_y < 1)
+    return Error{ErrorCode::kBadUsage, "there is at least one sample per pixel"};
+  return {};
+}
+
+// Shades the row's samples; returns the first that is no number, or kNoPixel.
+std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, const std::vector<Vec3>& albedo,
+                     Vec3 fallback, const std::array<float, 4>& background, int y, Film& film) {
+  const bool perspective = frame.projection == Projection::kPerspective;
+  const std::size_t first = static_cast<std::size_t>(y) * samples.width;
+  for (std::size_t i = first; i < first + samples.width; ++i) {
+    // Nothing hit: the background. NaN and −inf are no misses.
+    if (samples.depth[i] == INFINITY) {
+      film.pixels[i] = background;
+      continue;
+    }
+    const auto& n = samples.normal[i];
+    if (!std::isfinite(samples.depth[i]) || !std::isfinite(n[0]) || !std::isfinite(n[1]) ||
+        !std::isfinite(n[2]))
+      return i;
+
+    // Turn normal and view into the viewer's axes, and the normal to the viewer.
+    const Vec3 direction = perspective
+                               ? PixelRay(frame, static_cast<double>(i - first) + 0.5, y + 0.5).direction
+                               : frame.forward;
+    const auto to_viewer = [&](Vec3 v) {
+      return Vec3{Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
+    };
+    const Vec3 view = Normalized(to_viewer(-direction));
+    Vec3 normal = Normalized(to_viewer({n[0], n[1], n[2]}));
+    if (!(Dot(normal, normal) > 0)) normal = view;
+    if (Dot(normal, view) < 0) normal = -normal;
+
+    const std::uint32_t face = samples.face[i];
+    const Vec3 light = StudioLight(normal, view, face < albedo.size() ? albedo[face] : fallback);
+    film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z),
+                      1.0f};
+  }
+  return kNoPixel;
+}
+
+}  // namespace
+
+Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
+                   const ShadeOptions& options) {
+  if (Result<void> sound = CheckInput(samples, options); !sound.ok()) return sound.error();
+  std::vector<Vec3> albedo;
+  albedo.reserve(colors.size());
+  for (const Color& color : colors) albedo.push_back(Linear(color));
+  const Vec3 fallback = Linear(options.fallback);
+  const Vec3 room = StudioBackground();
+  std::array<float, 4> background = {0, 0, 0, 0};
+  if (options.background == Background::kStudio)
+    background = {static_cast<float>(room.x), static_cast<float>(room.y), static_cast<float>(room.z), 1.0f};
+
+  Film film;
+  film.width = samples.width;
+  film.height = samples.height;
+  film.pixels.resize(samples.size());
+  std::atomic<std::size_t> bad{kNoPixel};
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(0, samples.height, [&](int y) {
+      const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, y, film);
+      std::size_t known = bad.load();
+      while (found < known && !bad.compare_exchange_weak(known, found)) {
+      }
+    });
+    if (bad.load() == kNoPixel && options.edges) DrawEdges(samples, frame, options, film);
+  });
+  if (bad.load() != kNoPixel)
+    return Error{ErrorCode::kNotFinite, "the hit at pixel (" + std::to_string(bad.load() % samples.width) +
+                                            ", " + std::to_string(bad.load() / samples.width) +
+                                            ") has a depth or a normal that is not a number"};
+  return film;
+}
+
+}  // namespace facetless

@@ -1,0 +1,71 @@
+#include "render/shade/studio.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetless {
+namespace {
+
+struct Light {
+  Vec3 toward;  // unit
+  Vec3 color;   // linear
+  double wrap;  // 0: Lambert; 1: the terminator lies on the far side
+};
+
+Vec3 Times(Vec3 a, Vec3 b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+Vec3 Mix(Vec3 a, Vec3 b, double t) {
+  return (1 - t) * a + t * b;
+}
+
+// A warm key above left, a cool fill from the right and a little below.
+const Light kKey = {Normalized({-0.50, 0.72, 0.66}), {0.960, 0.905, 0.830}, 0.35};
+const Light kFill = {Normalized({0.82, -0.12, 0.45}), {0.150, 0.175, 0.215}, 0.60};
+// Light from everywhere: a bright ceiling, a warm floor.
+constexpr Vec3 kCeiling = {0.235, 0.245, 0.265}, kFloor = {0.085, 0.078, 0.070};
+// Highlights: how much of the key a surface mirrors, tight and wide; and the rim, where surfaces mirror the ceiling.
+constexpr double kTight = 0.16, kWide = 0.045, kRim = 0.20;
+// Where the shoulder begins: below, light passes unchanged.
+constexpr double kShoulder = 0.70;
+
+double Diffuse(const Light& light, Vec3 normal) {
+  // Wrapped Lambert, squared: the terminator is soft and its slope ends in zero.
+  const double wrapped = std::max((Dot(normal, light.toward) + light.wrap) / (1 + light.wrap), 0.0);
+  return wrapped * (0.45 + 0.55 * wrapped);
+}
+
+double Shoulder(double x) {
+  if (x <= kShoulder) return std::max(x, 0.0);
+  const double over = (x - kShoulder) / (1 - kShoulder);
+  return kShoulder + (1 - kShoulder) * (over / (1 + over));
+}
+
+}  // namespace
+
+Vec3 StudioLight(Vec3 normal, Vec3 view, Vec3 albedo) {
+  // Diffuse light of both lamps and the room.
+  const double up = 0.5 + 0.5 * normal.y;
+  const Vec3 incoming =
+      Diffuse(kKey, normal) * kKey.color + Diffuse(kFill, normal) * kFill.color + Mix(kFloor, kCeiling, up);
+  Vec3 light = Times(albedo, incoming);
+
+  // Highlights of the key around the half vector: cosines to the powers 8 and 64.
+  const double half = std::max(Dot(normal, Normalized(kKey.toward + view)), 0.0);
+  const double half2 = half * half, half4 = half2 * half2, half8 = half4 * half4;
+  const double half16 = half8 * half8, half32 = half16 * half16, half64 = half32 * half32;
+  light = light + (kWide * half8 + kTight * half64) * kKey.color;
+
+  // The rim: Schlick's fifth power of the grazing angle, brighter where it faces up.
+  const double grazing = 1 - std::clamp(Dot(normal, view), 0.0, 1.0);
+  const double grazing2 = grazing * grazing;
+  light = light + (kRim * grazing2 * grazing2 * grazing * (0.35 + 0.65 * up)) * Vec3{0.93, 0.97, 1.0};
+
+  return {Shoulder(light.x), Shoulder(light.y), Shoulder(light.z)};
+}
+
+Vec3 StudioBackground() {
+  return {0.905, 0.890, 0.858};
+}
+
+}  // namespace facetless
