@@ -5,9 +5,9 @@
 #include <poll.h>
 #include <signal.h>
 #include <string.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -240,7 +240,8 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     outcome.out += bytes.substr(0, request.stdout_cap - outcome.out.size());
   };
   const auto take_err = [&](std::string_view bytes) { error_stream.Take(bytes); };
-  const Fd process(pidfd_open(child, 0));
+  // By number: this C library declares its wrapper without C linkage.
+  const Fd process(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
   MemoryPeaks peaks;
   bool out_open = true, err_open = true, started = false, killed = false;
   int start_error = 0;
