@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace facetless {
@@ -23,6 +24,25 @@ Offset OffsetFromChord(const TrimPiece& piece, Vec2 q) {
   const double du = piece.high.x - piece.low.x, dv = piece.high.y - piece.low.y;
   const double a = du * (q.y - piece.low.y), b = dv * (q.x - piece.low.x);
   return {a - b, 3 * kEpsilon * (std::fabs(a) + std::fabs(b))};
+}
+
+// Two lanes in the compiler's own vectors (GCC, Clang): comparisons only, so the answer doesn't depend on how
+// they are built.
+using Lanes2 = double __attribute__((vector_size(16)));
+using Bits2 = std::int64_t __attribute__((vector_size(16)));
+Lanes2 Two(const double* lanes, int pair) {
+  Lanes2 two;
+  std::memcpy(&two, lanes + 2 * pair, sizeof two);
+  return two;
+}
+// Where a node keeps child i: children i and i + 4 share a pair of lanes.
+std::uint32_t LaneOf(std::uint32_t i) {
+  return 2 * (i % 4) + i / 4;
+}
+
+// 1 where the comparison holds.
+Bits2 One(Bits2 comparison) {
+  return comparison ? Bits2{1, 1} : Bits2{0, 0};
 }
 
 bool Spans(const TrimPiece& piece, double v) {
@@ -95,9 +115,10 @@ struct FaceTrim::Builder {
     Node node;
     for (const Stretch& child : children) AddChild(node, child);
     for (std::uint32_t i = node.count; i < kWidth; ++i) {
-      node.u_low[i] = node.v_low[i] = kInfinity;
-      node.u_high[i] = node.v_high[i] = -kInfinity;
-      node.v_begin[i] = node.v_end[i] = 0;
+      const std::uint32_t lane = LaneOf(i);
+      node.u_low[lane] = node.v_low[lane] = kInfinity;
+      node.u_high[lane] = node.v_high[lane] = -kInfinity;
+      node.v_begin[lane] = node.v_end[lane] = 0;
       node.child[i] = 0;
     }
     nodes.push_back(node);
@@ -105,30 +126,30 @@ struct FaceTrim::Builder {
   }
 
   void AddChild(Node& node, const Stretch& child) {
-    const std::uint32_t i = node.count++;
+    const std::uint32_t i = node.count++, lane = LaneOf(i);
     if (child.piece_count == 1) {
       const TrimPiece& piece = pieces.pieces[child.first];
       const Vec2 error = pieces.curves[child.first].error;
-      node.u_low[i] = std::min(piece.low.x, piece.high.x) - error.x;
-      node.u_high[i] = std::max(piece.low.x, piece.high.x) + error.x;
-      node.v_low[i] = piece.low.y - error.y;
-      node.v_high[i] = piece.high.y + error.y;
+      node.u_low[lane] = std::min(piece.low.x, piece.high.x) - error.x;
+      node.u_high[lane] = std::max(piece.low.x, piece.high.x) + error.x;
+      node.v_low[lane] = piece.low.y - error.y;
+      node.v_high[lane] = piece.high.y + error.y;
       node.child[i] = child.first | kPieceBit;
       node.band_u = std::max(node.band_u, piece.band_u);
       node.band_v = std::max(node.band_v, piece.band_v);
     } else {
       node.child[i] = Add(child);
       const Node& below = nodes[node.child[i]];
-      node.u_low[i] = *std::min_element(below.u_low, below.u_low + kWidth);
-      node.u_high[i] = *std::max_element(below.u_high, below.u_high + kWidth);
-      node.v_low[i] = *std::min_element(below.v_low, below.v_low + kWidth);
-      node.v_high[i] = *std::max_element(below.v_high, below.v_high + kWidth);
+      node.u_low[lane] = *std::min_element(below.u_low, below.u_low + kWidth);
+      node.u_high[lane] = *std::max_element(below.u_high, below.u_high + kWidth);
+      node.v_low[lane] = *std::min_element(below.v_low, below.v_low + kWidth);
+      node.v_high[lane] = *std::max_element(below.v_high, below.v_high + kWidth);
       node.band_u = std::max(node.band_u, below.band_u);
       node.band_v = std::max(node.band_v, below.band_v);
     }
     // Whole loops end where they begin.
-    node.v_begin[i] = child.chain ? pieces.Begin(child.first).y : 0;
-    node.v_end[i] = child.chain ? pieces.End(child.end - 1).y : 0;
+    node.v_begin[lane] = child.chain ? pieces.Begin(child.first).y : 0;
+    node.v_end[lane] = child.chain ? pieces.End(child.end - 1).y : 0;
   }
 };
 
@@ -258,15 +279,19 @@ bool FaceTrim::Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd,
     const double grow_u = band_scale * node.band_u, grow_v = band_scale * node.band_v;
     const double u_low = rect.u_low - grow_u, u_high = rect.u_high + grow_u;
     const double v_low = rect.v_low - grow_v, v_high = rect.v_high + grow_v;
-    unsigned open = 0, crossing = 0;
-    for (std::uint32_t i = 0; i < node.count; ++i) {
-      const unsigned meets = (node.u_low[i] <= u_high) & (node.u_high[i] >= u_low) &
-                             (node.v_low[i] <= v_high) & (node.v_high[i] >= v_low);
-      const unsigned crosses =
-          ((node.v_begin[i] <= point.y) ^ (node.v_end[i] <= point.y)) & (node.u_low[i] > point.x);
-      open |= meets << i;
-      crossing |= crosses << i;
+    Bits2 meets{0, 0}, crosses{0, 0};
+    for (int i = kWidth / 2 - 1; i >= 0; --i) {
+      const Lanes2 left = Two(node.u_low, i);
+      meets = meets + meets +
+              (One(left <= u_high) & One(Two(node.u_high, i) >= u_low) & One(Two(node.v_low, i) <= v_high) &
+               One(Two(node.v_high, i) >= v_low));
+      crosses =
+          crosses + crosses +
+          ((One(Two(node.v_begin, i) <= point.y) ^ One(Two(node.v_end, i) <= point.y)) & One(left > point.x));
     }
+    // Now bit i of each is child i's: the first lanes of the pairs, then the second ones.
+    auto open = static_cast<unsigned>(meets[0] | meets[1] << kWidth / 2);
+    const auto crossing = static_cast<unsigned>(crosses[0] | crosses[1] << kWidth / 2);
     odd ^= __builtin_parity(crossing & ~open);
     for (; open != 0; open &= open - 1) {
       const std::uint32_t child = node.child[__builtin_ctz(open)];

@@ -88,8 +88,8 @@ class FaceTrim {
   struct alignas(64) Node {
     double u_low[kWidth], u_high[kWidth], v_low[kWidth], v_high[kWidth];  // boxes, rounding included
     double v_begin[kWidth], v_end[kWidth];                                // of the stretch's two ends
-    std::uint32_t child[kWidth];                                          // a node, or a piece with kPieceBit
-    float band_u = 0, band_v = 0;                                         // widest of all pieces below
+    std::uint32_t child[kWidth];   // by child, not by lane: a node, or a piece with kPieceBit
+    float band_u = 0, band_v = 0;  // widest of all pieces below
     std::uint32_t count = 0;
   };
   struct Ends {  // of a coedge, in its loop

@@ -185,27 +185,39 @@ void AddLoop(Model& model, const Outline& outline, double gap_mm) {
   model.loops.push_back(loop);
 }
 
-bool InsideBySampling(const std::vector<Outline>& loops, Vec2 q, int samples, double* margin) {
-  bool inside = false;
-  *margin = INFINITY;
+Sampled::Sampled(const std::vector<Outline>& loops, int points_per_segment) {
   for (const Outline& outline : loops) {
-    std::vector<Vec2> polygon;
+    std::vector<Vec2>& polygon = polygons_.emplace_back();
     for (const Chain& chain : outline)
       for (const Curve& curve : chain) {
-        const int n = curve.size() == 2 ? 1 : samples;
+        const int n = curve.size() == 2 ? 1 : points_per_segment;
         for (int i = 0; i < n; ++i)
           polygon.push_back(PointOn({curve.data(), static_cast<int>(curve.size()) - 1}, double(i) / n));
       }
+  }
+}
+
+bool Sampled::Inside(Vec2 q) const {
+  bool inside = false;
+  for (const auto& polygon : polygons_)
     for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const Vec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+      const Vec2 a = polygon[i], b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
       if ((a.y <= q.y) != (b.y <= q.y) && q.x < a.x + (q.y - a.y) / (b.y - a.y) * (b.x - a.x))
         inside = !inside;
+    }
+  return inside;
+}
+
+double Sampled::Distance(Vec2 q) const {
+  double distance = INFINITY;
+  for (const auto& polygon : polygons_)
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vec2 a = polygon[i], b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
       const double length = Dot(b - a, b - a);
       const double t = length > 0 ? std::clamp(Dot(q - a, b - a) / length, 0.0, 1.0) : 0;
-      *margin = std::min(*margin, Length(q - a - t * (b - a)));
+      distance = std::min(distance, Length(q - a - t * (b - a)));
     }
-  }
-  return inside;
+  return distance;
 }
 
 }  // namespace facetless::trim_models

@@ -46,8 +46,16 @@ Model SphereModel();
 // z = 0, and edge parameters 0 … number of segments.
 void AddLoop(Model& model, const Outline& outline, double gap_mm = 0);
 
-// Even-odd by brute force: the loops as polygons through `samples` points per segment. `margin` receives the
-// distance to them.
-bool InsideBySampling(const std::vector<Outline>& loops, Vec2 q, int samples, double* margin);
+// Even-odd by brute force: loops as polygons through points at equal parameters of every segment.
+class Sampled {
+ public:
+  Sampled(const std::vector<Outline>& loops, int points_per_segment);
+  bool Inside(Vec2 q) const;
+  // Distance to the nearest side.
+  double Distance(Vec2 q) const;
+
+ private:
+  std::vector<std::vector<Vec2>> polygons_;
+};
 
 }  // namespace facetless::trim_models
