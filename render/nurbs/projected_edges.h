@@ -6,18 +6,16 @@
 //     cross(T, P − C) = Tx·(P − C)y − Ty·(P − C)x > 0, with C the edge's projected point locally nearest to
 //     the pixel P and T the direction of increasing edge parameter there. (On the screen, with y down, that
 //     is to the right of the edge.)
-//  2. The nearest point is found from the guess and then rounded to a fixed grid of the edge's parameter: two
-//  guesses that
-//     lead to one foot give bit-identical answers. It is clamped at the ends of an open edge; beyond an end
-//     the side is that of the tangent line there. A closed edge has no ends.
-//  3. Nothing is stored per edge: a question projects the one or two segments that it needs. A ProjectedEdges
-//  is a matrix.
-//  4. kUnknown where the edge has no curve, where it meets the eye plane, or where its projection is a point.
+//  2. The nearest point is found from the guess and then rounded to a fixed grid of the edge's parameter: two guesses that
+//     lead to one foot give bit-identical answers. It is clamped at the ends of an open edge; beyond an end the side is that
+//     of the tangent line there. A closed edge (equal vertices) has no ends. At a kink both tangent lines decide, as at a corner.
+//  3. Nothing is stored per edge: a question projects the segments that it meets. A ProjectedEdges is a matrix.
+//  4. kUnknown where the edge has no curve, where its nearest point isn't in front of the eye, or where its projection stands still.
+//  5. Deterministic: no libm but sqrt.
 //
-// At a corner two coedges of one loop meet. With the sides s1, s2 ("material is on this side of the line")
-// the face holds the pixel iff s1 and s2 when the corner is convex in the image, s1 or s2 when it is reflex.
-// Around a vertex each edge's line is asked by the two faces beside it, so the wedges of a fan of faces tile
-// the image without overlap or gap.
+// At a corner two coedges of one loop meet, each with the half plane of its material beyond its tangent line. The face holds the pixel
+// iff both half planes do when the corner is convex in the image, and iff one of them does when it is reflex. Around a vertex each
+// edge's line is asked by the two faces beside it, so the wedges of a fan of faces tile the image without overlap or gap.
 #pragma once
 
 #include <cstdint>
@@ -32,9 +30,10 @@ enum class Side : std::int8_t { kNegative = -1, kUnknown = 0, kPositive = 1 };
 
 struct EdgeSide {
   Side side = Side::kUnknown;
-  double distance_px = 0;  // from the pixel to the nearest point, >= 0
-  double parameter = 0;    // of the nearest point, on the edge
-  Vec2 tangent;            // of the projected edge there, pixels per unit of edge parameter
+  double distance_px =
+      0;                 // from the pixel to the nearest point, >= 0; meaningless for kUnknown, like the rest
+  double parameter = 0;  // of the nearest point, on the edge
+  Vec2 tangent;          // of the projected edge there, pixels per unit of edge parameter
 };
 
 class ProjectedEdges {
@@ -42,14 +41,18 @@ class ProjectedEdges {
   // Of the part that `placement` places, seen through `frame`. `model` must outlive it.
   ProjectedEdges(const Model& model, const Placement& placement, const CameraFrame& frame);
 
-  // On which side of `edge` the pixel coordinates (x, y) lie, by the point locally nearest to them from
-  // `guess` on.
+  // On which side of `edge` the pixel coordinates (x, y) lie, by the point locally nearest to them from `guess` on.
   EdgeSide SideOf(std::uint32_t edge, double guess, double x, double y) const;
 
+  // The projected edge's direction at `parameter`, pixels per unit of edge parameter, by the segment that ends there
+  // (`ending`) or begins. (0,0) where law 4 says kUnknown.
+  Vec2 TangentAt(std::uint32_t edge, double parameter, bool ending) const;
+
  private:
+  class Segment;
+
   const Model* model_;
   double rows_[3][4];  // part coordinates -> (x·W, y·W, W)
-  double near_ = 0;    // W must exceed this
 };
 
 // Whether a hit counts by one coedge alone. `jacobian_positive`: x_u·y_v − x_v·y_u > 0 for the map (u,v) ->
