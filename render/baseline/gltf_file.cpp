@@ -17,8 +17,8 @@
 namespace facetless {
 namespace {
 
-// tinygltf walks `extras` and extensions recursively; a few hundred bytes of stack per level are safe at this
-// depth.
+// tinygltf walks `extras` and extensions recursively; a few hundred bytes of stack per level are safe at
+// this depth.
 constexpr int kMaxJsonDepth = 100;
 // A parsed JSON document takes some twenty times its text.
 constexpr std::size_t kMaxJsonBytes = std::size_t{256} << 20;

@@ -66,8 +66,8 @@ Result<std::vector<unsigned char>> ReadBytes(const std::string& path, const std:
   return bytes;
 }
 
-// A mesh that says it was made from a model belongs to this one only if its nodes are this model's instances,
-// face by face.
+// A mesh that says it was made from a model belongs to this one only if its nodes are this model's
+// instances, face by face.
 bool NamesFacesOf(const Mesh& mesh, const Model& model) {
   const std::uint32_t placed = model.PlacedFaceCount();
   for (const MeshNode& node : mesh.nodes) {

@@ -1,24 +1,20 @@
 // Mesh files in: what `facetless mesh` wrote and what somebody else exported run through one path.
 //
-//  1. Read are glTF 2.0 binary (.glb) and STL, ASCII or binary; which one is told by the content, not by the
-//  name.
+//  1. Read are glTF 2.0 binary (.glb) and STL, ASCII or binary; which one is told by the content, not by
+//     the name.
 //  2. The result is in millimetres with Z up. glTF says metres and Y up; STL says nothing and is taken as
-//  millimetres, Z
-//     up. `unit` and `up` override both.
+//     millimetres, Z up. `unit` and `up` override both.
 //  3. A file of our own comes back bit for bit: its root node and the conversion here are each other's
-//  inverse, and their
-//     product is formed first, so positions and node translations are multiplied by exactly 1.
+//     inverse, and their product is formed first, so positions and node translations are multiplied by
+//     exactly 1.
 //  4. Missing normals are made: the mean of the triangles around a position, weighted by angle, over the
-//  triangles whose
-//     normals lie within `crease_deg` of the corner's own.
-//  5. A mesh of our own names the model's faces (Mesh::from_model) only if its nodes are the instances of the
-//  model that it is
-//     compared with; another model's mesh counts as a foreign one.
+//     triangles whose normals lie within `crease_deg` of the corner's own.
+//  5. A mesh of our own names the model's faces (Mesh::from_model) only if its nodes are the instances of
+//     the model that it is compared with; another model's mesh counts as a foreign one.
 //  6. Nodes that squash their mesh to nothing (a determinant of zero) are left out.
 //  7. Whatever bytes come in, the answer is a mesh with indices in range and finite numbers, or an Error.
-//  External files,
-//     images, cameras, animation, skins and morph targets are not read; sparse accessors and compressed
-//     primitives (Draco, meshopt) are refused by name.
+//     External files, images, cameras, animation, skins and morph targets are not read; sparse accessors
+//     and compressed primitives (Draco, meshopt) are refused by name.
 #pragma once
 
 #include <cstdint>
@@ -39,15 +35,15 @@ struct MeshLoadOptions {
   std::uint64_t max_nodes = 4'000'000;
 };
 
-// Reads the mesh at `path`. If `model` is given, the bounds of both are compared (CheckMeshSize).
-// Errors: kBadUsage (options), kFileUnreadable, kFormatUnknown, kFormatBroken, kNotFinite, kNothingUsable (no
+// Reads the mesh at `path`. If `model` is given, the bounds of both are compared (CheckMeshSize). Errors:
+// kBadUsage (options), kFileUnreadable, kFormatUnknown, kFormatBroken, kNotFinite, kNothingUsable (no
 // triangle), kLimitExceeded, kUnitMismatch.
 Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, const Model* model);
 
 // kUnitMismatch if the ratio of the diagonals, or its inverse, is within 5 % of 10, 12, 25.4, 39.4, 100,
 // 304.8 or 1000, or if the extents fit only with Y and Z exchanged; the message names the option that would
-// repair it. `unit_mm` is what one unit of the mesh's file was taken for. Nothing to say where either box is
-// empty or a point.
+// repair it. `unit_mm` is what one unit of the mesh's file was taken for. Nothing to say where either box
+// is empty or a point.
 Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model);
 
 // Of all placed triangles' corners, mm.
@@ -57,8 +53,8 @@ Box3 MeshBounds(const Mesh& mesh);
 std::uint64_t PlacedTriangleCount(const Mesh& mesh);
 
 // The largest distance between a position and the number that was rounded to float32 to store it, mm: √3 ×
-// half a unit in the last place of the largest coordinate, scaled by its placement. No difference below this
-// says anything.
+// half a unit in the last place of the largest coordinate, scaled by its placement. No difference below
+// this says anything.
 double PositionNoise(const Mesh& mesh);
 
 }  // namespace facetless

@@ -1,9 +1,9 @@
 // What the readers of single mesh formats share. Private to baseline/.
 //
-//  1. A reader gets the whole file as bytes and trusts none of them: every index, offset, count and number is
-//  checked before use.
+//  1. A reader gets the whole file as bytes and trusts none of them: every index, offset, count and number
+//     is checked before use.
 //  2. FileToModel turns the file's axes and unit into millimetres, Z up. Its entries are 0, ±unit_mm: no
-//  rounding of its own.
+//     rounding of its own.
 #pragma once
 
 #include <cstdint>

@@ -2,8 +2,8 @@
 //
 //  1. Embree's coordinates are millimetres relative to `center`, rounded to float32 last of all.
 //  2. A part that is placed once goes into the top-level tree itself; parts that are placed more often are
-//  trees of their own, and
-//     each placement an instance. node_of_geometry tells for both which node a geometry id stands for.
+//     trees of their own, and each placement an instance. node_of_geometry tells for both which node a
+//     geometry id stands for.
 #pragma once
 
 #include <embree3/rtcore.h>

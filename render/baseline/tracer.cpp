@@ -27,7 +27,8 @@ struct HitPoint {
 };
 
 // The point of triangle `corners` that `ray` meets, in double: from signed volumes seen from a point of the
-// ray near the mesh. Outside the triangle by float32's error: the nearest border in barycentric coordinates.
+// ray near the mesh. Outside the triangle by float32's error: the nearest border in barycentric
+// coordinates.
 HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Vec3 (&corners)[3],
                 const Vec3 (&normals)[3], double side) {
   const Vec3 origin = ray.origin + start * ray.direction;

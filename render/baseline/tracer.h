@@ -1,18 +1,16 @@
 // The baseline: a triangle mesh, traced by Embree from the same rays as the direct renderer.
 //
-//  1. Rays are those of camera.h through pixel centres. Orthographic ones see hits at any depth, perspective
-//  ones beyond near_mm.
+//  1. Rays are those of camera.h through pixel centres. Orthographic ones see hits at any depth,
+//     perspective ones beyond near_mm.
 //  2. Embree (float32) decides which triangle is hit; depth is then computed again in double, from the
-//  triangle's placed
-//     corners. A ray that passes the triangle in double by float32's error takes the depth of the triangle's
-//     border.
-//  3. Normals are interpolated from the vertices, as a viewer does; one that points to the other side of the
-//  ray than its
-//     triangle does (silhouettes of coarse meshes) is turned back to the horizon.
+//     triangle's placed corners. A ray that passes the triangle in double by float32's error takes the
+//     depth of the triangle's border.
+//  3. Normals are interpolated from the vertices, as a viewer does; one that points to the other side of
+//     the ray than its triangle does (silhouettes of coarse meshes) is turned back to the horizon.
 //  4. Everything is relative to the mesh's centre before it becomes float32: a model 10 km away loses
-//  nothing.
+//     nothing.
 //  5. Answers don't depend on the number of threads. They may depend on the processor: Embree promises no
-//  more.
+//     more.
 #pragma once
 
 #include <atomic>

@@ -1,19 +1,15 @@
 // One view, start to end: what the command line and the HTTP service both call.
 //
 //  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
-//  samples > 1 the
-//     colour comes from a second, supersampled pass of the same camera.
+//     samples > 1 the colour comes from a second, supersampled pass of the same camera.
 //  2. Times are of a steady clock, in ms, and disjoint: total is the whole call for that tracer, files
-//  excluded. prepare and
-//     trace are of the pixel-centre pass; the second pass is color_ms, and shading (with resolve and encode)
-//     shade_ms.
+//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, and shading
+//     (with resolve and encode) shade_ms.
 //  3. peak_bytes counts what the tracer holds for this view at its fullest: the direct one the scene's
-//  leaves, bitmaps and buffers;
-//     the baseline the mesh, Embree's own count at its highest, and buffers. The model and the program itself
-//     are not in it.
+//     leaves, bitmaps and buffers; the baseline the mesh, Embree's own count at its highest, and buffers.
+//     The model and the program itself are not in it.
 //  4. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
-//  shows there, and the
-//     commonest colour of that image where it shows none.
+//     shows there, and the commonest colour of that image where it shows none.
 #pragma once
 
 #include <atomic>

@@ -3,15 +3,15 @@
 //  1. Both buffers are of one camera; sizes are checked first, and a NaN anywhere fails.
 //  2. Signs: baseline − direct. A positive depth difference means that the mesh lies farther from the eye.
 //  3. depth_mm is over every pixel that both hit. deviation_mm and normal_deg leave out *border* pixels,
-//  whose share is
-//     reported: pixels where the two tracers look past different sides of an edge. There the depth jumps from
-//     one surface to another, and says nothing about how far the two are apart. A pixel is a border pixel if
-//     (a) the tracers show different faces, or a jump (features.h) runs between it and a neighbour in either
-//     image, and (b) a shift by one pixel explains it: what the baseline shows here, the direct image shows
-//     at a neighbour (same face where faces are known, depth within the range found there), or the other way
-//     round. A face that the mesh lacks is no border: nothing within a pixel explains it, and it counts.
+//     whose share is reported: pixels where the two tracers look past different sides of an edge. There the
+//     depth jumps from one surface to another, and says nothing about how far the two are apart. A pixel is
+//     a border pixel if a shift by one pixel explains it: (a) the tracers show different faces, and one of
+//     them shows at a neighbour the face that the other shows here; or (b) a jump (features.h) runs between
+//     it and a neighbour in one image, and what the other image shows here is nearer to that neighbour's
+//     depth than to this pixel's. A face that the mesh lacks is no border: nothing within a pixel explains
+//     it, and it counts.
 //  4. deviation_mm = |depth difference| · |N · D|, D the ray at depth 1: the distance between the surfaces,
-//  to first order.
+//     to first order.
 #pragma once
 
 #include <cstdint>

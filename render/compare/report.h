@@ -2,7 +2,7 @@
 // bytes, pixels.
 //
 //  1. A number that does not exist is null: psnr of equal pictures, a distance to nothing, odd_rays without
-//  an audit.
+//     an audit.
 //  2. Objects list at least the promised names; more may follow, none is ever renamed.
 #pragma once
 

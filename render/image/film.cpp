@@ -12,9 +12,9 @@
 namespace facetless {
 namespace {
 
-// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere; from 1 it falls monotonically,
-// by at least the factor 1 − 1/n while far away, so 64 steps are more than enough for what is asked here (n
-// <= 5, a > 1e-9).
+// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere; from 1 it falls
+// monotonically, by at least the factor 1 − 1/n while far away, so 64 steps are more than enough for what
+// is asked here (n <= 5, a > 1e-9).
 double Root(double a, int n) {
   double y = 1;
   for (int step = 0; step < 64; ++step) {

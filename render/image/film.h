@@ -2,9 +2,9 @@
 //
 //  1. Film holds linear Rec. 709 red, green, blue, multiplied by alpha, and alpha; row-major, row 0 on top.
 //  2. Image8 holds sRGB-encoded bytes, alpha not multiplied in; three channels where everything is opaque,
-//  else four.
+//     else four.
 //  3. Encode gives the same bytes on every machine: its curve is a table of exact thresholds, no library's
-//  pow.
+//     pow.
 #pragma once
 
 #include <array>

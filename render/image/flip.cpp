@@ -128,8 +128,8 @@ Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_
   return out;
 }
 
-// The picture as the eye resolves it (section 4.1.1), in Hunt-adjusted Lab; and its luminance, unfiltered, 0
-// … 1.
+// The picture as the eye resolves it (section 4.1.1), in Hunt-adjusted Lab; and its luminance, unfiltered,
+// 0 … 1.
 struct Seen {
   std::array<Plane, 3> lab;
   Plane luminance;

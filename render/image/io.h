@@ -1,13 +1,12 @@
 // Image files, through OpenImageIO.
 //
-//  1. A file appears in full or not at all: it is written under a temporary name beside its own and renamed.
+//  1. A file appears in full or not at all: it is written under a temporary name beside its own and
+//     renamed.
 //  2. PNG is 8-bit sRGB; alpha is not multiplied in. Depth is one channel of float64 in TIFF, +inf where
-//  nothing is hit. AOVs are one
-//     EXR file with named channels.
+//     nothing is hit. AOVs are one EXR file with named channels.
 //  3. No file carries a date or a machine's name: the same picture gives the same bytes.
 //  4. Errors name the path: kWriteFailed (absent directory, no permission, disk full), kFileUnreadable,
-//  kFormatBroken,
-//     kFormatUnknown, kLimitExceeded (more than 65,536 pixels on a side).
+//     kFormatBroken, kFormatUnknown, kLimitExceeded (more than 65,536 pixels on a side).
 #pragma once
 
 #include <span>
@@ -29,8 +28,8 @@ struct DepthImage {
   std::vector<double> depth;  // mm; +inf: nothing hit
 };
 Result<void> WriteDepth(const std::string& path, int width, int height, std::span<const double> depth);
-// Also reads TIFF files of float32. Numbers are returned as they are, NaN included: comparing is what refuses
-// them.
+// Also reads TIFF files of float32. Numbers are returned as they are, NaN included: comparing is what
+// refuses them.
 Result<DepthImage> ReadDepth(const std::string& path);
 
 // Which AOVs a file holds, besides those that are always there.

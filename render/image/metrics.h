@@ -1,17 +1,15 @@
 // How different two pictures are, for numbers and for eyes.
 //
 //  1. Sizes are compared first (kSizeMismatch). Inputs are bytes, so there is no NaN to hide; every number
-//  that comes out is checked to be finite,
-//     psnr excepted, which is +inf for equal pictures.
+//     that comes out is checked to be finite, psnr excepted, which is +inf for equal pictures.
 //  2. Transparent pictures are composed over mid grey first, both alike.
-//  3. max, mean, rms, psnr and the share are over the encoded values (0 … 1), all three channels: what idiff
-//  calls them. They come from
-//     OpenImageIO.
+//  3. max, mean, rms, psnr and the share are over the encoded values (0 … 1), all three channels: what
+//     idiff calls them. They come from OpenImageIO.
 //  4. SSIM: Wang et al. 2004, on luma, Gaussian window of 11 pixels with σ = 1.5, K1 = 0.01, K2 = 0.03,
-//  windows wholly inside the
-//     picture; 1 for equal pictures. Pictures smaller than the window use the window that fits.
+//     windows wholly inside the picture; 1 for equal pictures. Pictures smaller than the window use the
+//     window that fits.
 //  5. FLIP: Andersson et al. 2020, LDR; an error of 0 … 1 per pixel at a viewing distance stated as pixels
-//  per degree.
+//     per degree.
 #pragma once
 
 #include <vector>

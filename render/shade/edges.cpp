@@ -61,8 +61,8 @@ float Cover(Step step) {
   return step == Step::kCrease ? kCreaseCover : 0.0f;
 }
 
-// The cover that borders along one axis give to the pixel at `position` of `length`; border(i) lies between i and i + 1.
-// A line `width` samples wide has its larger half on the nearer side.
+// The cover that borders along one axis give to the pixel at `position` of `length`; border(i) lies between
+// i and i + 1. A line `width` samples wide has its larger half on the nearer side.
 template <typename BorderAt>
 float CoverAlong(int position, int length, int width, const BorderAt& border) {
   const int wide = (width + 1) / 2, narrow = width / 2;

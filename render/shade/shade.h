@@ -1,16 +1,15 @@
 // One shading function for both tracers: a soft two-light studio.
 //
-//  1. A pixel's colour depends on its normal, its view direction and its face's colour, and on nothing else:
-//  no shadow, no
-//     secondary ray, no random number. Two tracers that agree in the samples agree in every byte.
+//  1. A pixel's colour depends on its normal, its view direction and its face's colour, and on nothing
+//     else: no shadow, no secondary ray, no random number. Two tracers that agree in the samples agree in
+//     every byte.
 //  2. Normals are flipped to the viewer, so open shells look the same from both sides.
-//  3. Lights stand still relative to the camera: a warm key from above left, a cool fill from below right, a
-//  rim.
+//  3. Lights stand still relative to the camera: a warm key from above left, a cool fill from below right,
+//     a rim.
 //  4. No library's sin, exp or pow is on the way to a pixel; sums and products are in a fixed order.
 //  5. Edges, where asked for, are drawn at silhouettes (a jump in depth that the surface's slope does not
-//  explain) and where
-//     the normals on both sides of a face border differ by more than edge_angle_deg. They are about one pixel
-//     wide: with samples_x × samples_y samples per pixel, as many samples.
+//     explain) and where the normals on both sides of a face border differ by more than edge_angle_deg.
+//     They are about one pixel wide: with samples_x × samples_y samples per pixel, as many samples.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +34,9 @@ struct ShadeOptions {
   int threads = 0;                   // 0: all cores
 };
 
-// `colors` by placed-face id (sRGB); `frame` is the one that the samples were traced with.
-// Errors: kSizeMismatch (buffers of different length), kNotFinite (a hit whose depth or normal is no number:
-// names the pixel), kBadUsage (options).
+// `colors` by placed-face id (sRGB); `frame` is the one that the samples were traced with. Errors:
+// kSizeMismatch (buffers of different length), kNotFinite (a hit whose depth or normal is no number: names
+// the pixel), kBadUsage (options).
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options);
 

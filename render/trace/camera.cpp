@@ -11,17 +11,25 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPixels = 65536;
-// The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16 /
-// sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
+// The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16
+// / sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
 constexpr double kMinUpSine = 1e-6;
 // nearest depth that a perspective view shows, of the model's diagonal
 constexpr double kNearShare = 1e-9;
 // free border of a named view, of the image's width and height, on each side
 constexpr double kMargin = 0.05;
 constexpr double kNamedFovDeg = 40;
-// A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner of
-// the box.
+// A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner
+// of the box.
 constexpr double kStandOff = 0.1;
+
+// tan of half the field of view, the same on every processor: two doublings of the tangent of an eighth,
+// which keep PolyTan in the range where it is best.
+double TanOfHalf(double fov_deg) {
+  double tangent = PolyTan(fov_deg * (std::numbers::pi / 1440));
+  for (int doubling = 0; doubling < 2; ++doubling) tangent = 2 * tangent / std::fma(-tangent, tangent, 1.0);
+  return tangent;
+}
 
 bool Finite(Vec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -101,8 +109,7 @@ Result<CameraFrame> MakeFrame(const Camera& camera, double diagonal_mm) {
   frame.down = Cross(frame.forward, frame.right);
 
   // Size the samples: pixels are square, samples need not be.
-  const double window =
-      orthographic ? camera.height : 2 * PolyTan(camera.fov_y_deg * (std::numbers::pi / 360));
+  const double window = orthographic ? camera.height : 2 * TanOfHalf(camera.fov_y_deg);
   const double sample_y = window / camera.height_px;
   frame.pixel_y = sample_y;
   frame.pixel_x = sample_y * camera.samples_y / camera.samples_x;
@@ -171,7 +178,7 @@ Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection
   // Fit the corners of the box into the window, less its margin.
   const double used = 1 - 2 * kMargin;
   const double aspect = static_cast<double>(width_px) / height_px;
-  const double tan_y = PolyTan(camera.fov_y_deg * (std::numbers::pi / 360)) * used;
+  const double tan_y = TanOfHalf(camera.fov_y_deg) * used;
   double height = 0, distance = 0;
   for (const Vec3 corner : Corners(bounds)) {
     const Vec3 d = corner - camera.target;
