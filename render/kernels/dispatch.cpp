@@ -1,24 +1,31 @@
 #include "render/kernels/dispatch.h"
 
 #include <cstdlib>
-#include <vector>
 
 namespace facetless {
-namespace {
 
-Result<Kernels> Choose() {
+std::vector<Kernels> AvailableKernels() {
   // Narrowest first; each needs all that Highway's target of that name uses.
   std::vector<Kernels> available{{"scalar", kernel_scalar::TraceTile}};
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
-                    __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("f16c");
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                    __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+                    __builtin_cpu_supports("f16c");
   if (avx2) available.push_back({"avx2", kernel_avx2::TraceTile});
-  if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd")) {
+  if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512cd")) {
     available.push_back({"avx512", kernel_avx512::TraceTile});
   }
 #endif
+  return available;
+}
+
+namespace {
+
+Result<Kernels> Choose() {
+  const std::vector<Kernels> available = AvailableKernels();
   const char* forced = std::getenv("FACETLESS_ISA");
   if (!forced || !*forced) return available.back();
   std::string names;
@@ -26,7 +33,8 @@ Result<Kernels> Choose() {
     if (kernels.isa == forced) return kernels;
     names += (names.empty() ? "" : ", ") + kernels.isa;
   }
-  return Error{ErrorCode::kBadUsage, "FACETLESS_ISA=" + std::string(forced) + " is not available here; use one of: " + names};
+  return Error{ErrorCode::kBadUsage,
+               "FACETLESS_ISA=" + std::string(forced) + " is not available here; use one of: " + names};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "render/kernels/tile_kernel.h"
 #include "render/model/result.h"
@@ -18,5 +19,8 @@ struct Kernels {
 
 // Errors: kBadUsage.
 const Result<Kernels>& ActiveKernels();
+
+// All that this processor can run, narrowest first; never empty.
+std::vector<Kernels> AvailableKernels();
 
 }  // namespace facetless

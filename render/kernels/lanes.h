@@ -24,25 +24,63 @@ struct Mask {
 struct Lane {
   double raw = 0;
 };
-inline Lane Load(const double* p) { return {*p}; }
-inline void Store(Lane v, double* p) { *p = v.raw; }
-inline Lane Set(double x) { return {x}; }
-inline Lane operator+(Lane a, Lane b) { return {a.raw + b.raw}; }
-inline Lane operator-(Lane a, Lane b) { return {a.raw - b.raw}; }
-inline Lane operator*(Lane a, Lane b) { return {a.raw * b.raw}; }
-inline Lane operator/(Lane a, Lane b) { return {a.raw / b.raw}; }
-inline Lane Fma(Lane a, Lane b, Lane c) { return {std::fma(a.raw, b.raw, c.raw)}; }    // a·b + c
-inline Lane Fnma(Lane a, Lane b, Lane c) { return {std::fma(-a.raw, b.raw, c.raw)}; }  // c − a·b
-inline Lane Abs(Lane a) { return {std::fabs(a.raw)}; }
-inline Mask operator<(Lane a, Lane b) { return {a.raw < b.raw}; }
-inline Mask operator<=(Lane a, Lane b) { return {a.raw <= b.raw}; }
-inline Mask operator&(Mask a, Mask b) { return {a.raw && b.raw}; }
-inline Mask operator|(Mask a, Mask b) { return {a.raw || b.raw}; }
-inline Mask AndNot(Mask a, Mask b) { return {!a.raw && b.raw}; }  // b without a
-inline Lane Select(Mask m, Lane yes, Lane no) { return m.raw ? yes : no; }
-inline Mask FromBits(unsigned bits) { return {(bits & 1) != 0}; }
-inline unsigned ToBits(Mask m) { return m.raw ? 1u : 0u; }
-inline bool None(Mask m) { return !m.raw; }
+inline Lane Load(const double* p) {
+  return {*p};
+}
+inline void Store(Lane v, double* p) {
+  *p = v.raw;
+}
+inline Lane Set(double x) {
+  return {x};
+}
+inline Lane operator+(Lane a, Lane b) {
+  return {a.raw + b.raw};
+}
+inline Lane operator-(Lane a, Lane b) {
+  return {a.raw - b.raw};
+}
+inline Lane operator*(Lane a, Lane b) {
+  return {a.raw * b.raw};
+}
+inline Lane operator/(Lane a, Lane b) {
+  return {a.raw / b.raw};
+}
+inline Lane Fma(Lane a, Lane b, Lane c) {
+  return {std::fma(a.raw, b.raw, c.raw)};
+}  // a·b + c
+inline Lane Fnma(Lane a, Lane b, Lane c) {
+  return {std::fma(-a.raw, b.raw, c.raw)};
+}  // c − a·b
+inline Lane Abs(Lane a) {
+  return {std::fabs(a.raw)};
+}
+inline Mask operator<(Lane a, Lane b) {
+  return {a.raw < b.raw};
+}
+inline Mask operator<=(Lane a, Lane b) {
+  return {a.raw <= b.raw};
+}
+inline Mask operator&(Mask a, Mask b) {
+  return {a.raw && b.raw};
+}
+inline Mask operator|(Mask a, Mask b) {
+  return {a.raw || b.raw};
+}
+inline Mask AndNot(Mask a, Mask b) {
+  return {!a.raw && b.raw};
+}  // b without a
+inline Lane Select(Mask m, Lane yes, Lane no) {
+  return m.raw ? yes : no;
+}
+inline Mask FromBits(unsigned bits) {
+  return {(bits & 1) != 0};
+}
+inline unsigned ToBits(Mask m) {
+  return m.raw ? 1u : 0u;
+}
+inline bool None(Mask m) {
+  return !m.raw;
+}
 
 #else
 #if HWY_STATIC_TARGET == HWY_AVX2
@@ -64,22 +102,54 @@ struct Mask {
 struct Lane {
   hn::Vec<Tag> raw;
 };
-HWY_INLINE Lane Load(const double* p) { return {hn::LoadU(Tag(), p)}; }
-HWY_INLINE void Store(Lane v, double* p) { hn::StoreU(v.raw, Tag(), p); }
-HWY_INLINE Lane Set(double x) { return {hn::Set(Tag(), x)}; }
-HWY_INLINE Lane operator+(Lane a, Lane b) { return {hn::Add(a.raw, b.raw)}; }
-HWY_INLINE Lane operator-(Lane a, Lane b) { return {hn::Sub(a.raw, b.raw)}; }
-HWY_INLINE Lane operator*(Lane a, Lane b) { return {hn::Mul(a.raw, b.raw)}; }
-HWY_INLINE Lane operator/(Lane a, Lane b) { return {hn::Div(a.raw, b.raw)}; }
-HWY_INLINE Lane Fma(Lane a, Lane b, Lane c) { return {hn::MulAdd(a.raw, b.raw, c.raw)}; }
-HWY_INLINE Lane Fnma(Lane a, Lane b, Lane c) { return {hn::NegMulAdd(a.raw, b.raw, c.raw)}; }
-HWY_INLINE Lane Abs(Lane a) { return {hn::Abs(a.raw)}; }
-HWY_INLINE Mask operator<(Lane a, Lane b) { return {hn::Lt(a.raw, b.raw)}; }
-HWY_INLINE Mask operator<=(Lane a, Lane b) { return {hn::Le(a.raw, b.raw)}; }
-HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.raw, b.raw)}; }
-HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.raw, b.raw)}; }
-HWY_INLINE Mask AndNot(Mask a, Mask b) { return {hn::AndNot(a.raw, b.raw)}; }
-HWY_INLINE Lane Select(Mask m, Lane yes, Lane no) { return {hn::IfThenElse(m.raw, yes.raw, no.raw)}; }
+HWY_INLINE Lane Load(const double* p) {
+  return {hn::LoadU(Tag(), p)};
+}
+HWY_INLINE void Store(Lane v, double* p) {
+  hn::StoreU(v.raw, Tag(), p);
+}
+HWY_INLINE Lane Set(double x) {
+  return {hn::Set(Tag(), x)};
+}
+HWY_INLINE Lane operator+(Lane a, Lane b) {
+  return {hn::Add(a.raw, b.raw)};
+}
+HWY_INLINE Lane operator-(Lane a, Lane b) {
+  return {hn::Sub(a.raw, b.raw)};
+}
+HWY_INLINE Lane operator*(Lane a, Lane b) {
+  return {hn::Mul(a.raw, b.raw)};
+}
+HWY_INLINE Lane operator/(Lane a, Lane b) {
+  return {hn::Div(a.raw, b.raw)};
+}
+HWY_INLINE Lane Fma(Lane a, Lane b, Lane c) {
+  return {hn::MulAdd(a.raw, b.raw, c.raw)};
+}
+HWY_INLINE Lane Fnma(Lane a, Lane b, Lane c) {
+  return {hn::NegMulAdd(a.raw, b.raw, c.raw)};
+}
+HWY_INLINE Lane Abs(Lane a) {
+  return {hn::Abs(a.raw)};
+}
+HWY_INLINE Mask operator<(Lane a, Lane b) {
+  return {hn::Lt(a.raw, b.raw)};
+}
+HWY_INLINE Mask operator<=(Lane a, Lane b) {
+  return {hn::Le(a.raw, b.raw)};
+}
+HWY_INLINE Mask operator&(Mask a, Mask b) {
+  return {hn::And(a.raw, b.raw)};
+}
+HWY_INLINE Mask operator|(Mask a, Mask b) {
+  return {hn::Or(a.raw, b.raw)};
+}
+HWY_INLINE Mask AndNot(Mask a, Mask b) {
+  return {hn::AndNot(a.raw, b.raw)};
+}
+HWY_INLINE Lane Select(Mask m, Lane yes, Lane no) {
+  return {hn::IfThenElse(m.raw, yes.raw, no.raw)};
+}
 HWY_INLINE Mask FromBits(unsigned bits) {
   const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits)};
   return {hn::LoadMaskBits(Tag(), bytes)};
@@ -89,7 +159,9 @@ HWY_INLINE unsigned ToBits(Mask m) {
   hn::StoreMaskBits(Tag(), m.raw, bytes);
   return bytes[0];
 }
-HWY_INLINE bool None(Mask m) { return hn::AllFalse(Tag(), m.raw); }
+HWY_INLINE bool None(Mask m) {
+  return hn::AllFalse(Tag(), m.raw);
+}
 #endif
 
 }  // namespace facetless::FACETLESS_KERNEL_NAMESPACE

@@ -32,10 +32,10 @@ struct TileHit {
 };
 
 struct TileCounters {
-  std::uint64_t candidates = 0;   // packets × leaves looked at
-  std::uint64_t solves = 0;       // lanes that started an iteration
-  std::uint64_t iterations = 0;   // Newton steps of all lanes
-  std::uint64_t fallbacks = 0;    // lanes × leaves without a certificate
+  std::uint64_t candidates = 0;  // packets × leaves looked at
+  std::uint64_t solves = 0;      // lanes that started an iteration
+  std::uint64_t iterations = 0;  // Newton steps of all lanes
+  std::uint64_t fallbacks = 0;   // lanes × leaves without a certificate
   std::uint64_t trim_tests = 0;
 };
 
@@ -49,15 +49,17 @@ struct TileJob {
   int column = 0, row = 0;    // first sample
   int columns = 0, rows = 0;  // samples inside the image
   double half_width = 0, half_height = 0;
-  double near_depth = 0;      // hits must lie beyond; −inf in orthographic views
+  double near_depth = 0;  // hits must lie beyond; −inf in orthographic views
 
   // Whether the hit at (s, t) of a leaf with kLeafTrimmed belongs to the face; adds to *doubt.
-  bool (*keep)(void* context, const Leaf& leaf, double s, double t, double x, double y, std::uint8_t* doubt) = nullptr;
+  bool (*keep)(void* context, const Leaf& leaf, double s, double t, double x, double y,
+               std::uint8_t* doubt) = nullptr;
   // The hits of a hard leaf nearer than `limit`, trimming included: calls back `found`. Returns doubts.
   std::uint8_t (*solve_hard)(void* context, const Leaf& leaf, double x, double y, double limit, void* sink,
                              void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt)) = nullptr;
   // Set to get every hit instead of the nearest: sample = row·tile_size + column within the tile.
-  void (*every_hit)(void* context, int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = nullptr;
+  void (*every_hit)(void* context, int sample, std::uint32_t leaf, const TileHit& hit,
+                    std::uint8_t doubt) = nullptr;
   void* context = nullptr;
 
   // tile_size² entries each, row by row. `leaf` is kNoIndex for a miss.
@@ -78,7 +80,11 @@ void TraceTile(const TileJob& job);
 // One sample against one certified leaf, without trimming: what each lane of the tile kernel does.
 SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
 }  // namespace kernel_scalar
-namespace kernel_avx2 { void TraceTile(const TileJob& job); }
-namespace kernel_avx512 { void TraceTile(const TileJob& job); }
+namespace kernel_avx2 {
+void TraceTile(const TileJob& job);
+}
+namespace kernel_avx512 {
+void TraceTile(const TileJob& job);
+}
 
 }  // namespace facetless

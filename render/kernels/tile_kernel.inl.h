@@ -56,6 +56,12 @@ inline Lane Clamp(Lane x, double limit) {
   return Select(Set(limit) < x, Set(limit), x);
 }
 
+// Lanes whose (s, t) lies farther than `error` from everything that the leaf accepts.
+inline Mask Outside(const Leaf& leaf, Lane s, Lane t, Lane error) {
+  return (s + error < Set(leaf.s_low)) | (Set(leaf.s_high) < s - error) | (t + error < Set(leaf.t_low)) |
+         (Set(leaf.t_high) < t - error);
+}
+
 struct Solution {
   Lane s, t, depth;
   unsigned hit = 0, unconverged = 0;
@@ -79,7 +85,9 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
 
   Solution solution{Set(0), Set(0), Set(kInfinity)};
   solution.started = static_cast<unsigned>(__builtin_popcount(ToBits(active)));
-  const Lane inverse_gap = Set(leaf.inverse_gap), newton_factor = Set(leaf.newton_factor), rounding = Set(leaf.rounding);
+  const Lane inverse_gap = Set(leaf.inverse_gap), newton_factor = Set(leaf.newton_factor),
+             rounding = Set(leaf.rounding);
+  const Lane chord_factor = inverse_gap - Set(1);  // kappa/(1 − kappa)
   const Lane floor = rounding * inverse_gap;
   const Lane tolerance = Set(kSolverTolerance) + floor + floor;
   Lane s = Clamp(b1, kEnlarged), t = Clamp(b2, kEnlarged);
@@ -104,14 +112,17 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
 
     // Bound the distance of the root from here, and from the next iterate (Law 3).
     const Lane a1 = Abs(h1.f), a2 = Abs(h2.f);
-    const Lane from_here = (Select(a1 < a2, a2, a1) + rounding) * inverse_gap;
+    const Lane residual = Select(a1 < a2, a2, a1) + rounding;
+    const Lane from_here = residual * inverse_gap;
     const Lane from_next = Fma(newton_factor * from_here, from_here, floor);
+    // A chord step x − H contracts by kappa: it decides where an iterate is held at the border and Newton's bound stays large.
+    const Lane from_chord = Fma(residual, chord_factor, rounding);
 
-    const Mask miss = (next_s + from_next < Set(leaf.s_low)) | (Set(leaf.s_high) < next_s - from_next) |
-                      (next_t + from_next < Set(leaf.t_low)) | (Set(leaf.t_high) < next_t - from_next);
+    const Mask miss =
+        Outside(leaf, next_s, next_t, from_next) | Outside(leaf, s - h1.f, t - h2.f, from_chord);
     const Mask done = from_next <= tolerance;
-    const Mask inside = (Set(leaf.s_low) <= next_s) & (next_s <= Set(leaf.s_high)) & (Set(leaf.t_low) <= next_t) &
-                        (next_t <= Set(leaf.t_high));
+    const Mask inside = (Set(leaf.s_low) <= next_s) & (next_s <= Set(leaf.s_high)) &
+                        (Set(leaf.t_low) <= next_t) & (next_t <= Set(leaf.t_high));
     const Mask found = active & done & inside;
     solution.s = Select(found, next_s, solution.s);
     solution.t = Select(found, next_t, solution.t);
@@ -127,7 +138,8 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
   // Depth: one division, whatever the projection.
   const double* next = w + (kWeightVaries ? n : 0);
   const Lane weight = kWeightVaries ? Value<P, Q>(w, p, q, solution.s, solution.t) : Set(1);
-  const Lane depth = (leaf.flags & kLeafDepthVaries) ? Value<P, Q>(next, p, q, solution.s, solution.t) : Set(leaf.depth_constant);
+  const Lane depth = (leaf.flags & kLeafDepthVaries) ? Value<P, Q>(next, p, q, solution.s, solution.t)
+                                                     : Set(leaf.depth_constant);
   if (leaf.flags & kLeafPerspective) {
     solution.depth = Set(leaf.depth_scale) * weight / depth;
   } else {
@@ -139,16 +151,26 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
 template <bool kWeightVaries>
 inline Solution SolveByDegree(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
   switch (leaf.degree_u * 8 + leaf.degree_v) {
-    case 1 * 8 + 1: return Solve<1, 1, kWeightVaries>(leaf, x, y, lanes);
-    case 1 * 8 + 2: return Solve<1, 2, kWeightVaries>(leaf, x, y, lanes);
-    case 2 * 8 + 1: return Solve<2, 1, kWeightVaries>(leaf, x, y, lanes);
-    case 2 * 8 + 2: return Solve<2, 2, kWeightVaries>(leaf, x, y, lanes);
-    case 1 * 8 + 3: return Solve<1, 3, kWeightVaries>(leaf, x, y, lanes);
-    case 3 * 8 + 1: return Solve<3, 1, kWeightVaries>(leaf, x, y, lanes);
-    case 2 * 8 + 3: return Solve<2, 3, kWeightVaries>(leaf, x, y, lanes);
-    case 3 * 8 + 2: return Solve<3, 2, kWeightVaries>(leaf, x, y, lanes);
-    case 3 * 8 + 3: return Solve<3, 3, kWeightVaries>(leaf, x, y, lanes);
-    default: return Solve<-1, -1, kWeightVaries>(leaf, x, y, lanes);
+    case 1 * 8 + 1:
+      return Solve<1, 1, kWeightVaries>(leaf, x, y, lanes);
+    case 1 * 8 + 2:
+      return Solve<1, 2, kWeightVaries>(leaf, x, y, lanes);
+    case 2 * 8 + 1:
+      return Solve<2, 1, kWeightVaries>(leaf, x, y, lanes);
+    case 2 * 8 + 2:
+      return Solve<2, 2, kWeightVaries>(leaf, x, y, lanes);
+    case 1 * 8 + 3:
+      return Solve<1, 3, kWeightVaries>(leaf, x, y, lanes);
+    case 3 * 8 + 1:
+      return Solve<3, 1, kWeightVaries>(leaf, x, y, lanes);
+    case 2 * 8 + 3:
+      return Solve<2, 3, kWeightVaries>(leaf, x, y, lanes);
+    case 3 * 8 + 2:
+      return Solve<3, 2, kWeightVaries>(leaf, x, y, lanes);
+    case 3 * 8 + 3:
+      return Solve<3, 3, kWeightVaries>(leaf, x, y, lanes);
+    default:
+      return Solve<-1, -1, kWeightVaries>(leaf, x, y, lanes);
   }
 }
 
@@ -174,7 +196,8 @@ class Packet {
     const std::uint64_t* r0 = job_.row_bits + std::size_t(row_) * words;
     const std::uint64_t* s0 = job_.column_bits + std::size_t(column_) * words;
     for (int k = 0; k < words; ++k) {
-      std::uint64_t candidates = (r0[k] | r0[words + k]) & (s0[k] | s0[words + k] | s0[2 * words + k] | s0[3 * words + k]);
+      std::uint64_t candidates =
+          (r0[k] | r0[words + k]) & (s0[k] | s0[words + k] | s0[2 * words + k] | s0[3 * words + k]);
       while (candidates) {
         const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
         candidates &= candidates - 1;
@@ -198,15 +221,18 @@ class Packet {
   }
 
  private:
-  int SampleOf(int lane) const { return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth; }
+  int SampleOf(int lane) const {
+    return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
+  }
 
   // The lanes whose sample lies in the leaf's box and that it could still serve.
   unsigned LanesIn(const Leaf& leaf) const {
     unsigned mask = 0;
     for (int lane = 0; lane < kPacketLanes; ++lane) {
-      const int row = job_.row + row_ + lane / kPacketWidth, column = job_.column + column_ + lane % kPacketWidth;
-      const bool in = row >= leaf.row_begin && row < leaf.row_end && column >= leaf.col_begin && column < leaf.col_end &&
-                      (job_.every_hit || leaf.near_depth <= depth_[lane]);
+      const int row = job_.row + row_ + lane / kPacketWidth,
+                column = job_.column + column_ + lane % kPacketWidth;
+      const bool in = row >= leaf.row_begin && row < leaf.row_end && column >= leaf.col_begin &&
+                      column < leaf.col_end && (job_.every_hit || leaf.near_depth <= depth_[lane]);
       mask |= unsigned(in) << lane;
     }
     return mask & valid_;
@@ -224,11 +250,13 @@ class Packet {
       const unsigned group = lanes >> first & ((1u << kLanes) - 1);
       if (group == 0) continue;
       const Lane x = Load(x_ + first), y = Load(y_ + first);
-      const Solution solution = (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, x, y, FromBits(group))
-                                                                 : SolveByDegree<false>(leaf, x, y, FromBits(group));
+      const Solution solution = (leaf.flags & kLeafWeightVaries)
+                                    ? SolveByDegree<true>(leaf, x, y, FromBits(group))
+                                    : SolveByDegree<false>(leaf, x, y, FromBits(group));
       job_.counters->solves += solution.started;
       job_.counters->iterations += solution.iterations;
-      for (unsigned rest = solution.unconverged; rest; rest &= rest - 1) doubt_[first + __builtin_ctz(rest)] |= kDoubtUnresolved;
+      for (unsigned rest = solution.unconverged; rest; rest &= rest - 1)
+        doubt_[first + __builtin_ctz(rest)] |= kDoubtUnresolved;
       if (solution.hit == 0) continue;
       double s[kLanes], t[kLanes], depth[kLanes];
       Store(solution.s, s);
@@ -274,11 +302,12 @@ class Packet {
       const int lane = __builtin_ctz(rest);
       ++job_.counters->fallbacks;
       Sink sink{this, index, lane};
-      doubt_[lane] |= job_.solve_hard(job_.context, leaf, x_[lane], y_[lane], job_.every_hit ? kInfinity : depth_[lane], &sink,
-                                      [](void* to, const TileHit& hit, std::uint8_t doubt) {
-                                        Sink* sink = static_cast<Sink*>(to);
-                                        sink->packet->Keep(sink->index, sink->lane, hit, doubt);
-                                      });
+      doubt_[lane] |=
+          job_.solve_hard(job_.context, leaf, x_[lane], y_[lane], job_.every_hit ? kInfinity : depth_[lane],
+                          &sink, [](void* to, const TileHit& hit, std::uint8_t doubt) {
+                            Sink* sink = static_cast<Sink*>(to);
+                            sink->packet->Keep(sink->index, sink->lane, hit, doubt);
+                          });
     }
     UpdateFarthest();
   }
@@ -315,8 +344,9 @@ void TraceTile(const TileJob& job) {
 #if defined(FACETLESS_SCALAR_KERNEL)
 SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
   const Mask lane = FromBits(1);
-  const Solution solution = (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, Set(x), Set(y), lane)
-                                                             : SolveByDegree<false>(leaf, Set(x), Set(y), lane);
+  const Solution solution = (leaf.flags & kLeafWeightVaries)
+                                ? SolveByDegree<true>(leaf, Set(x), Set(y), lane)
+                                : SolveByDegree<false>(leaf, Set(x), Set(y), lane);
   if (solution.unconverged) return SampleRoot::kUnconverged;
   if (!solution.hit) return SampleRoot::kMiss;
   Store(solution.depth, &hit->depth);

@@ -21,14 +21,15 @@ struct Hit {
 };
 
 // The roots of one view, sorted by sample and depth, twins removed.
-std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, const Camera& camera, const CameraFrame& frame) {
+std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
+                         const CameraFrame& frame, TileKernel kernel) {
   const TraceShared shared(scene, view, camera, frame);
   struct Worker {
-    explicit Worker(const TraceShared& s) : tracer(s) {}
+    Worker(const TraceShared& s, TileKernel k) : tracer(s, k) {}
     TileTracer tracer;
     std::vector<Crossing> crossings;
   };
-  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(shared); });
+  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(shared, kernel); });
   tbb::parallel_for(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
     Worker& worker = workers.local();
     worker.tracer.Trace(tile, &worker.crossings);
@@ -39,16 +40,19 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
     for (const Crossing& crossing : worker.crossings) {
       const Leaf& leaf = view.tiles->leaves()[crossing.leaf];
       const double border = 1 - 2 * kBorderOverlap;
-      const bool on_border = std::fabs(crossing.hit.s) >= border || std::fabs(crossing.hit.t) >= border || (leaf.flags & kLeafHard);
+      const bool on_border = std::fabs(crossing.hit.s) >= border || std::fabs(crossing.hit.t) >= border ||
+                             (leaf.flags & kLeafHard);
       // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by the range of a floor piece.
-      const double error = std::fabs(crossing.hit.depth) * 0x1p-44 + std::fabs(crossing.hit.depth - leaf.near_depth) * 2 * kBorderOverlap;
+      const double error = std::fabs(crossing.hit.depth) * 0x1p-44 +
+                           std::fabs(crossing.hit.depth - leaf.near_depth) * 2 * kBorderOverlap;
       hits.push_back({crossing.sample, leaf.placed_face, crossing.hit.depth, error, on_border});
     }
   }
   const auto key = [](const Hit& h) { return std::tie(h.sample, h.placed_face, h.depth); };
   tbb::parallel_sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) { return key(a) < key(b); });
   const auto twin = [](const Hit& a, const Hit& b) {
-    return a.sample == b.sample && a.placed_face == b.placed_face && a.on_border && b.on_border && std::fabs(a.depth - b.depth) <= a.error + b.error;
+    return a.sample == b.sample && a.placed_face == b.placed_face && a.on_border && b.on_border &&
+           std::fabs(a.depth - b.depth) <= a.error + b.error;
   };
   hits.erase(std::unique(hits.begin(), hits.end(), twin), hits.end());
   return hits;
@@ -57,13 +61,15 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
 // Samples at which some placed closed solid is crossed an odd number of times.
 std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<Hit>& hits) {
   std::vector<std::uint32_t> odd;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> solids;  // (instance, solid) of each crossing of the sample
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      solids;  // (instance, solid) of each crossing of the sample
   for (std::size_t i = 0; i < hits.size();) {
     const std::uint32_t sample = hits[i].sample;
     solids.clear();
     for (; i < hits.size() && hits[i].sample == sample; ++i) {
       const std::uint32_t solid = model.faces[model.FaceOf(hits[i].placed_face)].solid;
-      if (solid != kNoIndex && model.solids[solid].closed) solids.emplace_back(model.InstanceOf(hits[i].placed_face), solid);
+      if (solid != kNoIndex && model.solids[solid].closed)
+        solids.emplace_back(model.InstanceOf(hits[i].placed_face), solid);
     }
     std::sort(solids.begin(), solids.end());
     for (std::size_t k = 0; k < solids.size();) {
@@ -81,12 +87,12 @@ std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<Hit>
 
 }  // namespace
 
-Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera, const CameraFrame& frame,
-                          const std::atomic<bool>* cancel) {
+Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
+                          const CameraFrame& frame, TileKernel kernel, const std::atomic<bool>* cancel) {
   const Model& model = *scene.model;
   AuditResult result;
   result.has_closed_solid = scene.has_closed_solid;
-  std::vector<Hit> forward = Collect(scene, view, camera, frame);
+  std::vector<Hit> forward = Collect(scene, view, camera, frame, kernel);
   result.crossings = forward.size();
   result.odd_samples = OddSamples(model, forward);
 
@@ -97,7 +103,7 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   if (orthographic) behind.forward = -frame.forward;
   const Result<PreparedView> opposite = PrepareView(scene, camera, behind, cancel);
   if (!opposite.ok()) return opposite.error();
-  std::vector<Hit> backward = Collect(scene, opposite.value(), camera, behind);
+  std::vector<Hit> backward = Collect(scene, opposite.value(), camera, behind, kernel);
   for (Hit& hit : backward) {
     const std::uint32_t row = hit.sample / camera.width_px, column = hit.sample % camera.width_px;
     hit.sample = row * camera.width_px + (camera.width_px - 1 - column);
@@ -105,16 +111,20 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   }
 
   // Compare sample by sample: the depths, sorted, must agree one by one.
-  const auto by_depth = [](const Hit& a, const Hit& b) { return std::tie(a.sample, a.depth) < std::tie(b.sample, b.depth); };
+  const auto by_depth = [](const Hit& a, const Hit& b) {
+    return std::tie(a.sample, a.depth) < std::tie(b.sample, b.depth);
+  };
   tbb::parallel_sort(forward.begin(), forward.end(), by_depth);
   tbb::parallel_sort(backward.begin(), backward.end(), by_depth);
   const double tolerance = kReverseTolerance * model.Diagonal();
   std::size_t i = 0, j = 0;
   while (i < forward.size() || j < backward.size()) {
-    const std::uint32_t sample = std::min(i < forward.size() ? forward[i].sample : kNoIndex, j < backward.size() ? backward[j].sample : kNoIndex);
+    const std::uint32_t sample = std::min(i < forward.size() ? forward[i].sample : kNoIndex,
+                                          j < backward.size() ? backward[j].sample : kNoIndex);
     bool same = true;
     for (;;) {
-      const bool more_i = i < forward.size() && forward[i].sample == sample, more_j = j < backward.size() && backward[j].sample == sample;
+      const bool more_i = i < forward.size() && forward[i].sample == sample,
+                 more_j = j < backward.size() && backward[j].sample == sample;
       if (!more_i && !more_j) break;
       if (more_i != more_j || !(std::fabs(forward[i].depth - backward[j].depth) <= tolerance)) same = false;
       i += more_i;

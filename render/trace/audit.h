@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/kernels/tile_kernel.h"
 #include "render/trace/prepare.h"
 
 namespace facetless {
@@ -20,12 +21,12 @@ inline constexpr double kReverseTolerance = 1e-9;
 struct AuditResult {
   bool has_closed_solid = false;
   std::uint64_t crossings = 0;
-  std::vector<std::uint32_t> odd_samples;        // row·width + column, ascending
+  std::vector<std::uint32_t> odd_samples;  // row·width + column, ascending
   std::vector<std::uint32_t> mismatched_samples;
 };
 
 // `view` is the forward view, prepared for `frame`. Errors: kCancelled.
-Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera, const CameraFrame& frame,
-                          const std::atomic<bool>* cancel);
+Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
+                          const CameraFrame& frame, TileKernel kernel, const std::atomic<bool>* cancel);
 
 }  // namespace facetless

@@ -49,19 +49,24 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       if (tile.leaf[k] == kNoIndex) continue;
 
       const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
-      const double x = column + 0.5 - 0.5 * shared.camera.width_px, y = row + 0.5 - 0.5 * shared.camera.height_px;
+      const double x = column + 0.5 - 0.5 * shared.camera.width_px,
+                   y = row + 0.5 - 0.5 * shared.camera.height_px;
       const HitGeometry geometry = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame);
       const std::uint32_t face = model.FaceOf(leaf.placed_face);
       const Instance& instance = model.instances[model.InstanceOf(leaf.placed_face)];
       const double sign = model.faces[face].reversed != (instance.placement.Determinant() < 0) ? -1 : 1;
       samples->depth[out] = tile.depth[k];
       samples->face[out] = leaf.placed_face;
-      samples->normal[out] = {float(sign * geometry.normal.x), float(sign * geometry.normal.y), float(sign * geometry.normal.z)};
+      samples->normal[out] = {float(sign * geometry.normal.x), float(sign * geometry.normal.y),
+                              float(sign * geometry.normal.z)};
       if (!samples->uv.empty()) {
         const Surface& surface = model.surfaces[model.faces[face].surface];
-        const SpanParameter& u_map = shared.scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count];
-        const SpanParameter& v_map = shared.scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count];
-        samples->uv[out] = {u_map.ToNative(leaf.u_mid + tile.s[k] * leaf.u_half), v_map.ToNative(leaf.v_mid + tile.t[k] * leaf.v_half)};
+        const SpanParameter& u_map =
+            shared.scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count];
+        const SpanParameter& v_map =
+            shared.scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count];
+        samples->uv[out] = {u_map.ToNative(leaf.u_mid + tile.s[k] * leaf.u_half),
+                            v_map.ToNative(leaf.v_mid + tile.t[k] * leaf.v_half)};
       }
       ++tally->hits;
       tally->certified_hits += certificate == Certificate::kCertified;
@@ -94,7 +99,8 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   samples.Resize(camera.width_px, camera.height_px);
   samples.certificate.assign(samples.size(), Certificate::kCertified);
   if (options.uv) samples.uv.assign(samples.size(), {0, 0});
-  tbb::enumerable_thread_specific<TileTracer> tracers([&] { return TileTracer(shared); });
+  tbb::enumerable_thread_specific<TileTracer> tracers(
+      [&] { return TileTracer(shared, kernels.value().trace_tile); });
   tbb::enumerable_thread_specific<Tally> tallies;
   tbb::parallel_for(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
     if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
@@ -102,7 +108,8 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     tracer.Trace(tile, nullptr);
     WriteTile(shared, tracer, &samples, &tallies.local());
   });
-  if (options.cancel && options.cancel->load()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
+  if (options.cancel && options.cancel->load())
+    return Error{ErrorCode::kCancelled, "cancelled while tracing"};
   result.stats.trace_ms = MillisecondsSince(traced);
 
   // Add up.
@@ -131,7 +138,8 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
 
   // Count every crossing, where asked to.
   if (options.audit) {
-    Result<AuditResult> audit = Audit(scene.data(), view, camera, result.frame, options.cancel);
+    Result<AuditResult> audit =
+        Audit(scene.data(), view, camera, result.frame, kernels.value().trace_tile, options.cancel);
     if (!audit.ok()) return audit.error();
     if (audit.value().has_closed_solid) stats.odd_rays = audit.value().odd_samples.size();
     stats.reverse_mismatches = audit.value().mismatched_samples.size();

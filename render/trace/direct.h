@@ -23,9 +23,9 @@ enum class Precision : std::uint8_t { kFast, kStandard, kCertified };
 
 struct DirectOptions {
   Precision precision = Precision::kStandard;
-  int threads = 0;               // 0: all cores
-  bool uv = false;               // fill samples.uv
-  bool audit = false;            // count every crossing of every ray
+  int threads = 0;                            // 0: all cores
+  bool uv = false;                            // fill samples.uv
+  bool audit = false;                         // count every crossing of every ray
   const std::atomic<bool>* cancel = nullptr;  // polled; true ends the call with kCancelled
 };
 
@@ -34,13 +34,13 @@ struct DirectStats {
   std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
-  std::optional<std::uint64_t> odd_rays;      // audit only; null where the model has no closed solid
+  std::optional<std::uint64_t> odd_rays;            // audit only; null where the model has no closed solid
   std::optional<std::uint64_t> reverse_mismatches;  // audit only
   std::vector<std::uint32_t> odd_samples, mismatched_samples;  // audit only: row·width + column of those rays
-  std::vector<std::uint32_t> unseen_faces;    // placed-face ids that no row or no column holds
+  std::vector<std::uint32_t> unseen_faces;  // placed-face ids that no row or no column holds
   std::uint64_t bmssm_bits = 0, bmssm_bytes = 0;
-  std::uint64_t scene_bytes = 0;              // leaves and all that tracing holds, without the model
-  std::string isa;                            // "scalar", "avx2", "avx512"
+  std::uint64_t scene_bytes = 0;  // leaves and all that tracing holds, without the model
+  std::string isa;                // "scalar", "avx2", "avx512"
 };
 
 struct DirectResult {

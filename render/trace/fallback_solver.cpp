@@ -56,26 +56,33 @@ Residual Measure(const BezierNet& net, double x, double y) {
       f[i] = value[i] - pixel * net.value[kW][i];
       residual.low[c] = std::min(residual.low[c], f[i]);
       residual.high[c] = std::max(residual.high[c], f[i]);
-      residual.magnitude[c] = std::max(residual.magnitude[c], std::fabs(value[i]) + std::fabs(pixel * net.value[kW][i]));
+      residual.magnitude[c] =
+          std::max(residual.magnitude[c], std::fabs(value[i]) + std::fabs(pixel * net.value[kW][i]));
     }
     for (int k = 0; k <= net.degree_u; ++k) {
       for (int l = 0; l <= net.degree_v; ++l) {
         const int i = k * stride + l;
-        if (k < net.degree_u) residual.extent_u = std::max(residual.extent_u, net.degree_u * std::fabs(f[i + stride] - f[i]));
-        if (l < net.degree_v) residual.extent_v = std::max(residual.extent_v, net.degree_v * std::fabs(f[i + 1] - f[i]));
+        if (k < net.degree_u)
+          residual.extent_u = std::max(residual.extent_u, net.degree_u * std::fabs(f[i + stride] - f[i]));
+        if (l < net.degree_v)
+          residual.extent_v = std::max(residual.extent_v, net.degree_v * std::fabs(f[i + 1] - f[i]));
       }
     }
   }
   return residual;
 }
 
-double DepthOf(double w, double q, bool perspective) { return perspective ? w / q : q / w; }
+double DepthOf(double w, double q, bool perspective) {
+  return perspective ? w / q : q / w;
+}
 
 }  // namespace
 
-std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double limit, std::vector<FallbackRoot>* roots) {
+std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double limit,
+                                   std::vector<FallbackRoot>* roots) {
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
-  const DepthRule rule{perspective, (leaf.flags & kLeafWeightVaries) != 0, (leaf.flags & kLeafDepthVaries) != 0};
+  const DepthRule rule{perspective, (leaf.flags & kLeafWeightVaries) != 0,
+                       (leaf.flags & kLeafDepthVaries) != 0};
   const auto push = [this](std::size_t depth) -> Piece& {
     while (stack_.size() <= depth) stack_.push_back(std::make_unique<Piece>());
     return *stack_[depth];
@@ -102,7 +109,8 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     const Residual residual = Measure(net, x, y);
     if (residual.Empty()) continue;
     double near_depth = INFINITY;
-    for (int i = 0; i < net.points(); ++i) near_depth = std::min(near_depth, DepthOf(net.value[kW][i], net.value[kQ][i], perspective));
+    for (int i = 0; i < net.points(); ++i)
+      near_depth = std::min(near_depth, DepthOf(net.value[kW][i], net.value[kQ][i], perspective));
     if (near_depth > limit) continue;
 
     // Solve it if it is easy by now.
@@ -121,9 +129,13 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
         continue;
       }
     }
-    if (residual.size() <= std::max(kFloorSamples, kRounding * std::max(residual.magnitude[0], residual.magnitude[1]))) {
+    if (residual.size() <=
+        std::max(kFloorSamples, kRounding * std::max(residual.magnitude[0], residual.magnitude[1]))) {
       const int middle = (net.degree_u / 2) * net.stride() + net.degree_v / 2;
-      const FallbackRoot found{{DepthOf(net.value[kW][middle], net.value[kQ][middle], perspective), work->s_mid, work->t_mid}, 0, kDoubtSolver};
+      const FallbackRoot found{
+          {DepthOf(net.value[kW][middle], net.value[kQ][middle], perspective), work->s_mid, work->t_mid},
+          0,
+          kDoubtSolver};
       if (found.hit.depth < limit) roots->push_back(found);
       continue;
     }

@@ -22,7 +22,7 @@ inline constexpr int kMaxPieces = 4096;
 
 struct FallbackRoot {
   TileHit hit;               // s and t of the leaf, not of the piece
-  double jacobian_sign = 0;    // sign of the Jacobian of (u,v) → pixel at the root; 0: singular there
+  double jacobian_sign = 0;  // sign of the Jacobian of (u,v) → pixel at the root; 0: singular there
   std::uint8_t doubt = 0;
 };
 

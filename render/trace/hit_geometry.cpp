@@ -44,14 +44,16 @@ Jet Bernstein(const double* c, int degree_u, int degree_v, double s, double t) {
       slope[i] += u * (slope[i + 1] - slope[i]);
     }
   }
-  return {value[0] + u * (value[1] - value[0]), 0.5 * degree_u * (value[1] - value[0]), slope[0] + u * (slope[1] - slope[0])};
+  return {value[0] + u * (value[1] - value[0]), 0.5 * degree_u * (value[1] - value[0]),
+          slope[0] + u * (slope[1] - slope[0])};
 }
 
 struct Tangents {
   Vec3 ds, dt;
 };
 
-Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame) {
+Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y,
+                          const CameraFrame& frame) {
   const int pu = leaf.degree_u, pv = leaf.degree_v, n = leaf.points();
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
 
@@ -66,7 +68,8 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
     fy = {0, jy.ds - y * w.ds, jy.dt - y * w.dt};
   } else {
     const double* next = leaf.coefficients + 2 * n;
-    const Jet g1 = Monomial(leaf.coefficients, pu, pv, s, t), g2 = Monomial(leaf.coefficients + n, pu, pv, s, t);
+    const Jet g1 = Monomial(leaf.coefficients, pu, pv, s, t),
+              g2 = Monomial(leaf.coefficients + n, pu, pv, s, t);
     if (leaf.flags & kLeafWeightVaries) {
       w = Monomial(next, pu, pv, s, t);
       next += n;
@@ -74,7 +77,8 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
     if (leaf.flags & kLeafDepthVaries) q = Monomial(next, pu, pv, s, t);
     const double dx = x - leaf.center_x, dy = y - leaf.center_y;
     const double b1 = leaf.c11 * dx + leaf.c12 * dy, b2 = leaf.c21 * dx + leaf.c22 * dy;
-    const double h1s = g1.ds - b1 * w.ds, h1t = g1.dt - b1 * w.dt, h2s = g2.ds - b2 * w.ds, h2t = g2.dt - b2 * w.dt;
+    const double h1s = g1.ds - b1 * w.ds, h1t = g1.dt - b1 * w.dt, h2s = g2.ds - b2 * w.ds,
+                 h2t = g2.dt - b2 * w.dt;
     // Undo C.
     const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
     const double a11 = leaf.c22 / determinant, a12 = -leaf.c12 / determinant;

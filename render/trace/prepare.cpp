@@ -24,8 +24,11 @@ struct Worker {
 
 class Preparation {
  public:
-  Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame, const std::atomic<bool>* cancel)
-      : scene_(scene), model_(*scene.model), frame_(frame), cancel_(cancel), workers_([this] { return Worker(window_); }) {
+  Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
+              const std::atomic<bool>* cancel)
+      : scene_(scene), model_(*scene.model), frame_(frame), cancel_(cancel), workers_([this] {
+          return Worker(window_);
+        }) {
     window_.half_width = 0.5 * camera.width_px;
     window_.half_height = 0.5 * camera.height_px;
     window_.perspective = frame.projection == Projection::kPerspective;
@@ -33,7 +36,8 @@ class Preparation {
   }
 
   Result<PreparedView> Run(int columns, int rows) {
-    tbb::parallel_for(std::size_t{0}, model_.instances.size(), [this](std::size_t i) { VisitInstance(model_.instances[i]); });
+    tbb::parallel_for(std::size_t{0}, model_.instances.size(),
+                      [this](std::size_t i) { VisitInstance(model_.instances[i]); });
     if (Cancelled()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
 
     PreparedView view;
@@ -87,7 +91,8 @@ class Preparation {
     double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
     bool in_front = true;
     for (int corner = 0; corner < 8; ++corner) {
-      const auto p = projection({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y, corner & 4 ? box.high.z : box.low.z, 1});
+      const auto p = projection({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                 corner & 4 ? box.high.z : box.low.z, 1});
       // One sample of slack on every side: extensions past the border and rounding are far smaller.
       const double limit_x = (window_.half_width + 1) * p.w, limit_y = (window_.half_height + 1) * p.w;
       left = left && p.x < -limit_x;
@@ -107,7 +112,8 @@ class Preparation {
     return !(empty(x_low, x_high, window_.half_width) || empty(y_low, y_high, window_.half_height));
   }
 
-  void VisitPatch(std::uint32_t face, std::uint32_t placed_face, std::uint32_t patch, const ViewProjection& projection) {
+  void VisitPatch(std::uint32_t face, std::uint32_t placed_face, std::uint32_t patch,
+                  const ViewProjection& projection) {
     const Surface& surface = model_.surfaces[model_.faces[face].surface];
     const FaceData& data = scene_.faces[face];
     const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
@@ -119,12 +125,14 @@ class Preparation {
     split.patch = patch;
 
     // Leave out what the loops cut away before projecting anything.
-    if (data.trim.Classify(split.u_map.ToNative(0), split.u_map.ToNative(1), split.v_map.ToNative(0), split.v_map.ToNative(1)) == RectClass::kOutside) {
+    if (data.trim.Classify(split.u_map.ToNative(0), split.u_map.ToNative(1), split.v_map.ToNative(0),
+                           split.v_map.ToNative(1)) == RectClass::kOutside) {
       return;
     }
     Worker& worker = workers_.local();
     BezierNet& net = worker.splitter.Begin(surface.degree_u, surface.degree_v);
-    const Vec4* points = model_.control_points.data() + surface.first_control_point + std::size_t(patch) * surface.PointsPerPatch();
+    const Vec4* points = model_.control_points.data() + surface.first_control_point +
+                         std::size_t(patch) * surface.PointsPerPatch();
     bool weight_varies = false, depth_varies = false;
     for (int k = 0; k < net.points(); ++k) {
       const auto p = projection(points[k]);
@@ -143,7 +151,8 @@ class Preparation {
   }
 
   // Where the face ends with its patch grid, let leaves on that border reach across the gap to the neighbour's edge.
-  void Extend(const Surface& surface, const FaceData& data, const Vec4* points, std::uint32_t i, std::uint32_t j, SplitPatch* split) const {
+  void Extend(const Surface& surface, const FaceData& data, const Vec4* points, std::uint32_t i,
+              std::uint32_t j, SplitPatch* split) const {
     if (!(data.extend_mm > 0)) return;
     const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
     const auto at = [&](int k, int l) {
@@ -190,7 +199,8 @@ std::size_t PreparedView::bytes() const {
   return sum;
 }
 
-Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame, const std::atomic<bool>* cancel) {
+Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
+                                 const std::atomic<bool>* cancel) {
   return Preparation(scene, camera, frame, cancel).Run(camera.width_px, camera.height_px);
 }
 

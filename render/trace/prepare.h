@@ -14,14 +14,15 @@ namespace facetless {
 
 struct PreparedView {
   std::unique_ptr<TileLeaves> tiles;
-  std::vector<CoefficientArena> arenas;      // own the leaves' coefficients
-  std::vector<std::uint32_t> unseen_faces;   // placed faces without a leaf, ascending
+  std::vector<CoefficientArena> arenas;     // own the leaves' coefficients
+  std::vector<std::uint32_t> unseen_faces;  // placed faces without a leaf, ascending
   std::uint64_t hard_leaves = 0, nodes = 0;
 
   std::size_t bytes() const;
 };
 
 // Errors: kCancelled.
-Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame, const std::atomic<bool>* cancel);
+Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
+                                 const std::atomic<bool>* cancel);
 
 }  // namespace facetless

@@ -6,7 +6,8 @@ namespace {
 // The placement's linear part, transposed, applied to a camera axis: the axis in part coordinates.
 Vec3 Pull(const Placement& placement, Vec3 axis) {
   const auto& m = placement.m;
-  return {m[0][0] * axis.x + m[1][0] * axis.y + m[2][0] * axis.z, m[0][1] * axis.x + m[1][1] * axis.y + m[2][1] * axis.z,
+  return {m[0][0] * axis.x + m[1][0] * axis.y + m[2][0] * axis.z,
+          m[0][1] * axis.x + m[1][1] * axis.y + m[2][1] * axis.z,
           m[0][2] * axis.x + m[1][2] * axis.y + m[2][2] * axis.z};
 }
 

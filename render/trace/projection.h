@@ -25,7 +25,7 @@ class ViewProjection {
   bool perspective() const { return perspective_; }
 
  private:
-  Vec3 right_, down_, forward_;  // in part coordinates, the first two divided by the pixel size
+  Vec3 right_, down_, forward_;   // in part coordinates, the first two divided by the pixel size
   Vec3 origin_;                   // the eye in part coordinates, subtracted first
   double x_ = 0, y_ = 0, z_ = 0;  // of what is left of it, in the camera's axes
   bool perspective_ = false;

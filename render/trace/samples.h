@@ -12,20 +12,22 @@ namespace facetless {
 
 // How a sample's answer was reached. DESIGN: certified + converged + unresolved = samples, misses included.
 enum class Certificate : std::uint8_t {
-  kCertified,        // root or miss follows from proven bounds
-  kConverged,        // Newton converged, uniqueness not proven (silhouette, pole, two roots, trim within its error bound)
-  kUnresolved,       // neither
+  kCertified,  // root or miss follows from proven bounds
+  kConverged,  // Newton converged, uniqueness not proven (silhouette, pole, two roots, trim within its error bound)
+  kUnresolved,  // neither
 };
 
 struct SampleBuffer {
   int width = 0, height = 0;
-  std::vector<double> depth;                  // mm from the eye plane; +inf: nothing hit
-  std::vector<std::array<float, 3>> normal;   // unit, outward by the face's orientation (not flipped to the viewer); 0 where nothing is hit
-  std::vector<std::uint32_t> face;            // placed-face id; kNoIndex where nothing is hit
-  std::vector<std::array<double, 2>> uv;      // native surface parameters; empty if the tracer has none or nobody asked
-  std::vector<Certificate> certificate;       // empty for the baseline
+  std::vector<double> depth;  // mm from the eye plane; +inf: nothing hit
+  std::vector<std::array<float, 3>>
+      normal;  // unit, outward by the face's orientation (not flipped to the viewer); 0 where nothing is hit
+  std::vector<std::uint32_t> face;  // placed-face id; kNoIndex where nothing is hit
+  std::vector<std::array<double, 2>>
+      uv;  // native surface parameters; empty if the tracer has none or nobody asked
+  std::vector<Certificate> certificate;  // empty for the baseline
 
-  void Resize(int w, int h);                  // everything but uv and certificate; filled with the values of a miss
+  void Resize(int w, int h);  // everything but uv and certificate; filled with the values of a miss
   std::size_t size() const { return depth.size(); }
 };
 

@@ -18,7 +18,8 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
   }
   for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
     const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) data.extend_mm = std::max(data.extend_mm, model.coedges[c].gap_mm);
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
+      data.extend_mm = std::max(data.extend_mm, model.coedges[c].gap_mm);
   }
   return data;
 }
@@ -34,16 +35,20 @@ std::size_t Scene::Data::bytes() const {
 Scene::Scene(const Model& model) : data_(std::make_unique<Data>()) {
   data_->model = &model;
   data_->faces.resize(model.faces.size());
-  tbb::parallel_for(std::size_t{0}, model.faces.size(),
-                    [&](std::size_t i) { data_->faces[i] = MakeFaceData(model, static_cast<std::uint32_t>(i)); });
+  tbb::parallel_for(std::size_t{0}, model.faces.size(), [&](std::size_t i) {
+    data_->faces[i] = MakeFaceData(model, static_cast<std::uint32_t>(i));
+  });
   data_->spans.reserve(model.spans.size());
   for (const Span& span : model.spans) data_->spans.emplace_back(span);
-  data_->has_closed_solid = std::any_of(model.solids.begin(), model.solids.end(), [](const Solid& s) { return s.closed; });
+  data_->has_closed_solid =
+      std::any_of(model.solids.begin(), model.solids.end(), [](const Solid& s) { return s.closed; });
 }
 
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
-const Model& Scene::model() const { return *data_->model; }
+const Model& Scene::model() const {
+  return *data_->model;
+}
 
 }  // namespace facetless

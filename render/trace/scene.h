@@ -11,14 +11,15 @@ namespace facetless {
 
 struct FaceData {
   FaceTrim trim;
-  Box3 bounds;              // of the control points, part coordinates
-  double extend_mm = 0;     // how far neighbours' edges may lie outside the patch grid: the largest gap of its coedges
+  Box3 bounds;  // of the control points, part coordinates
+  double extend_mm =
+      0;  // how far neighbours' edges may lie outside the patch grid: the largest gap of its coedges
 };
 
 struct Scene::Data {
   const Model* model = nullptr;
-  std::vector<FaceData> faces;            // as Model::faces
-  std::vector<SpanParameter> spans;       // as Model::spans
+  std::vector<FaceData> faces;       // as Model::faces
+  std::vector<SpanParameter> spans;  // as Model::spans
   bool has_closed_solid = false;
 
   std::size_t bytes() const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/kernels/dispatch.h"
 #include "render/trace/hit_geometry.h"
 
 namespace facetless {
@@ -23,7 +22,8 @@ double OntoPatch(double bezier, double half) {
 
 }  // namespace
 
-TraceShared::TraceShared(const Scene::Data& scene_data, const PreparedView& prepared, const Camera& view_camera, const CameraFrame& view_frame)
+TraceShared::TraceShared(const Scene::Data& scene_data, const PreparedView& prepared,
+                         const Camera& view_camera, const CameraFrame& view_frame)
     : scene(scene_data), view(prepared), camera(view_camera), frame(view_frame) {
   const Model& model = *scene.model;
   edges.reserve(model.instances.size());
@@ -35,15 +35,16 @@ TraceShared::TraceShared(const Scene::Data& scene_data, const PreparedView& prep
   }
 }
 
-TileTracer::TileTracer(const TraceShared& shared) : shared_(shared) {
+TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel) : shared_(shared), kernel_(kernel) {
   job_.leaves = shared.view.tiles->leaves().data();
   job_.tile_size = kTileSize;
   job_.half_width = 0.5 * shared.camera.width_px;
   job_.half_height = 0.5 * shared.camera.height_px;
   job_.near_depth = shared.frame.projection == Projection::kPerspective ? shared.frame.near_mm : -INFINITY;
-  job_.keep = [](void* context, const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y, std::uint8_t* hit_doubt) {
-    return static_cast<TileTracer*>(context)->Keep(hit_leaf, hit_s, hit_t, x, y, hit_leaf.c11 * hit_leaf.c22 - hit_leaf.c12 * hit_leaf.c21,
-                                                   hit_doubt);
+  job_.keep = [](void* context, const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
+                 std::uint8_t* hit_doubt) {
+    return static_cast<TileTracer*>(context)->Keep(
+        hit_leaf, hit_s, hit_t, x, y, hit_leaf.c11 * hit_leaf.c22 - hit_leaf.c12 * hit_leaf.c21, hit_doubt);
   };
   job_.solve_hard = [](void* context, const Leaf& hard_leaf, double x, double y, double limit, void* sink,
                        void (*found)(void*, const TileHit&, std::uint8_t)) {
@@ -72,31 +73,38 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   crossings_ = crossings;
   job_.every_hit = nullptr;
   if (crossings) {
-    job_.every_hit = [](void* context, int sample, std::uint32_t leaf_index, const TileHit& hit, std::uint8_t hit_doubt) {
+    job_.every_hit = [](void* context, int sample, std::uint32_t leaf_index, const TileHit& hit,
+                        std::uint8_t hit_doubt) {
       TileTracer* self = static_cast<TileTracer*>(context);
       const int row = self->job_.row + sample / kTileSize, column = self->job_.column + sample % kTileSize;
-      self->crossings_->push_back({static_cast<std::uint32_t>(row * self->shared_.camera.width_px + column), leaf_index, hit, hit_doubt});
+      self->crossings_->push_back({static_cast<std::uint32_t>(row * self->shared_.camera.width_px + column),
+                                   leaf_index, hit, hit_doubt});
     };
   }
-  ActiveKernels().value().trace_tile(job_);
+  kernel_(job_);
 }
 
-bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y, double jacobian_sign, std::uint8_t* hit_doubt) {
+bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
+                      double jacobian_sign, std::uint8_t* hit_doubt) {
   const Model& model = *shared_.scene.model;
   const std::uint32_t instance =
       shared_.instance_of_face.empty() ? 0 : shared_.instance_of_face[hit_leaf.placed_face];
   const Instance& placed = model.instances[instance];
-  const std::uint32_t face = model.parts[placed.part].faces.first + hit_leaf.placed_face - placed.first_placed_face;
+  const std::uint32_t face =
+      model.parts[placed.part].faces.first + hit_leaf.placed_face - placed.first_placed_face;
   const Surface& surface = model.surfaces[model.faces[face].surface];
 
   // Map the hit to native parameters: the hit, never the curve.
-  const SpanParameter& u_map = shared_.scene.spans[surface.u_spans.first + hit_leaf.patch / surface.v_spans.count];
-  const SpanParameter& v_map = shared_.scene.spans[surface.v_spans.first + hit_leaf.patch % surface.v_spans.count];
+  const SpanParameter& u_map =
+      shared_.scene.spans[surface.u_spans.first + hit_leaf.patch / surface.v_spans.count];
+  const SpanParameter& v_map =
+      shared_.scene.spans[surface.v_spans.first + hit_leaf.patch % surface.v_spans.count];
   const double bezier_u = OntoPatch(hit_leaf.u_mid + hit_s * hit_leaf.u_half, hit_leaf.u_half);
   const double bezier_v = OntoPatch(hit_leaf.v_mid + hit_t * hit_leaf.v_half, hit_leaf.v_half);
   const double u = u_map.ToNative(bezier_u), v = v_map.ToNative(bezier_v);
   const double solver_error = 2 * kSolverTolerance + 2 * hit_leaf.rounding * hit_leaf.inverse_gap;
-  const double error_u = solver_error * hit_leaf.u_half / u_map.Rate(bezier_u), error_v = solver_error * hit_leaf.v_half / v_map.Rate(bezier_v);
+  const double error_u = solver_error * hit_leaf.u_half / u_map.Rate(bezier_u),
+               error_v = solver_error * hit_leaf.v_half / v_map.Rate(bezier_v);
 
   const HitGeometry geometry = EvaluateHit(hit_leaf, hit_s, hit_t, x, y, shared_.frame);
   const double band_scale = std::min(kMaxBandScale, 1 / geometry.cosine);
@@ -104,8 +112,9 @@ bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x
 
   // In an edge's band, both faces ask the edge itself.
   if (answer.coedge != kNoIndex && jacobian_sign != 0) {
-    const EdgeVerdict verdict = DecideAtEdge(model, shared_.edges[instance], answer, x + 0.5 * shared_.camera.width_px,
-                                             y + 0.5 * shared_.camera.height_px, jacobian_sign > 0);
+    const EdgeVerdict verdict =
+        DecideAtEdge(model, shared_.edges[instance], answer, x + 0.5 * shared_.camera.width_px,
+                     y + 0.5 * shared_.camera.height_px, jacobian_sign > 0);
     if (verdict != EdgeVerdict::kUnknown) return verdict == EdgeVerdict::kKeep;
   }
   if (!answer.certain) *hit_doubt |= kDoubtTrim;

@@ -17,14 +17,15 @@ namespace facetless {
 
 // What all tracers of a view share besides the leaves.
 struct TraceShared {
-  TraceShared(const Scene::Data& scene, const PreparedView& view, const Camera& camera, const CameraFrame& frame);
+  TraceShared(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
+              const CameraFrame& frame);
 
   const Scene::Data& scene;
   const PreparedView& view;
   const Camera& camera;
   const CameraFrame& frame;
-  std::vector<ProjectedEdges> edges;                 // per instance
-  std::vector<std::uint32_t> instance_of_face;       // per placed face; empty if there is one instance
+  std::vector<ProjectedEdges> edges;            // per instance
+  std::vector<std::uint32_t> instance_of_face;  // per placed face; empty if there is one instance
 };
 
 // One crossing of a ray with a face.
@@ -37,7 +38,7 @@ struct Crossing {
 
 class TileTracer {
  public:
-  explicit TileTracer(const TraceShared& shared);
+  TileTracer(const TraceShared& shared, TileKernel kernel);
 
   // The nearest hits of tile `index`, in the arrays below. With `crossings`, every hit of every ray is appended to it too.
   void Trace(int index, std::vector<Crossing>* crossings);
@@ -56,11 +57,13 @@ class TileTracer {
   std::size_t bitmap_bytes() const { return bitmaps_.bytes(); }
 
  private:
-  bool Keep(const Leaf& leaf, double s, double t, double x, double y, double jacobian_sign, std::uint8_t* doubt);
+  bool Keep(const Leaf& leaf, double s, double t, double x, double y, double jacobian_sign,
+            std::uint8_t* doubt);
   std::uint8_t SolveHard(const Leaf& leaf, double x, double y, double limit, void* sink,
                          void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt));
 
   const TraceShared& shared_;
+  TileKernel kernel_;
   TileBitmaps bitmaps_;
   TileJob job_;
   FallbackSolver solver_;

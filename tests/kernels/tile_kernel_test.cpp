@@ -1,0 +1,75 @@
+// The tile kernel: the same bytes from every instruction set, and the choice among them.
+#include "render/kernels/tile_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "render/kernels/dispatch.h"
+#include "render/trace/tile_tracer.h"
+#include "tests/support/shapes.h"
+
+namespace facetless {
+namespace {
+
+using testing::ModelOf;
+
+// Everything that one kernel answers for one view, tile after tile.
+std::vector<unsigned char> Bytes(const TraceShared& shared, TileKernel kernel, TileCounters* counters) {
+  std::vector<unsigned char> bytes;
+  TileTracer tracer(shared, kernel);
+  for (int tile = 0; tile < shared.view.tiles->tiles_x() * shared.view.tiles->tiles_y(); ++tile) {
+    tracer.Trace(tile, nullptr);
+    for (int i = 0; i < tracer.rows(); ++i) {
+      const auto append = [&](const auto& array) {
+        const auto* first = reinterpret_cast<const unsigned char*>(&array[std::size_t(i) * kTileSize]);
+        bytes.insert(bytes.end(), first, first + sizeof(array[0]) * tracer.columns());
+      };
+      append(tracer.depth);
+      append(tracer.s);
+      append(tracer.t);
+      append(tracer.leaf);
+      append(tracer.doubt);
+    }
+  }
+  *counters = tracer.counters;
+  return bytes;
+}
+
+TEST(TileKernel, EveryInstructionSetGivesTheSameBytes) {
+  const std::vector<Kernels> kernels = AvailableKernels();
+  ASSERT_EQ(kernels.front().isa, "scalar");
+  const Model model = ModelOf({testing::Torus({0, 0, 0}, 10, 3), testing::Sphere({4, 6, 2}, 5),
+                               testing::Frustum({-6, 0, -4}, 4, 0, 9),
+                               testing::Rectangle({-12, -12, -4}, {24, 0, 1}, {0, 24, 2})});
+  const Scene scene(model);
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    // 203 is no multiple of a packet or a tile.
+    const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
+    const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
+    const PreparedView view = PrepareView(scene.data(), camera, frame, nullptr).value();
+    const TraceShared shared(scene.data(), view, camera, frame);
+    TileCounters expected_counters;
+    const std::vector<unsigned char> expected = Bytes(shared, kernels[0].trace_tile, &expected_counters);
+    EXPECT_GT(expected_counters.solves, 10000u);
+    EXPECT_GT(expected_counters.fallbacks, 10u);
+    for (const Kernels& other : kernels) {
+      TileCounters counters;
+      EXPECT_EQ(Bytes(shared, other.trace_tile, &counters), expected) << other.isa;
+      EXPECT_EQ(counters.solves, expected_counters.solves) << other.isa;
+      EXPECT_EQ(counters.iterations, expected_counters.iterations) << other.isa;
+    }
+  }
+}
+
+TEST(TileKernel, TheActiveKernelIsOneOfTheAvailable) {
+  const Result<Kernels>& active = ActiveKernels();
+  ASSERT_TRUE(active.ok());
+  bool found = false;
+  for (const Kernels& kernels : AvailableKernels())
+    found = found || kernels.trace_tile == active.value().trace_tile;
+  EXPECT_TRUE(found);
+}
+
+}  // namespace
+}  // namespace facetless
