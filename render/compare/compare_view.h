@@ -14,7 +14,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "render/baseline/tracer.h"
@@ -36,7 +35,7 @@ struct ViewOptions {
   bool edges = false;
   Background background = Background::kStudio;
   bool uv = false;     // fill the direct samples' uv
-  bool audit = false;  // odd_rays, reverse_mismatches
+  bool audit = false;  // fill stats.odd_rays and stats.reverse_mismatches
   ColorMetricOptions color;
   DifferencePictureOptions picture;
   const std::atomic<bool>* cancel = nullptr;
@@ -51,12 +50,11 @@ SampleGrid GridOf(int samples);
 struct DirectView {
   CameraFrame frame;
   SampleBuffer samples;
-  DirectStats stats;  // of the pixel-centre pass
+  DirectStats stats;                      // of the pixel-centre pass
+  std::vector<std::string> unseen_names;  // of stats.unseen_faces, in that order
   Image8 image;
   SampleGrid grid;
-  double color_ms = 0, shade_ms = 0, audit_ms = 0, total_ms = 0;
-  std::optional<std::uint64_t>
-      reverse_mismatches;  // audit, orthographic: pixels that the opposite view answers otherwise
+  double color_ms = 0, shade_ms = 0, total_ms = 0;
   std::uint64_t peak_bytes = 0;
 };
 
@@ -64,8 +62,8 @@ struct BaselineView {
   SampleBuffer samples;
   BaselineStats stats;  // of the pixel-centre pass
   Image8 image;
-  double color_ms = 0, shade_ms = 0,
-         total_ms = 0;  // total: without mesh and build, which happen once per mesh
+  double color_ms = 0, shade_ms = 0;
+  double total_ms = 0;  // without meshing and build, which happen once per mesh
   std::uint64_t peak_bytes = 0;
 };
 

@@ -1,0 +1,226 @@
+#include "render/compare/report.h"
+
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace facetless {
+namespace {
+
+using nlohmann::json;
+
+json Vector(Vec3 v) {
+  return json::array({v.x, v.y, v.z});
+}
+
+// null for what is no finite number: JSON knows no other.
+json Finite(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+template <typename T>
+json OrNull(const std::optional<T>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
+json SpreadJson(const Spread& spread) {
+  return {{"mean", spread.mean},
+          {"mean_abs", spread.mean_abs},
+          {"rms", spread.rms},
+          {"p50", spread.p50},
+          {"p95", spread.p95},
+          {"p99", spread.p99},
+          {"max", spread.max},
+          {"pixels", spread.count},
+          {"max_at", spread.count > 0 ? json::array({spread.max_x, spread.max_y}) : json(nullptr)}};
+}
+
+json LossJson(const Loss& loss) {
+  return {{"id", loss.face == kNoIndex ? json(nullptr) : json(loss.face)},
+          {"name", loss.name},
+          {"entity", loss.entity},
+          {"reason", loss.reason}};
+}
+
+json LossesJson(const std::vector<Loss>& losses) {
+  json list = json::array();
+  for (const Loss& loss : losses) list.push_back(LossJson(loss));
+  return list;
+}
+
+json UnseenJson(const DirectView& view) {
+  json list = json::array();
+  for (std::size_t i = 0; i < view.stats.unseen_faces.size(); ++i)
+    list.push_back({{"id", view.stats.unseen_faces[i]}, {"name", view.unseen_names[i]}});
+  return list;
+}
+
+}  // namespace
+
+json CameraJson(const Camera& camera) {
+  json out = {{"eye", Vector(camera.eye)},
+              {"target", Vector(camera.target)},
+              {"up", Vector(camera.up)},
+              {"width", camera.width_px},
+              {"height_px", camera.height_px}};
+  if (camera.projection == Projection::kOrthographic) {
+    out["projection"] = "orthographic";
+    out["height"] = camera.height;
+  } else {
+    out["projection"] = "perspective";
+    out["fov_y_deg"] = camera.fov_y_deg;
+  }
+  return out;
+}
+
+json ModelJson(const Model& model) {
+  const ImportInfo& info = model.info;
+  std::map<std::string, std::uint64_t> surfaces;
+  std::uint64_t patches = 0;
+  for (const Surface& surface : model.surfaces) {
+    ++surfaces[SurfaceKindName(surface.kind)];
+    patches += surface.PatchCount();
+  }
+  std::uint64_t placed_solids = 0;
+  for (const Instance& instance : model.instances) placed_solids += model.parts[instance.part].solids.count;
+  json approximated = json::array();
+  for (const Approximation& approximation : info.approximated) {
+    const Face& face = model.faces[approximation.face];
+    approximated.push_back({{"id", approximation.face},
+                            {"name", face.name.empty() ? face.entity : face.name},
+                            {"deviation_mm", approximation.deviation_mm}});
+  }
+  return {{"file", info.file},
+          {"sha256", info.sha256},
+          {"format", info.format},
+          {"unit", info.unit},
+          {"unit_mm", info.unit_mm},
+          {"diagonal_mm", model.Diagonal()},
+          {"bounds_mm", model.bounds.empty()
+                            ? json(nullptr)
+                            : json::array({Vector(model.bounds.low), Vector(model.bounds.high)})},
+          {"solids", placed_solids},
+          {"faces", model.PlacedFaceCount()},
+          {"prototypes",
+           {{"parts", model.parts.size()}, {"faces", model.faces.size()}, {"solids", model.solids.size()}}},
+          {"placements", model.instances.size()},
+          {"faces_declared", info.faces_declared},
+          {"faces_skipped", LossesJson(info.faces_lost)},
+          {"loops_lost", LossesJson(info.loops_lost)},
+          {"edges_lost", LossesJson(info.edges_lost)},
+          {"faces_approximated", approximated},
+          {"surfaces", surfaces},
+          {"patches", patches},
+          {"warnings", info.warnings},
+          {"edge_gap_mm_max", info.max_edge_gap_mm},
+          {"edge_gap_entity", info.max_edge_gap_entity},
+          {"import_ms", info.read_ms + info.transfer_ms + info.convert_ms},
+          {"import_peak_bytes", info.peak_bytes}};
+}
+
+json DirectJson(const DirectView& view) {
+  const DirectStats& stats = view.stats;
+  return {{"timing_ms",
+           {{"prepare", stats.prepare_ms},
+            {"trace", stats.trace_ms},
+            {"color", view.color_ms},
+            {"shade", view.shade_ms},
+            {"total", view.total_ms}}},
+          {"rays", stats.rays},
+          {"hits", stats.hits},
+          {"leaves", stats.leaves},
+          {"hard_leaves", stats.hard_leaves},
+          {"candidates", stats.candidates},
+          {"solves", stats.solves},
+          {"iterations", stats.iterations},
+          {"fallbacks", stats.fallbacks},
+          {"trim_tests", stats.trim_tests},
+          {"certified", stats.certified},
+          {"converged", stats.converged},
+          {"unresolved", stats.unresolved},
+          {"certified_hits", stats.certified_hits},
+          {"odd_rays", OrNull(stats.odd_rays)},
+          {"reverse_mismatches", OrNull(stats.reverse_mismatches)},
+          {"unseen_faces", UnseenJson(view)},
+          {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
+          {"isa", stats.isa},
+          {"samples_per_pixel", view.grid.x * view.grid.y},
+          {"peak_bytes", view.peak_bytes}};
+}
+
+json BaselineJson(const BaselineView& view, const BaselineScene& scene) {
+  const Mesh& mesh = scene.mesh();
+  return {{"triangles", scene.triangles()},
+          {"from_model", mesh.from_model},
+          {"deflection_mm", mesh.deflection_mm > 0 ? json(mesh.deflection_mm) : json(nullptr)},
+          {"angular_deg", mesh.angular_deg > 0 ? json(mesh.angular_deg) : json(nullptr)},
+          {"faces_unmeshed", mesh.faces_unmeshed},
+          {"timing_ms",
+           {{"mesh", mesh.mesh_ms},
+            {"build", scene.build_ms()},
+            {"trace", view.stats.trace_ms},
+            {"color", view.color_ms},
+            {"shade", view.shade_ms},
+            {"total", mesh.mesh_ms + scene.build_ms() + view.total_ms}}},
+          {"rays", view.stats.rays},
+          {"hits", view.stats.hits},
+          {"bvh_bytes", scene.bvh_bytes()},
+          {"peak_bytes", view.peak_bytes}};
+}
+
+json DifferenceJson(const Difference& difference, const DifferencePicture& picture) {
+  const ColorMetrics& color = difference.color;
+  const Silhouette& silhouette = difference.silhouette;
+  json faces = json::array();
+  for (const FaceDifference& face : difference.faces)
+    faces.push_back({{"id", face.id},
+                     {"name", face.name},
+                     {"depth_mm_max", face.depth_mm_max},
+                     {"pixels", face.pixels},
+                     {"deviation_mm_max", face.deviation_mm_max},
+                     {"deviation_mm_mean", face.deviation_mm_mean},
+                     {"normal_deg_max", face.normal_deg_max},
+                     {"missed_pixels", face.missed_pixels},
+                     {"other_face_pixels", face.other_face_pixels},
+                     {"border_pixels", face.border_pixels}});
+  return {{"color",
+           {{"max", color.max},
+            {"mean", color.mean},
+            {"rms", color.rms},
+            {"psnr", Finite(color.psnr)},
+            {"ssim", color.ssim},
+            {"flip_mean", color.flip_mean},
+            {"flip_p95", color.flip_p95},
+            {"share_over_threshold", color.share_over_threshold},
+            {"threshold", color.threshold},
+            {"pixels_per_degree", color.pixels_per_degree}}},
+          {"silhouette",
+           {{"pixels", silhouette.pixels},
+            {"max_distance_px", Finite(silhouette.max_distance_px)},
+            {"only_direct", silhouette.only_direct},
+            {"only_baseline", silhouette.only_baseline}}},
+          {"depth_mm", SpreadJson(difference.depth_mm)},
+          {"deviation_mm", SpreadJson(difference.deviation_mm)},
+          {"noise_mm", difference.noise_mm},
+          {"normal_deg", SpreadJson(difference.normal_deg)},
+          {"both_hit", difference.both_hit},
+          {"border", {{"pixels", difference.border_pixels}, {"share", difference.border_share}}},
+          {"other_face", difference.faces_known ? json{{"pixels", difference.other_face_pixels},
+                                                       {"share", difference.other_face_share}}
+                                                : json(nullptr)},
+          {"picture_range_mm", picture.range_mm},
+          {"faces", faces}};
+}
+
+json RenderJson(const Camera& camera, const DirectView& view) {
+  return {{"name", camera.name}, {"camera", CameraJson(camera)}, {"direct", DirectJson(view)}};
+}
+
+json ComparisonJson(const ViewComparison& comparison, const BaselineScene& scene) {
+  json view = RenderJson(comparison.camera, comparison.direct);
+  view["baseline"] = BaselineJson(comparison.baseline, scene);
+  view["difference"] = DifferenceJson(comparison.difference, comparison.picture);
+  return view;
+}
+
+}  // namespace facetless
