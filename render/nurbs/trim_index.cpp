@@ -230,7 +230,9 @@ void FaceTrim::FindMaterial() {
 bool FaceTrim::MaterialLeft(std::uint32_t i) const {
   const TrimPiece& piece = pieces_.pieces[i];
   const MonotonePiece curve = pieces_.Monotone(i);
-  const Vec2 middle = PointOn(curve.curve, 0.5 * (curve.t_low + curve.t_high));
+  Vec2 middle = PointOn(curve.curve, 0.5 * (curve.t_low + curve.t_high));
+  // Of a piece that rises by a rounding or two the middle may round to the upper end, where its neighbour counts already.
+  if (!Spans(piece, middle.y)) middle.y = piece.low.y;
   const bool odd = OddExcept(middle, i);
   // Without this piece the count is that of its right side; on a horizontal one, by the half-open rule, that
   // of the upper side, which is on the left of a piece that runs towards +u.

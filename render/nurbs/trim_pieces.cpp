@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 
 namespace facetless {
 namespace {
@@ -19,10 +20,11 @@ constexpr double kBandSafety = 2;
 constexpr double kStripShare = 1.0 / 8;
 // … but next to an extremum the share stays the same however short the piece: stop after this many cuts.
 constexpr int kStripCuts = 3;
-// A piece is cut while the band at its widest is over kBandRatio times that at its narrowest and over
-// kBandShare of the grid. Next to a pole that takes one cut per factor of two.
-constexpr double kBandRatio = 2, kBandShare = 1.0 / 64;
-constexpr int kBandCuts = 48;
+// A piece is cut while the band at its widest is over kBandRatio times that at its narrowest and over kBandShare of the
+// grid: at kBandCut of its length from the widest end. Towards a pole the band grows like one over the distance, which takes a
+// cut per decade.
+constexpr double kBandRatio = 2, kBandShare = 1.0 / 64, kBandCut = 0.1;
+constexpr int kBandCuts = 20;
 
 bool Within(Vec2 a, Vec2 b, Vec2 tolerance) {
   return std::fabs(a.x - b.x) <= tolerance.x && std::fabs(a.y - b.y) <= tolerance.y;
@@ -182,7 +184,7 @@ class Maker {
       parameter = before.edge_begin + t * (before.edge_end - before.edge_begin);
     }
     curve_ = NewCurve({line, 1}, source, parameter, parameter);
-    Split(0, end_, 1, point, 0);
+    Split(EndAt(0, end_), EndAt(1, point), 0);
     end_ = point;
   }
 
@@ -217,70 +219,110 @@ class Maker {
     AppendTurns(curve, cuts);
     std::sort(cuts.begin(), cuts.end());
     cuts.push_back(1);
-    double t = 0;
-    Vec2 point = begin;
+    End from = EndAt(0, begin);
     for (double next : cuts) {
-      if (!(next > t)) continue;
-      const Vec2 target = next < 1 ? PointOn(curve, next) : end;
-      Split(t, point, next, target, 0);
-      t = next;
-      point = target;
+      if (!(next > from.t)) continue;
+      const End to = EndAt(next, next < 1 ? PointOn(curve, next) : end);
+      Split(from, to, 0);
+      from = to;
     }
     end_ = end;
   }
 
-  // One monotone stretch of curve_, cut until it hugs its chord and its band is about constant.
-  void Split(double t0, Vec2 p0, double t1, Vec2 p1, int depth) {
-    const PlaneCurve curve{out_.points.data() + curve_.first_point, static_cast<int>(curve_.degree)};
-    const bool upwards = p1.y > p0.y || (p1.y == p0.y && p1.x >= p0.x);
+  // An end of a stretch, with the band's half-widths there.
+  struct End {
+    double t = 0;
+    Vec2 point, band;
+  };
+
+  End EndAt(double t, Vec2 point) const {
+    return {t, point, source_.coedge == kNoIndex ? Vec2{} : HalfWidths(point, curve_.reach_mm)};
+  }
+
+  PlaneCurve Current() const {
+    return {out_.points.data() + curve_.first_point, static_cast<int>(curve_.degree)};
+  }
+
+  // The point of curve_ at t between two ends of a monotone stretch: kept in their box, whatever the rounding.
+  End Between(const End& a, const End& b, double t) const {
+    const Vec2 p = PointOn(Current(), t);
+    return EndAt(t, {std::clamp(p.x, std::min(a.point.x, b.point.x), std::max(a.point.x, b.point.x)),
+                     std::clamp(p.y, std::min(a.point.y, b.point.y), std::max(a.point.y, b.point.y))});
+  }
+
+  // One monotone stretch of curve_, cut until it hugs its chord.
+  void Split(const End& begin, const End& end, int cuts) {
+    const End middle = Between(begin, end, 0.5 * (begin.t + end.t));
+    if (cuts < kStripCuts && middle.t > begin.t && middle.t < end.t) {
+      const Vec2 chord = end.point - begin.point;
+      const auto [low, high] = Strip(begin, end);
+      if (high - low > kStripShare * std::fabs(chord.x * chord.y)) {
+        Split(begin, middle, cuts + 1);
+        Split(middle, end, cuts + 1);
+        return;
+      }
+    }
+    SplitForBand(begin, middle, end, 0);
+  }
+
+  // Cut until the band is about constant.
+  void SplitForBand(const End& begin, const End& middle, const End& end, int cuts) {
+    const auto uneven = [](double a, double b, double c, double grid) {
+      const double widest = std::max({a, b, c});
+      return widest > kBandRatio * std::min({a, b, c}) && widest > kBandShare * grid;
+    };
+    const bool in_u = uneven(begin.band.x, middle.band.x, end.band.x, grid_.x);
+    const bool in_v = uneven(begin.band.y, middle.band.y, end.band.y, grid_.y);
+    if ((in_u || in_v) && cuts < kBandCuts) {
+      const auto width = [&](const End& e) { return in_u ? e.band.x : e.band.y; };
+      const bool widest_inside = width(middle) >= std::max(width(begin), width(end));
+      const double share = widest_inside ? 0.5 : width(begin) > width(end) ? kBandCut : 1 - kBandCut;
+      const End cut = Between(begin, end, begin.t + share * (end.t - begin.t));
+      if (cut.t > begin.t && cut.t < end.t) {
+        SplitForBand(begin, Between(begin, cut, 0.5 * (begin.t + cut.t)), cut, cuts + 1);
+        SplitForBand(cut, Between(cut, end, 0.5 * (cut.t + end.t)), end, cuts + 1);
+        return;
+      }
+    }
+    AddPiece(begin, middle, end);
+  }
+
+  // cross(chord from begin to end, c − begin) for the hull of the stretch, the ends included.
+  std::pair<double, double> Strip(const End& begin, const End& end) {
+    const Vec2 chord = end.point - begin.point;
+    double low = 0, high = 0;
+    if (curve_.degree > 1) {
+      StretchHull(Current(), begin.t, end.t, hull_);
+      for (Vec2 c : hull_) {
+        const double offset = Cross(chord, c - begin.point);
+        low = std::min(low, offset);
+        high = std::max(high, offset);
+      }
+    }
+    return {low, high};
+  }
+
+  void AddPiece(const End& begin, const End& middle, const End& end) {
+    const bool upwards =
+        end.point.y > begin.point.y || (end.point.y == begin.point.y && end.point.x >= begin.point.x);
+    const End& low = upwards ? begin : end;
+    const End& high = upwards ? end : begin;
     TrimPiece piece;
-    piece.low = upwards ? p0 : p1;
-    piece.high = upwards ? p1 : p0;
+    piece.low = low.point;
+    piece.high = high.point;
     piece.forward = upwards;
     piece.coedge = source_.coedge;
     piece.slit = source_.slit;
-
-    // The strip: the hull's distances from the chord, and what rounding and snapped ends may add.
-    const Vec2 chord = piece.high - piece.low;
+    // The strip, with what rounding and snapped ends may add. Turned round, the chord's other end is as good an origin.
+    const Vec2 chord = high.point - low.point;
     const double slack = 4 * (std::fabs(chord.x) * curve_.error.y + std::fabs(chord.y) * curve_.error.x);
-    if (curve.degree > 1) {
-      StretchHull(curve, t0, t1, hull_);
-      for (Vec2 c : hull_) {
-        const double offset = Cross(chord, c - piece.low);
-        piece.strip_low = std::min(piece.strip_low, offset);
-        piece.strip_high = std::max(piece.strip_high, offset);
-      }
-    }
-    const double thickness = piece.strip_high - piece.strip_low;
-    const bool cut_for_strip = depth < kStripCuts && thickness > kStripShare * std::fabs(chord.x * chord.y);
-    piece.strip_low -= slack;
-    piece.strip_high += slack;
-
-    // The band, from the metric at both ends and the middle.
-    const double tm = 0.5 * (t0 + t1);
-    Vec2 middle = PointOn(curve, tm);
-    middle = {std::clamp(middle.x, std::min(p0.x, p1.x), std::max(p0.x, p1.x)),
-              std::clamp(middle.y, piece.low.y, piece.high.y)};
-    bool cut_for_band = false;
-    if (source_.coedge != kNoIndex) {
-      const Vec2 a = HalfWidths(p0, curve_.reach_mm), b = HalfWidths(middle, curve_.reach_mm),
-                 c = HalfWidths(p1, curve_.reach_mm);
-      const Vec2 widest{std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y})};
-      const Vec2 narrowest{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y})};
-      piece.band_u = RoundedUp(kBandSafety * widest.x);
-      piece.band_v = RoundedUp(kBandSafety * widest.y);
-      cut_for_band =
-          depth < kBandCuts && ((widest.x > kBandRatio * narrowest.x && widest.x > kBandShare * grid_.x) ||
-                                (widest.y > kBandRatio * narrowest.y && widest.y > kBandShare * grid_.y));
-    }
-
-    if ((cut_for_strip || cut_for_band) && tm > t0 && tm < t1) {
-      Split(t0, p0, tm, middle, depth + 1);
-      Split(tm, middle, t1, p1, depth + 1);
-      return;
-    }
-    curve_.t_low = upwards ? t0 : t1;
-    curve_.t_high = upwards ? t1 : t0;
+    const auto [least, most] = Strip(begin, end);
+    piece.strip_low = (upwards ? least : -most) - slack;
+    piece.strip_high = (upwards ? most : -least) + slack;
+    piece.band_u = RoundedUp(kBandSafety * std::max({begin.band.x, middle.band.x, end.band.x}));
+    piece.band_v = RoundedUp(kBandSafety * std::max({begin.band.y, middle.band.y, end.band.y}));
+    curve_.t_low = low.t;
+    curve_.t_high = high.t;
     out_.pieces.push_back(piece);
     out_.curves.push_back(curve_);
   }
