@@ -1,0 +1,65 @@
+// A running `facetless serve`, and a client that can also send what no well-behaved client would.
+#pragma once
+
+#include <sys/types.h>
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "server/temp_dir.h"
+
+namespace facetless {
+
+struct Reply {
+  int status = 0;                              // 0: the connection broke before a status line
+  std::map<std::string, std::string> headers;  // names in lower case
+  std::string body;
+
+  nlohmann::json Json() const { return nlohmann::json::parse(body, nullptr, false); }
+  // The problem's type without its prefix; "" if this is no problem document.
+  std::string Problem() const;
+};
+
+// One part of a multipart body.
+struct FormPart {
+  std::string name, file_name, content;
+};
+
+class LiveServer {
+ public:
+  // Starts it on a free port with an empty data directory. `importer` goes to FACETLESS_IMPORTER if not empty.
+  explicit LiveServer(const std::vector<std::string>& arguments = {}, const std::string& importer = "");
+  ~LiveServer();  // SIGKILL if it still runs
+  LiveServer(const LiveServer&) = delete;
+  LiveServer& operator=(const LiveServer&) = delete;
+
+  using Headers = std::vector<std::pair<std::string, std::string>>;
+  Reply Get(const std::string& path, const Headers& headers = {}) {
+    return Request("GET", path, headers, "");
+  }
+  Reply Request(const std::string& method, const std::string& path, const Headers& headers,
+                const std::string& body);
+  Reply PostJson(const std::string& path, const nlohmann::json& json);
+  Reply PostForm(const std::string& path, const std::vector<FormPart>& parts);
+  // Sends the bytes as they are and reads until the server closes.
+  Reply Raw(const std::string& bytes);
+
+  bool Running();
+  // Sends the signal and waits; the exit code, or −1 if it had to be killed after ten seconds.
+  int Stop(int signal);
+
+  int port() const { return port_; }
+  const std::string& data() const { return data_; }
+
+ private:
+  TempDir directory_;
+  std::string data_;
+  pid_t pid_ = 0;
+  int port_ = 0;
+};
+
+}  // namespace facetless

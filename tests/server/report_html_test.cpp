@@ -1,0 +1,61 @@
+#include "server/report_html.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/web_assets.h"
+#include "tests/server/support.h"
+
+namespace facetless {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Base64, OfRfc4648) {
+  EXPECT_EQ(Base64(""), "");
+  EXPECT_EQ(Base64("f"), "Zg==");
+  EXPECT_EQ(Base64("fo"), "Zm8=");
+  EXPECT_EQ(Base64("foo"), "Zm9v");
+  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(Base64("\xff\xfe\xfd"), "//79");
+}
+
+class ReportPage : public testing::Test {
+ protected:
+  ReportPage() { WriteText(directory_.File("iso.direct.png"), "PNG"); }
+  nlohmann::json report_ = {
+      {"model", {{"file", "part.step"}}},
+      {"views", {{{"name", "iso"}, {"files", {{"direct", "iso.direct.png"}, {"depth", "iso.depth.tif"}}}}}}};
+  TempDir directory_ = TempDir::Create().value();
+};
+
+TEST_F(ReportPage, CarriesEverythingAndFetchesNothing) {
+  auto html = ReportHtml(report_, directory_.path());
+  ASSERT_TRUE(html.ok()) << html.error().message;
+  EXPECT_THAT(html.value(), HasSubstr("\"iso.direct.png\":\"data:image/png;base64,UE5H\""));
+  EXPECT_THAT(html.value(), HasSubstr("<title>part.step"));
+  EXPECT_THAT(html.value(), HasSubstr(std::string(WebAsset("viewer.js"))));
+  EXPECT_THAT(html.value(), HasSubstr(std::string(WebAsset("style.css"))));
+  for (const char* outside : {"http://", "https://", "@import", "src=\"", "url("})
+    EXPECT_THAT(html.value(), Not(HasSubstr(outside))) << outside;
+}
+
+TEST_F(ReportPage, DoesNotRunWhatAFileCarries) {
+  report_["model"]["file"] = "</title></script><script>alert(1)</script>{{pictures}}<!--";
+  auto html = ReportHtml(report_, directory_.path());
+  ASSERT_TRUE(html.ok());
+  EXPECT_THAT(html.value(), Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(html.value(), Not(HasSubstr("<!--")));
+  EXPECT_THAT(html.value(), HasSubstr("&lt;/title&gt;"));
+  // What looks like a placeholder stays text.
+  EXPECT_THAT(html.value(), HasSubstr("{{pictures}}"));
+}
+
+TEST_F(ReportPage, NeedsItsPictures) {
+  std::filesystem::remove(directory_.File("iso.direct.png"));
+  EXPECT_EQ(ReportHtml(report_, directory_.path()).error().code, ErrorCode::kFileUnreadable);
+}
+
+}  // namespace
+}  // namespace facetless
