@@ -35,7 +35,6 @@ struct alignas(64) Tally {
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
-  const Model& model = *shared.scene.model;
   for (int i = 0; i < tile.rows(); ++i) {
     for (int j = 0; j < tile.columns(); ++j) {
       const int k = i * kTileSize + j;
@@ -52,21 +51,14 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       const double x = column + 0.5 - 0.5 * shared.camera.width_px,
                    y = row + 0.5 - 0.5 * shared.camera.height_px;
       const HitGeometry geometry = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame);
-      const std::uint32_t face = model.FaceOf(leaf.placed_face);
-      const Instance& instance = model.instances[model.InstanceOf(leaf.placed_face)];
-      const double sign = model.faces[face].reversed != (instance.placement.Determinant() < 0) ? -1 : 1;
+      const TraceShared::PlacedFace placed = shared.Placed(leaf.placed_face);
+      const Vec3 normal = placed.outward * geometry.normal;
       samples->depth[out] = tile.depth[k];
       samples->face[out] = leaf.placed_face;
-      samples->normal[out] = {float(sign * geometry.normal.x), float(sign * geometry.normal.y),
-                              float(sign * geometry.normal.z)};
+      samples->normal[out] = {float(normal.x), float(normal.y), float(normal.z)};
       if (!samples->uv.empty()) {
-        const Surface& surface = model.surfaces[model.faces[face].surface];
-        const SpanParameter& u_map =
-            shared.scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count];
-        const SpanParameter& v_map =
-            shared.scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count];
-        samples->uv[out] = {u_map.ToNative(leaf.u_mid + tile.s[k] * leaf.u_half),
-                            v_map.ToNative(leaf.v_mid + tile.t[k] * leaf.v_half)};
+        const TraceShared::LeafParameters at = shared.Parameters(leaf, placed.face, tile.s[k], tile.t[k]);
+        samples->uv[out] = {at.u_map->ToNative(at.u), at.v_map->ToNative(at.v)};
       }
       ++tally->hits;
       tally->certified_hits += certificate == Certificate::kCertified;

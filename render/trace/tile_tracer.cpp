@@ -27,12 +27,30 @@ TraceShared::TraceShared(const Scene::Data& scene_data, const PreparedView& prep
     : scene(scene_data), view(prepared), camera(view_camera), frame(view_frame) {
   const Model& model = *scene.model;
   edges.reserve(model.instances.size());
-  for (const Instance& instance : model.instances) edges.emplace_back(model, instance.placement, frame);
-  if (model.instances.size() < 2) return;
-  instance_of_face.reserve(model.PlacedFaceCount());
-  for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
-    instance_of_face.insert(instance_of_face.end(), model.parts[model.instances[i].part].faces.count, i);
+  for (const Instance& instance : model.instances) {
+    edges.emplace_back(model, instance.placement, frame);
+    mirrored_.push_back(instance.placement.Determinant() < 0);
   }
+  if (model.instances.size() < 2) return;
+  instance_of_face_.reserve(model.PlacedFaceCount());
+  for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
+    instance_of_face_.insert(instance_of_face_.end(), model.parts[model.instances[i].part].faces.count, i);
+  }
+}
+
+TraceShared::PlacedFace TraceShared::Placed(std::uint32_t placed_face) const {
+  const Model& model = *scene.model;
+  const std::uint32_t index = instance_of_face_.empty() ? 0 : instance_of_face_[placed_face];
+  const Instance& instance = model.instances[index];
+  const std::uint32_t face = model.parts[instance.part].faces.first + placed_face - instance.first_placed_face;
+  return {index, face, model.faces[face].reversed != mirrored_[index] ? -1.0 : 1.0};
+}
+
+TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint32_t face, double s, double t) const {
+  const Surface& surface = scene.model->surfaces[scene.model->faces[face].surface];
+  return {&scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count],
+          &scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count],
+          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half), OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half)};
 }
 
 TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel) : shared_(shared), kernel_(kernel) {
@@ -86,34 +104,21 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
 
 bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
                       double jacobian_sign, std::uint8_t* hit_doubt) {
-  const Model& model = *shared_.scene.model;
-  const std::uint32_t instance =
-      shared_.instance_of_face.empty() ? 0 : shared_.instance_of_face[hit_leaf.placed_face];
-  const Instance& placed = model.instances[instance];
-  const std::uint32_t face =
-      model.parts[placed.part].faces.first + hit_leaf.placed_face - placed.first_placed_face;
-  const Surface& surface = model.surfaces[model.faces[face].surface];
-
   // Map the hit to native parameters: the hit, never the curve.
-  const SpanParameter& u_map =
-      shared_.scene.spans[surface.u_spans.first + hit_leaf.patch / surface.v_spans.count];
-  const SpanParameter& v_map =
-      shared_.scene.spans[surface.v_spans.first + hit_leaf.patch % surface.v_spans.count];
-  const double bezier_u = OntoPatch(hit_leaf.u_mid + hit_s * hit_leaf.u_half, hit_leaf.u_half);
-  const double bezier_v = OntoPatch(hit_leaf.v_mid + hit_t * hit_leaf.v_half, hit_leaf.v_half);
-  const double u = u_map.ToNative(bezier_u), v = v_map.ToNative(bezier_v);
+  const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
+  const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, placed.face, hit_s, hit_t);
+  const double u = at.u_map->ToNative(at.u), v = at.v_map->ToNative(at.v);
   const double solver_error = 2 * kSolverTolerance + 2 * hit_leaf.rounding * hit_leaf.inverse_gap;
-  const double error_u = solver_error * hit_leaf.u_half / u_map.Rate(bezier_u),
-               error_v = solver_error * hit_leaf.v_half / v_map.Rate(bezier_v);
+  const double error_u = solver_error * hit_leaf.u_half / at.u_map->Rate(at.u), error_v = solver_error * hit_leaf.v_half / at.v_map->Rate(at.v);
 
   const HitGeometry geometry = EvaluateHit(hit_leaf, hit_s, hit_t, x, y, shared_.frame);
   const double band_scale = std::min(kMaxBandScale, 1 / geometry.cosine);
-  const TrimAnswer answer = shared_.scene.faces[face].trim.Query(u, v, error_u, error_v, band_scale);
+  const TrimAnswer answer = shared_.scene.faces[placed.face].trim.Query(u, v, error_u, error_v, band_scale);
 
   // In an edge's band, both faces ask the edge itself.
   if (answer.coedge != kNoIndex && jacobian_sign != 0) {
     const EdgeVerdict verdict =
-        DecideAtEdge(model, shared_.edges[instance], answer, x + 0.5 * shared_.camera.width_px,
+        DecideAtEdge(*shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
                      y + 0.5 * shared_.camera.height_px, jacobian_sign > 0);
     if (verdict != EdgeVerdict::kUnknown) return verdict == EdgeVerdict::kKeep;
   }

@@ -24,8 +24,27 @@ struct TraceShared {
   const PreparedView& view;
   const Camera& camera;
   const CameraFrame& frame;
-  std::vector<ProjectedEdges> edges;            // per instance
-  std::vector<std::uint32_t> instance_of_face;  // per placed face; empty if there is one instance
+
+  // What a placed face id stands for.
+  struct PlacedFace {
+    std::uint32_t instance, face;  // indices into the model's
+    double outward;                // +1, or −1 where the outward normal is −(Su × Sv)
+  };
+  PlacedFace Placed(std::uint32_t placed_face) const;
+
+  // Bézier parameters of (s, t) of a leaf in its patch, and their maps to native ones.
+  struct LeafParameters {
+    const SpanParameter* u_map;
+    const SpanParameter* v_map;
+    double u, v;
+  };
+  LeafParameters Parameters(const Leaf& leaf, std::uint32_t face, double s, double t) const;
+
+  std::vector<ProjectedEdges> edges;  // per instance
+
+ private:
+  std::vector<std::uint32_t> instance_of_face_;  // per placed face; empty if there is one instance
+  std::vector<bool> mirrored_;                   // per instance
 };
 
 // One crossing of a ray with a face.

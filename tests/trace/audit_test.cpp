@@ -1,0 +1,67 @@
+// The audit: closed is closed, open is noticed, and both directions see the same.
+#include "render/trace/audit.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.h"
+
+namespace facetless {
+namespace {
+
+using testing::ModelOf;
+
+// Declares all faces of a hand-made model to be one closed solid.
+Model ClosedSolid(Model model) {
+  model.solids.push_back({0, true, "solid"});
+  model.parts[0].solids = {0, 1};
+  for (Face& face : model.faces) face.solid = 0;
+  return model;
+}
+
+DirectStats AuditOf(const Model& model, const char* view, Projection projection, int size) {
+  DirectOptions options;
+  options.audit = true;
+  return TraceDirect(Scene(model), NamedView(view, model.bounds, projection, size, size).value(), options).value().stats;
+}
+
+TEST(Audit, AClosedSphereHasNoOddRayFromAnySide) {
+  const Model model = ClosedSolid(ModelOf({testing::Sphere({1, 2, 3}, 5)}));
+  for (const std::string& view : ViewNames()) {
+    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+      const DirectStats stats = AuditOf(model, view.c_str(), projection, 200);
+      EXPECT_EQ(stats.odd_rays, 0u) << view;
+      EXPECT_EQ(stats.reverse_mismatches, 0u) << view;
+    }
+  }
+}
+
+TEST(Audit, AHoleMakesEveryRayThroughItOdd) {
+  // A rectangle is crossed once by each ray that meets it: nothing could be more open.
+  const Model model = ClosedSolid(ModelOf({testing::Rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 1})}));
+  const DirectStats stats = AuditOf(model, "iso", Projection::kOrthographic, 100);
+  EXPECT_GT(stats.hits, 1000u);
+  EXPECT_EQ(stats.odd_rays, stats.hits);
+  EXPECT_EQ(stats.odd_samples.size(), stats.hits);
+}
+
+TEST(Audit, WithoutAClosedSolidThereIsNothingToCount) {
+  const Model model = ModelOf({testing::Rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 1})});
+  const DirectStats stats = AuditOf(model, "iso", Projection::kOrthographic, 100);
+  EXPECT_FALSE(stats.odd_rays.has_value());
+  EXPECT_EQ(stats.reverse_mismatches, 0u);
+}
+
+TEST(Audit, PlacementsAreSolidsOfTheirOwn) {
+  // Two placements of one sphere that overlap: each is crossed twice, the rays through both four times.
+  Model model = ClosedSolid(ModelOf({testing::Sphere({0, 0, 0}, 5)}));
+  model.instances.push_back(model.instances[0]);
+  model.instances[1].placement.m[0][3] = 3;
+  model.instances[1].first_placed_face = 1;
+  model.bounds.Add({8, 5, 5});
+  const DirectStats stats = AuditOf(model, "iso", Projection::kPerspective, 200);
+  EXPECT_EQ(stats.odd_rays, 0u);
+  EXPECT_EQ(stats.reverse_mismatches, 0u);
+}
+
+}  // namespace
+}  // namespace facetless
