@@ -1,0 +1,353 @@
+#include "tests/differential/exact_reference.h"
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepClass_FaceClassifier.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <ElCLib.hxx>
+#include <IGESControl_Reader.hxx>
+#include <IntCurvesFace_Intersector.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Precision.hxx>
+#include <STEPControl_Reader.hxx>
+#include <ShapeAnalysis_Surface.hxx>
+#include <Standard_ErrorHandler.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <gp_Lin.hxx>
+#include <gp_Pln.hxx>
+#include <unordered_set>
+#include <utility>
+
+namespace facetless {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct ReferenceFace {
+  TopoDS_Face face;
+  Box3 box;
+  double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  // Made when first needed.
+  std::unique_ptr<IntCurvesFace_Intersector> intersector;
+  Handle(ShapeAnalysis_Surface) surface;
+};
+
+// The depths between which the ray is inside the box; first > second: nowhere.
+std::pair<double, double> DepthsInside(const Box3& box, const Ray& ray) {
+  const double origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
+  const double direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+  const double low[3] = {box.low.x, box.low.y, box.low.z};
+  const double high[3] = {box.high.x, box.high.y, box.high.z};
+  double enter = -kInfinity, leave = kInfinity;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0) {
+      if (origin[axis] < low[axis] || origin[axis] > high[axis]) return {kInfinity, -kInfinity};
+      continue;
+    }
+    const double a = (low[axis] - origin[axis]) / direction[axis];
+    const double b = (high[axis] - origin[axis]) / direction[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return {enter, leave};
+}
+
+// OpenCASCADE's box of the face, widened by a hundredth of its diagonal: the box selects, it must not decide.
+Box3 FaceBox(const TopoDS_Face& face) {
+  Bnd_Box bound;
+  BRepBndLib::Add(face, bound, false);
+  Box3 box;
+  if (bound.IsVoid()) return box;
+  double x0, y0, z0, x1, y1, z1;
+  bound.Get(x0, y0, z0, x1, y1, z1);
+  const double slack = 0.01 * std::hypot(x1 - x0, y1 - y0, z1 - z0);
+  box.Add({x0 - slack, y0 - slack, z0 - slack});
+  box.Add({x1 + slack, y1 + slack, z1 + slack});
+  return box;
+}
+
+TopoDS_Shape ReadWith(XSControl_Reader& reader, const std::string& path) {
+  try {
+    OCC_CATCH_SIGNALS
+    if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) return {};
+    reader.TransferRoots();
+    return reader.OneShape();
+  } catch (const Standard_Failure&) {
+    return {};
+  }
+}
+
+// IGES has an 'S' in column 73 of its first line; STEP says so in its first word.
+Result<TopoDS_Shape> ReadShape(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return Error{ErrorCode::kFileUnreadable, path + " cannot be read."};
+  std::string head(80, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  TopoDS_Shape shape;
+  if (head.find("ISO-10303-21") != std::string::npos) {
+    STEPControl_Reader reader;
+    shape = ReadWith(reader, path);
+  } else if (head[72] == 'S') {
+    IGESControl_Reader reader;
+    shape = ReadWith(reader, path);
+  } else {
+    return Error{ErrorCode::kFormatUnknown, path + " is neither STEP nor IGES."};
+  }
+  if (shape.IsNull()) return Error{ErrorCode::kNothingUsable, "OpenCASCADE makes no shape of " + path + "."};
+  return shape;
+}
+
+gp_Pnt ToPoint(Vec3 p) {
+  return {p.x, p.y, p.z};
+}
+Vec3 ToVec(const gp_Pnt& p) {
+  return {p.X(), p.Y(), p.Z()};
+}
+
+double DistanceToRay(const Ray& ray, Vec3 point) {
+  return Length(Cross(point - ray.origin, ray.direction)) / Length(ray.direction);
+}
+
+// The ray's smallest distance to the edge, near the depth in question: samples, then a golden section about the best ones.
+double DistanceToEdge(const Ray& ray, const TopoDS_Edge& edge, double depth, double depth_window) {
+  constexpr int kSamplesPerInterval = 24;
+  const BRepAdaptor_Curve curve(edge);
+  const double first = curve.FirstParameter(), last = curve.LastParameter();
+  if (Precision::IsInfinite(first) || Precision::IsInfinite(last)) return kInfinity;
+  const double forward2 = Dot(ray.direction, ray.direction);
+  const auto distance = [&](double t) {
+    const Vec3 point = ToVec(curve.Value(t));
+    const double along = Dot(point - ray.origin, ray.direction) / forward2;
+    const double outside = std::max(0.0, std::fabs(along - depth) - depth_window) * std::sqrt(forward2);
+    return std::hypot(DistanceToRay(ray, point), outside);
+  };
+  const int samples = kSamplesPerInterval * std::max(1, curve.NbIntervals(GeomAbs_C1));
+  const double step = (last - first) / samples;
+  std::vector<double> values;
+  for (int i = 0; i <= samples; ++i) values.push_back(distance(first + i * step));
+  double best = kInfinity;
+  for (int i = 0; i <= samples; ++i) {
+    best = std::min(best, values[i]);
+    if ((i > 0 && values[i - 1] < values[i]) || (i < samples && values[i + 1] < values[i])) continue;
+    double low = first + std::max(0, i - 1) * step, high = first + std::min(samples, i + 1) * step;
+    constexpr double kGolden = 0.6180339887498949;
+    constexpr int kSteps = 60;  // 0.618^60 < 1e-12 of the interval
+    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    double at_a = distance(a), at_b = distance(b);
+    for (int k = 0; k < kSteps; ++k) {
+      if (at_a < at_b) {
+        high = b, b = a, at_b = at_a;
+        a = high - kGolden * (high - low), at_a = distance(a);
+      } else {
+        low = a, a = b, at_a = at_b;
+        b = low + kGolden * (high - low), at_b = distance(b);
+      }
+    }
+    best = std::min({best, at_a, at_b});
+  }
+  return best;
+}
+
+// Finds the edge that the ray comes closest to, measured in that edge's own tolerance (at least tolerance_mm). A point that is
+// within the tolerance of an edge as the ray sees it lies within tolerance / cosine of it along the ray, were the face flat; twice that is
+// granted, so that an edge far in front or behind does not count.
+void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, double tolerance_mm,
+                     Judgement& judgement) {
+  double best = kInfinity;
+  const double length = Length(ray.direction);
+  const auto window = [&](double tolerance) {
+    return 2 * std::max(tolerance, tolerance_mm) / (judgement.cosine * length);
+  };
+  const auto offer = [&](double distance, double tolerance) {
+    tolerance = std::max(tolerance, tolerance_mm);
+    if (!(distance / tolerance < best)) return;
+    best = distance / tolerance;
+    judgement.edge_mm = distance;
+    judgement.edge_tolerance_mm = tolerance;
+  };
+  for (TopExp_Explorer edges(face, TopAbs_EDGE); edges.More(); edges.Next()) {
+    const TopoDS_Edge edge = TopoDS::Edge(edges.Current());
+    TopLoc_Location location;
+    double first, last;
+    if (BRep_Tool::Degenerated(edge) || BRep_Tool::Curve(edge, location, first, last).IsNull()) continue;
+    const double tolerance = BRep_Tool::Tolerance(edge);
+    offer(DistanceToEdge(ray, edge, depth, window(tolerance)), tolerance);
+  }
+  for (TopExp_Explorer vertices(face, TopAbs_VERTEX); vertices.More(); vertices.Next()) {
+    const TopoDS_Vertex vertex = TopoDS::Vertex(vertices.Current());
+    const Vec3 point = ToVec(BRep_Tool::Pnt(vertex));
+    const double tolerance = BRep_Tool::Tolerance(vertex);
+    const double along = Dot(point - ray.origin, ray.direction) / (length * length);
+    if (std::fabs(along - depth) > window(tolerance)) continue;
+    offer(DistanceToRay(ray, point), tolerance);
+  }
+}
+
+// Brings a parameter of a periodic surface into the face's range.
+double IntoRange(double t, double low, double high, bool periodic, double period) {
+  if (!periodic || (t >= low && t <= high)) return t;
+  return ElCLib::InPeriod(t, low, low + period);
+}
+
+}  // namespace
+
+struct ExactReference::Data {
+  std::vector<ReferenceFace> faces;
+  std::vector<std::pair<double, int>> queue;  // of one ray: depth at which it enters the box, face
+
+  Judgement JudgeFace(int index, const Ray& ray, double depth, double tolerance_mm);
+};
+
+ExactReference::ExactReference(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+ExactReference::~ExactReference() = default;
+ExactReference::ExactReference(ExactReference&&) noexcept = default;
+ExactReference& ExactReference::operator=(ExactReference&&) noexcept = default;
+
+Result<ExactReference> ExactReference::Load(const std::string& path, bool one_placement) {
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  const Result<TopoDS_Shape> shape = ReadShape(path);
+  if (!shape.ok()) return shape.error();
+  auto data = std::make_unique<Data>();
+  std::unordered_set<const void*> known;
+  for (TopExp_Explorer faces(shape.value(), TopAbs_FACE); faces.More(); faces.Next()) {
+    if (one_placement && !known.insert(faces.Current().TShape().get()).second) continue;
+    ReferenceFace face;
+    face.face = TopoDS::Face(faces.Current());
+    face.box = FaceBox(face.face);
+    if (face.box.empty()) continue;
+    BRepTools::UVBounds(face.face, face.u_low, face.u_high, face.v_low, face.v_high);
+    data->faces.push_back(std::move(face));
+  }
+  if (data->faces.empty()) return Error{ErrorCode::kNothingUsable, path + " has no faces."};
+  return ExactReference(std::move(data));
+}
+
+std::size_t ExactReference::face_count() const {
+  return data_->faces.size();
+}
+
+std::string ExactReference::SurfaceName(int face) const {
+  switch (BRepAdaptor_Surface(data_->faces[static_cast<std::size_t>(face)].face, false).GetType()) {
+    case GeomAbs_Plane:
+      return "plane";
+    case GeomAbs_Cylinder:
+      return "cylinder";
+    case GeomAbs_Cone:
+      return "cone";
+    case GeomAbs_Sphere:
+      return "sphere";
+    case GeomAbs_Torus:
+      return "torus";
+    case GeomAbs_BezierSurface:
+      return "Bezier";
+    case GeomAbs_BSplineSurface:
+      return "B-spline";
+    case GeomAbs_SurfaceOfRevolution:
+      return "revolution";
+    case GeomAbs_SurfaceOfExtrusion:
+      return "extrusion";
+    case GeomAbs_OffsetSurface:
+      return "offset";
+    default:
+      return "other";
+  }
+}
+
+ReferenceHit ExactReference::Nearest(const CameraFrame& frame, const Ray& ray, double near) {
+  // Queue the faces whose boxes the ray meets.
+  data_->queue.clear();
+  for (std::size_t i = 0; i < data_->faces.size(); ++i) {
+    const auto [enter, leave] = DepthsInside(data_->faces[i].box, ray);
+    if (enter <= leave && leave >= near) data_->queue.emplace_back(enter, static_cast<int>(i));
+  }
+  std::sort(data_->queue.begin(), data_->queue.end());
+  // Ask each, until the next box begins behind the hit. The line's parameter is a length; depth is its share along the axis.
+  const double length = Length(ray.direction);
+  const gp_Lin line(ToPoint(ray.origin), gp_Dir(ray.direction.x, ray.direction.y, ray.direction.z));
+  const double from = frame.projection == Projection::kOrthographic ? -RealLast() : near * length;
+  ReferenceHit best;
+  for (const auto& [enter, index] : data_->queue) {
+    if (enter > best.depth) break;
+    ReferenceFace& face = data_->faces[static_cast<std::size_t>(index)];
+    try {
+      OCC_CATCH_SIGNALS
+      if (!face.intersector)
+        face.intersector = std::make_unique<IntCurvesFace_Intersector>(face.face, Precision::Confusion());
+      face.intersector->Perform(line, from, RealLast());
+      if (!face.intersector->IsDone()) continue;
+      for (int i = 1; i <= face.intersector->NbPnt(); ++i) {
+        const double depth = face.intersector->WParameter(i) / length;
+        if (depth >= near && depth < best.depth) best.depth = depth, best.face = index;
+      }
+    } catch (const Standard_Failure&) {
+      best.failed = true;
+    }
+  }
+  return best;
+}
+
+Judgement ExactReference::Data::JudgeFace(int index, const Ray& ray, double depth, double tolerance_mm) {
+  ReferenceFace& face = faces[static_cast<std::size_t>(index)];
+  const Vec3 point = ray.origin + depth * ray.direction;
+  Judgement judgement;
+  judgement.face = index;
+  try {
+    OCC_CATCH_SIGNALS
+    // Project the point onto the surface.
+    if (face.surface.IsNull()) face.surface = new ShapeAnalysis_Surface(BRep_Tool::Surface(face.face));
+    const Handle(Geom_Surface) surface = face.surface->Surface();
+    gp_Pnt2d foot = face.surface->ValueOfUV(ToPoint(point), Precision::Confusion());
+    const gp_Pnt on_surface = face.surface->Value(foot);
+    judgement.surface_mm = on_surface.Distance(ToPoint(point));
+    foot.SetX(IntoRange(foot.X(), face.u_low, face.u_high, surface->IsUPeriodic(),
+                        surface->IsUPeriodic() ? surface->UPeriod() : 0));
+    foot.SetY(IntoRange(foot.Y(), face.v_low, face.v_high, surface->IsVPeriodic(),
+                        surface->IsVPeriodic() ? surface->VPeriod() : 0));
+    gp_Pnt at;
+    gp_Vec du, dv;
+    surface->D1(foot.X(), foot.Y(), at, du, dv);
+    const Vec3 normal = Normalized(Cross(Vec3{du.X(), du.Y(), du.Z()}, Vec3{dv.X(), dv.Y(), dv.Z()}));
+    judgement.cosine = std::fabs(Dot(normal, Normalized(ray.direction)));
+    // Measure the ray's distance to the edges.
+    FindNearestEdge(face.face, ray, depth, tolerance_mm, judgement);
+    if (judgement.edge_mm <= judgement.edge_tolerance_mm) {
+      judgement.standing = Standing::kEdge;
+      return judgement;
+    }
+    // Classify the foot.
+    if (!(judgement.surface_mm <= tolerance_mm)) return judgement;
+    const TopAbs_State state = BRepClass_FaceClassifier(face.face, foot, Precision::PConfusion()).State();
+    if (state == TopAbs_IN || state == TopAbs_ON) judgement.standing = Standing::kOn;
+  } catch (const Standard_Failure&) {
+    judgement.standing = Standing::kOff;
+  }
+  return judgement;
+}
+
+Judgement ExactReference::Judge(const Ray& ray, double depth, double tolerance_mm) {
+  const Vec3 point = ray.origin + depth * ray.direction;
+  Judgement best;
+  for (std::size_t i = 0; i < data_->faces.size(); ++i) {
+    const Box3& box = data_->faces[i].box;
+    if (point.x < box.low.x || point.x > box.high.x || point.y < box.low.y || point.y > box.high.y ||
+        point.z < box.low.z || point.z > box.high.z)
+      continue;
+    const Judgement judgement = data_->JudgeFace(static_cast<int>(i), ray, depth, tolerance_mm);
+    if (judgement.standing < best.standing ||
+        (judgement.standing == best.standing && judgement.surface_mm < best.surface_mm))
+      best = judgement;
+  }
+  return best;
+}
+
+}  // namespace facetless
