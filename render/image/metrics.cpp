@@ -64,7 +64,10 @@ Result<ColorMetrics> CompareColors(const Image8& a, const Image8& b, const Color
   const float threshold = static_cast<float>(options.threshold);
   const OIIO::ImageBufAlgo::CompareResults compared =
       OIIO::ImageBufAlgo::compare(buffer_a, buffer_b, threshold, threshold);
-  if (compared.error) return Error{ErrorCode::kInternal, "OpenImageIO cannot compare the pictures"};
+  // CompareResults::error says nothing (OpenImageIO 2.4 sets it where it succeeded); the buffers keep what went wrong.
+  if (buffer_a.has_error() || buffer_b.has_error())
+    return Error{ErrorCode::kInternal,
+                 "OpenImageIO cannot compare the pictures: " + buffer_a.geterror() + buffer_b.geterror()};
   ColorMetrics metrics;
   metrics.threshold = options.threshold;
   metrics.pixels_per_degree = options.pixels_per_degree;
