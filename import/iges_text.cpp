@@ -25,6 +25,8 @@ int Field(const std::string& line, std::size_t first) {
   return value;
 }
 
+// Sorts the lines by section. A line that is not 80 columns wide still has its letter eight columns before its end. False if a line
+// names no section; what comes after it is not read, and lines holds what was.
 bool Split(std::string_view bytes, Lines& lines) {
   std::size_t at = 0;
   while (at < bytes.size()) {
@@ -33,9 +35,10 @@ bool Split(std::string_view bytes, Lines& lines) {
     at = end + 1;
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
     if (line.empty()) continue;
-    if (line.size() < 73 || line.size() > kColumns) return false;
-    line.resize(kColumns, ' ');
-    switch (line[72]) {
+    if (line.size() < 8) return false;
+    const std::size_t letter = line.size() > kColumns ? line.size() - 8 : 72;
+    if (line.size() <= letter) return false;
+    switch (line[letter]) {
       case 'S':
         lines.start.push_back(line);
         break;
@@ -43,6 +46,7 @@ bool Split(std::string_view bytes, Lines& lines) {
         lines.global.push_back(line);
         break;
       case 'D':
+        if (line.size() != kColumns) return false;
         lines.directory.push_back(line);
         break;
       case 'P':
@@ -77,14 +81,24 @@ Delimiters DelimitersOf(const Lines& lines) {
 }
 
 // The text of each entity's parameters, by directory number.
-std::map<int, std::string> ParameterTexts(const Lines& lines) {
-  std::map<int, std::string> texts;
+struct ParameterTexts {
+  std::map<int, std::string> of;
+  std::uint64_t wide_lines = 0;  // with data beyond column 64
+};
+
+ParameterTexts CollectParameters(const Lines& lines) {
+  ParameterTexts texts;
   for (const std::string& line : lines.parameter) {
+    // The owner's number ends in front of the letter; data end at column 64, or run on into the space before the number.
+    const std::size_t letter = line.size() > kColumns ? line.size() - 8 : 72;
+    std::size_t number = letter;
+    while (number > letter - 8 && std::isdigit(static_cast<unsigned char>(line[number - 1]))) --number;
     int owner = 0;
-    std::size_t begin = kParameterColumns;
-    while (begin < 72 && line[begin] == ' ') ++begin;
-    std::from_chars(line.data() + begin, line.data() + 72, owner);
-    texts[owner] += line.substr(0, kParameterColumns);
+    std::from_chars(line.data() + number, line.data() + letter, owner);
+    std::size_t end = number;
+    while (end > letter - 8 && line[end - 1] == ' ') --end;
+    if (end > kParameterColumns) ++texts.wide_lines;
+    texts.of[owner] += line.substr(0, end);
   }
   return texts;
 }
@@ -214,12 +228,14 @@ std::vector<std::string> Wrapped(const std::vector<std::string>& tokens, const D
 
 Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
   Lines lines;
-  if (!Split(bytes, lines) || lines.directory.empty())
+  const bool whole = Split(bytes, lines);
+  if (lines.directory.empty() || lines.parameter.empty())
     return Error{ErrorCode::kFormatBroken,
                  name + " is an IGES file whose records are damaged or cut off; export the model again."};
   IgesFacts facts;
+  facts.cut_off = !whole;
   const Delimiters delimiters = DelimitersOf(lines);
-  const std::map<int, std::string> texts = ParameterTexts(lines);
+  const ParameterTexts texts = CollectParameters(lines);
   for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
     IgesEntity entity;
     entity.type = Field(lines.directory[i], 0);
@@ -227,7 +243,7 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
     entity.dependent =
         lines.directory[i][67] != '0' && std::isdigit(static_cast<unsigned char>(lines.directory[i][67]));
     facts.entities.push_back(entity);
-    if (const auto text = texts.find(entity.directory); text != texts.end()) {
+    if (const auto text = texts.of.find(entity.directory); text != texts.of.end()) {
       if (ClaimsMoreThan(text->second.size(), entity.type, Tokens(text->second.substr(0, 256), delimiters)))
         return Error{ErrorCode::kFormatBroken, name + ": entity D" + std::to_string(entity.directory) +
                                                    " (type " + std::to_string(entity.type) +
@@ -237,26 +253,26 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
   return facts;
 }
 
-std::uint64_t RepairIgesReals(std::string& bytes) {
+IgesRepair RepairIges(std::string& bytes) {
   Lines lines;
-  if (!Split(bytes, lines)) return 0;
+  if (!Split(bytes, lines)) return {};
   const Delimiters delimiters = DelimitersOf(lines);
-  std::map<int, std::string> texts = ParameterTexts(lines);
+  const ParameterTexts texts = CollectParameters(lines);
   // Find integers where reals belong.
-  std::uint64_t changed = 0;
+  IgesRepair repair{0, texts.wide_lines};
   std::vector<std::vector<std::string>> tokens_of(lines.directory.size());
   for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
-    const auto text = texts.find(static_cast<int>(i) + 1);
-    if (text == texts.end()) continue;
+    const auto text = texts.of.find(static_cast<int>(i) + 1);
+    if (text == texts.of.end()) continue;
     tokens_of[i] = Tokens(text->second, delimiters);
     const auto [first, last] = Reals(Field(lines.directory[i], 0), tokens_of[i]);
     for (std::size_t t = first; t < last; ++t) {
       if (!IsInteger(tokens_of[i][t])) continue;
       tokens_of[i][t] += '.';
-      ++changed;
+      ++repair.reals;
     }
   }
-  if (changed == 0) return 0;
+  if (repair.reals == 0 && repair.wide_lines == 0) return repair;
   // Write all sections again: parameters move to other lines, and the directory must follow.
   std::vector<std::string> parameter;
   for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
@@ -277,7 +293,7 @@ std::uint64_t RepairIgesReals(std::string& bytes) {
   terminate.resize(72, ' ');
   out += terminate + "T      1\n";
   bytes = std::move(out);
-  return changed;
+  return repair;
 }
 
 }  // namespace facetless

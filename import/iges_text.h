@@ -18,14 +18,20 @@ struct IgesEntity {
 
 struct IgesFacts {
   std::vector<IgesEntity> entities;
+  bool cut_off = false;  // ends, or is damaged, before the last section
 };
 
-// Reads the directory. Error: kFormatBroken (no directory section, a line that is not 80 columns wide, or an entity that claims
-// more values than the file has bytes; names the entity).
+// Reads the directory. Error: kFormatBroken (no directory or no parameters, or an entity that claims more values than the file has
+// bytes; names the entity).
 Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes);
 
-// Writes "1." for "1" wherever the entity's definition asks for a real: OpenCASCADE drops such entities. Returns how many
-// numbers changed; 0 leaves `bytes` alone. Requires that ScanIges finds no error.
-std::uint64_t RepairIgesReals(std::string& bytes);
+struct IgesRepair {
+  std::uint64_t reals = 0;       // integers where reals belong
+  std::uint64_t wide_lines = 0;  // lines whose data go beyond column 64
+};
+
+// Writes "1." for "1" wherever the entity's definition asks for a real, and lays out again data that leave their columns: OpenCASCADE
+// drops such entities. Leaves `bytes` alone if there are none.
+IgesRepair RepairIges(std::string& bytes);
 
 }  // namespace facetless

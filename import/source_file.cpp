@@ -154,10 +154,20 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
     Result<IgesFacts> facts = ScanIges(source.name, bytes);
     if (!facts.ok()) return facts.error();
     source.iges = std::move(facts.value());
-    if (const std::uint64_t numbers = RepairIgesReals(bytes); numbers > 0) {
-      source.repairs.push_back(std::to_string(numbers) +
-                               " numbers written as integers were read as the reals that they must be.");
-      changed = true;
+    if (source.iges.cut_off) {
+      source.repairs.push_back(
+          "The file ends, or is damaged, before its last section; what comes after that is lost.");
+    } else {
+      const IgesRepair repair = RepairIges(bytes);
+      if (repair.reals > 0) {
+        source.repairs.push_back(std::to_string(repair.reals) +
+                                 " numbers written as integers were read as the reals that they must be.");
+      }
+      if (repair.wide_lines > 0) {
+        source.repairs.push_back(std::to_string(repair.wide_lines) +
+                                 " lines with data beyond column 64 were laid out again.");
+      }
+      changed = changed || repair.reals > 0 || repair.wide_lines > 0;
     }
   }
   source.path = path;
