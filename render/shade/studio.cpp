@@ -20,14 +20,14 @@ Vec3 Mix(Vec3 a, Vec3 b, double t) {
 }
 
 // A warm key above left, a cool fill from the right and a little below.
-const Light kKey = {Normalized({-0.50, 0.72, 0.66}), {0.960, 0.905, 0.830}, 0.35};
-const Light kFill = {Normalized({0.82, -0.12, 0.45}), {0.150, 0.175, 0.215}, 0.60};
+const Light kKey = {Normalized({-0.50, 0.72, 0.66}), {1.46, 1.37, 1.25}, 0.25};
+const Light kFill = {Normalized({0.82, -0.12, 0.45}), {0.17, 0.20, 0.25}, 0.60};
 // Light from everywhere: a bright ceiling, a warm floor.
-constexpr Vec3 kCeiling = {0.235, 0.245, 0.265}, kFloor = {0.085, 0.078, 0.070};
+constexpr Vec3 kCeiling = {0.215, 0.225, 0.245}, kFloor = {0.105, 0.098, 0.090};
 // Highlights: how much of the key a surface mirrors, tight and wide; and the rim, where surfaces mirror the ceiling.
-constexpr double kTight = 0.16, kWide = 0.045, kRim = 0.20;
+constexpr double kTight = 0.13, kWide = 0.03, kRim = 0.24;
 // Where the shoulder begins: below, light passes unchanged.
-constexpr double kShoulder = 0.70;
+constexpr double kShoulder = 0.60;
 
 double Diffuse(const Light& light, Vec3 normal) {
   // Wrapped Lambert, squared: the terminator is soft and its slope ends in zero.
