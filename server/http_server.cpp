@@ -254,18 +254,20 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
       owner->on_request(request.method, request.path, response.status,
                         std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   };
-  server.set_pre_routing_handler(
-      [timed, &service](const httplib::Request& request, httplib::Response& response) {
-        if (request.method == "POST") return httplib::Server::HandlerResponse::Unhandled;
-        timed(request, response, [&] {
-          // Many ranges of one file would make a large answer out of a small request.
-          if (request.ranges.size() > 1) return ProblemOfStatus(416);
-          const HttpRequest translated = Translated(request);
-          if (auto refusal = service.Check(translated)) return *refusal;
-          return service.Handle(translated);
-        });
-        return httplib::Server::HandlerResponse::Handled;
-      });
+  server.set_pre_routing_handler([timed, &service](const httplib::Request& request,
+                                                   httplib::Response& response) {
+    if (request.method == "POST") return httplib::Server::HandlerResponse::Unhandled;
+    timed(request, response, [&] {
+      // Ranges are ignored, which HTTP allows: the library checks none against the file, and many of them would make
+      // a large answer out of a small request. The request is the library's own object; only the handler sees it as
+      // constant.
+      const_cast<httplib::Request&>(request).ranges.clear();
+      const HttpRequest translated = Translated(request);
+      if (auto refusal = service.Check(translated)) return *refusal;
+      return service.Handle(translated);
+    });
+    return httplib::Server::HandlerResponse::Handled;
+  });
   server.Post("/.*", [timed, &service](const httplib::Request& request, httplib::Response& response,
                                        const httplib::ContentReader& content) {
     timed(request, response, [&] { return HandlePost(service, request, content); });

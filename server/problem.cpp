@@ -80,9 +80,6 @@ HttpResponse ProblemOfStatus(int status) {
       return Problem(413, "payload-too-large", "Payload too large", "The request's body is too large.");
     case 414:
       return Problem(414, "malformed-request", "URI too long", "The address is too long.");
-    case 416:
-      return Problem(416, "malformed-request", "Range not satisfiable",
-                     "One range at a time, within the file.");
     default:
       break;
   }

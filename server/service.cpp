@@ -441,7 +441,8 @@ Result<ImportedFiles> Service::RunImport(const std::string& path,
   ImportRequest request;
   request.input = path;
   request.meshes = meshes;
-  request.limits.timeout_s = limits_.timeout_s;
+  // The request's deadline ends it first, and answers 504.
+  request.limits.timeout_s = 2 * limits_.timeout_s;
   request.limits.memory_mb = limits_.import_memory_mb;
   request.temp_parent = std::filesystem::path(scratch.value().path()).parent_path();
   request.cancel = deadline.flag();

@@ -18,8 +18,11 @@ const number = (value) => {
   if (typeof value !== "number") return String(value);
   if (value === 0 || Number.isInteger(value)) return value.toLocaleString("en");
   const size = Math.abs(value);
-  if (size < 1e-3 || size >= 1e7) return value.toExponential(2).replace("e", " × 10^").replace("^+", "^");
-  return value.toLocaleString("en", { maximumSignificantDigits: size >= 1000 ? 6 : 4 });
+  if (size < 1e-3 || size >= 1e7) {
+    const [digits, power] = value.toExponential(2).split("e");
+    return `${digits} × 10${[...String(Number(power))].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`;
+  }
+  return value.toLocaleString("en", { maximumSignificantDigits: size >= 100 ? 4 : 3 });
 };
 const bytes = (value) => {
   if (value === null || value === undefined) return "–";

@@ -1,0 +1,104 @@
+// The whole way with the real importer: upload, import, tessellate, trace, compare, pictures.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "server/sha256.h"
+#include "tests/http/live_server.h"
+#include "tests/server/support.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(HttpRealFiles, ComparesASample) {
+  LiveServer server;
+  const std::string bytes = ReadText(Sample("bracket.step"));
+  ASSERT_NE(bytes, "");
+  const Reply reply = server.PostForm(
+      "/v1/compare",
+      {{"file", "bracket.step", bytes}, {"options", "", R"({"view":["iso","front"],"size":"128x128"})"}});
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json report = reply.Json();
+  EXPECT_EQ(report.at("model").at("sha256"), Sha256Hex(bytes));
+  EXPECT_EQ(report.at("model").at("file"), "bracket.step");
+  ASSERT_EQ(report.at("views").size(), 2u);
+  for (const Json& view : report["views"]) {
+    for (const char* role : {"direct", "baseline", "difference", "depth", "baseline-depth"}) {
+      const Reply picture = server.Get(view.at("links").at(role));
+      EXPECT_EQ(picture.status, 200) << role;
+      EXPECT_GT(picture.body.size(), 100u) << role;
+    }
+    EXPECT_GT(view.at("direct").at("hits").get<int>(), 1000);
+    EXPECT_GT(view.at("baseline").at("triangles").get<int>(), 50);
+    EXPECT_TRUE(view.at("difference").at("deviation_mm").contains("max"));
+  }
+  // By id, with another mesh of the same model.
+  const Reply finer = server.PostJson("/v1/compare", {{"model", Sha256Hex(bytes)},
+                                                      {"view", "iso"},
+                                                      {"size", "128x128"},
+                                                      {"deflection", 1e-4},
+                                                      {"angular", 5}});
+  ASSERT_EQ(finer.status, 200) << finer.body;
+  EXPECT_GT(finer.Json()["views"][0]["baseline"]["triangles"], report["views"][0]["baseline"]["triangles"]);
+}
+
+TEST(HttpRealFiles, ComparesWithAMeshThatWasPosted) {
+  const TempDir directory = TempDir::Create().value();
+  const std::string mesh = directory.File("sphere.glb");
+  ASSERT_EQ(RunProgram(Program("facetless"), {"mesh", Sample("sphere.step"), "--out", mesh}, directory.path())
+                .exit_code,
+            0);
+  LiveServer server;
+  const Reply reply =
+      server.PostForm("/v1/compare", {{"file", "sphere.step", ReadText(Sample("sphere.step"))},
+                                      {"mesh", "sphere.glb", ReadText(mesh)},
+                                      {"options", "", R"({"size":"96x96"})"}});
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  // Ten times too large.
+  const Reply scaled =
+      server.PostForm("/v1/compare", {{"file", "sphere.step", ReadText(Sample("sphere.step"))},
+                                      {"mesh", "sphere.glb", ReadText(mesh)},
+                                      {"options", "", R"({"size":"96x96","mesh_unit":"mm"})"}});
+  EXPECT_EQ(scaled.Problem(), "unit-mismatch") << scaled.body;
+}
+
+TEST(HttpRealFiles, SurvivesEveryBrokenFileOneByOneAndFourAtATime) {
+  const std::string folder = CadFile("broken");
+  if (folder.empty()) GTEST_SKIP() << "the folder of real CAD files (FACETLESS_CAD) is not there";
+  LiveServer server({"--timeout", "100"});
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) files.push_back(file.path());
+  ASSERT_FALSE(files.empty());
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::map<std::string, std::string> first, second;  // name -> status and problem
+  const auto post = [&](std::map<std::string, std::string>& answers) {
+    for (std::size_t i; (i = next++) < files.size();) {
+      const std::string name = files[i].filename();
+      const Reply reply = server.PostForm(
+          "/v1/compare", {{"file", name, ReadText(files[i])}, {"options", "", R"({"size":"64x64"})"}});
+      const std::lock_guard lock(mutex);
+      answers[name] = std::to_string(reply.status) + " " + reply.Problem();
+      EXPECT_TRUE(reply.status == 200 || (reply.status == 422 && !reply.Problem().empty()))
+          << name << ": " << reply.body;
+    }
+  };
+  post(first);
+  next = 0;
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 4; ++i) clients.emplace_back([&] { post(second); });
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(first, second);
+  EXPECT_TRUE(server.Running());
+  EXPECT_EQ(server.Get("/healthz").Json().at("running"), 0);
+  EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
+}
+
+}  // namespace
+}  // namespace facetless
