@@ -44,6 +44,20 @@ void FindLargestGap(Model& model) {
   }
 }
 
+Error NothingUsable(const ImportInfo& info) {
+  if (info.faces_declared == 0)
+    return {ErrorCode::kNothingUsable,
+            info.file + " holds no face: no trimmed surface, shell or solid to render."};
+  std::string message =
+      "None of the " + std::to_string(info.faces_declared) + " faces of " + info.file + " can be used";
+  if (!info.faces_lost.empty()) {
+    const Loss& loss = info.faces_lost.front();
+    message +=
+        "; the first is " + (loss.entity.empty() ? std::string("unnamed") : loss.entity) + ": " + loss.reason;
+  }
+  return {ErrorCode::kNothingUsable, message + "."};
+}
+
 }  // namespace
 
 Result<Conversion> Convert(CadDocument document, const Progress& progress) {
@@ -60,15 +74,7 @@ Result<Conversion> Convert(CadDocument document, const Progress& progress) {
   }
   AddInstances(document, model);
   model.info.faces_imported = model.faces.size();
-  if (model.PlacedFaceCount() == 0) {
-    std::string why = "No face of the file could be converted";
-    if (!model.info.faces_lost.empty()) {
-      const Loss& loss = model.info.faces_lost.front();
-      why += "; the first one, " + (loss.entity.empty() ? std::string("without a name") : loss.entity) +
-             ", because " + loss.reason;
-    }
-    return Error{ErrorCode::kNothingUsable, why + "."};
-  }
+  if (model.PlacedFaceCount() == 0) return NothingUsable(model.info);
   FindLargestGap(model);
   model.bounds = PlacedBounds(model);
   return result;

@@ -16,7 +16,7 @@ namespace facetless {
 struct FaceOrigin {
   std::string entity, name;
   int bounds = 0;  // that have edges; 0: not known
-  int edges = 0;   // different ones, of all bounds
+  int edges = 0;   // different ones, of all bounds; 0: not known
 };
 
 struct Prototype {

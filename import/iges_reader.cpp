@@ -1,6 +1,10 @@
 #include <IGESCAFControl_Reader.hxx>
+#include <IGESControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <IGESGeom_BoundedSurface.hxx>
+#include <IGESGeom_TrimmedSurface.hxx>
+#include <Interface_Check.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
@@ -8,6 +12,8 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <algorithm>
+#include <array>
 
 #include "import/assembly.h"
 #include "import/readers.h"
@@ -15,9 +21,22 @@
 namespace facetless {
 namespace {
 
-// Entities that stand for one face: trimmed and bounded surfaces, and the face of a B-rep.
-bool IsFace(int type) {
-  return type == 144 || type == 143 || type == 510;
+constexpr int kPlane = 108, kBounded = 143, kTrimmed = 144, kBrepFace = 510;
+
+// Entities that stand for one face: trimmed and bounded surfaces, the face of a B-rep, and surfaces that nothing else uses.
+bool IsFace(const IGESData_IGESEntity& entity) {
+  const int type = entity.TypeNumber();
+  if (type == kTrimmed || type == kBounded || type == kBrepFace) return true;
+  constexpr std::array<int, 11> kSurfaces{kPlane, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196};
+  return entity.SubordinateStatus() == 0 &&
+         std::find(kSurfaces.begin(), kSurfaces.end(), type) != kSurfaces.end();
+}
+
+void CountBounds(const Handle(IGESData_IGESEntity) & entity, FaceOrigin& origin) {
+  if (const auto trimmed = Handle(IGESGeom_TrimmedSurface)::DownCast(entity); !trimmed.IsNull())
+    origin.bounds = (trimmed->HasOuterContour() ? 1 : 0) + trimmed->NbInnerContours();
+  if (const auto bounded = Handle(IGESGeom_BoundedSurface)::DownCast(entity); !bounded.IsNull())
+    origin.bounds = bounded->NbBoundaries();
 }
 
 class IgesReader {
@@ -47,9 +66,9 @@ class IgesReader {
         return Error{ErrorCode::kFormatBroken,
                      source_.name + " is an IGES file that cannot be parsed; export the model again."};
       const Handle(IGESData_IGESModel) model = reader_.IGESModel();
-      if (!model->GlobalSection().UnitName().IsNull())
-        document_.info.unit = model->GlobalSection().UnitName()->ToCString();
+      const auto written = model->GlobalSection().UnitName();
       document_.info.unit_mm = model->GlobalSection().UnitValue();
+      document_.info.unit = UnitName(document_.info.unit_mm, written.IsNull() ? "" : written->ToCString());
       return {};
     } catch (const Standard_Failure& failure) {
       return Error{ErrorCode::kFormatBroken, source_.name + " is an IGES file that cannot be parsed (" +
@@ -59,15 +78,31 @@ class IgesReader {
   }
 
   void Transfer() {
+    // The way that knows names and colours, then the one that knows only shapes.
     try {
       OCC_CATCH_SIGNALS
       Handle(TDocStd_Document) xcaf = NewXcafDocument();
       if (reader_.Transfer(xcaf)) AddAssembly(xcaf, source_.name, document_);
-    } catch (const Standard_Failure& failure) {
+    } catch (const Standard_Failure&) {
       document_.prototypes.clear();
       document_.occurrences.clear();
     }
+    if (document_.prototypes.empty()) TransferShapes();
     NoteOrigins();
+  }
+
+  void TransferShapes() {
+    try {
+      OCC_CATCH_SIGNALS
+      IGESControl_Reader plain(reader_.WS(), false);
+      plain.TransferRoots();
+      for (int i = 1; i <= plain.NbShapes(); ++i) {
+        if (!plain.Shape(i).IsNull()) AddShape(plain.Shape(i), source_.name, document_);
+      }
+    } catch (const Standard_Failure&) {
+      document_.prototypes.clear();
+      document_.occurrences.clear();
+    }
   }
 
   void NoteOrigins() {
@@ -75,22 +110,33 @@ class IgesReader {
     const Handle(Transfer_TransientProcess) process = reader_.WS()->TransferReader()->TransientProcess();
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(IGESData_IGESEntity) entity = model->Entity(i);
-      const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
-      const bool is_face = IsFace(entity->TypeNumber());
+      const bool is_face = IsFace(*entity);
       if (is_face) ++document_.info.faces_declared;
-      const std::string label = "D" + std::to_string(model->DNum(entity));
+      FaceOrigin origin;
+      origin.entity = "D";
+      origin.entity.append(std::to_string(model->DNum(entity)));
+      if (entity->HasShortLabel()) origin.name = entity->ShortLabel()->ToCString();
+      const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
       if (shape.IsNull()) {
         if (is_face)
-          document_.info.faces_lost.push_back({kNoIndex, "", label, "OpenCASCADE made no face of it"});
+          document_.info.faces_lost.push_back(
+              {kNoIndex, origin.name, origin.entity, ReasonFor(process, entity)});
         continue;
       }
-      for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next()) {
-        FaceOrigin& origin = document_.origins[part.Current().TShape().get()];
-        if (origin.entity.empty() || is_face) origin.entity = label;
-        if (entity->HasShortLabel() && (origin.name.empty() || is_face))
-          origin.name = entity->ShortLabel()->ToCString();
-      }
+      if (!is_face) continue;
+      CountBounds(entity, origin);
+      for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next())
+        document_.origins[part.Current().TShape().get()] = origin;
     }
+  }
+
+  static std::string ReasonFor(const Handle(Transfer_TransientProcess) & process,
+                               const Handle(IGESData_IGESEntity) & entity) {
+    if (entity->TypeNumber() == kPlane && entity->FormNumber() == 0)
+      return "a plane without bounds has no face";
+    const Interface_Check& check = *process->Check(entity);
+    if (check.NbFails() > 0) return std::string("OpenCASCADE: ") + check.CFail(1);
+    return "OpenCASCADE made no face of it and gave no reason";
   }
 
   const SourceFile& source_;

@@ -216,15 +216,18 @@ void PartConverter::CheckAgainstFile(std::uint32_t index, const FaceLoops& loops
       if (!coedge.edge.IsNull() && !coedge.degenerate) edges.Add(coedge.edge.Oriented(TopAbs_FORWARD));
     }
   }
-  // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are.
-  if (edges.Extent() >= origin->edges) return;
-  const int missing_edges = origin->edges - edges.Extent();
   const int missing_bounds = std::max(0, origin->bounds - static_cast<int>(loops.loops.size()));
+  if (origin->edges > 0) {
+    // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are.
+    if (edges.Extent() >= origin->edges) return;
+    const int missing_edges = origin->edges - edges.Extent();
+    for (int i = 0; i < missing_edges; ++i)
+      model_.info.edges_lost.push_back(
+          {index, face.name, face.entity, "OpenCASCADE dropped one of its edges"});
+  }
   for (int i = 0; i < missing_bounds; ++i)
     model_.info.loops_lost.push_back(
         {index, face.name, face.entity, "OpenCASCADE dropped one of its bounds"});
-  for (int i = 0; i < missing_edges; ++i)
-    model_.info.edges_lost.push_back({index, face.name, face.entity, "OpenCASCADE dropped one of its edges"});
 }
 
 // Every edge with a curve has exactly two uses, of opposite sense as seen from outside the faces.

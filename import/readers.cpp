@@ -3,6 +3,7 @@
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <OSD.hxx>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 
@@ -27,6 +28,21 @@ void PrepareOpenCascade(const std::string& scratch) {
   Message::DefaultMessenger()->ChangePrinters().Clear();
   std::ofstream(scratch + "/STEP") << kStepResource;
   setenv("CSF_STEPDefaults", scratch.c_str(), 1);
+}
+
+std::string UnitName(double mm, const std::string& written) {
+  struct Unit {
+    double mm;
+    const char* name;
+  };
+  constexpr Unit kUnits[] = {{1, "millimetre"},      {10, "centimetre"}, {1000, "metre"}, {1e6, "kilometre"},
+                             {1e-3, "micrometre"},   {25.4, "inch"},     {304.8, "foot"}, {0.0254, "mil"},
+                             {2.54e-5, "microinch"}, {1609344, "mile"}};
+  for (const Unit& unit : kUnits) {
+    // Conversion factors are written with as few as six digits.
+    if (std::fabs(mm - unit.mm) <= 1e-6 * unit.mm) return unit.name;
+  }
+  return written.empty() ? std::to_string(mm) + " millimetres" : written;
 }
 
 Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress) {

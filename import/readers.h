@@ -1,6 +1,8 @@
 // From a file to a document, one reader per format. OpenCASCADE's exceptions end here.
 #pragma once
 
+#include <string>
+
 #include "import/document.h"
 #include "import/source_file.h"
 #include "render/model/result.h"
@@ -14,6 +16,10 @@ using StageProgress = void (*)(const char* stage, double fraction);
 Result<CadDocument> ReadStep(const SourceFile& source, StageProgress progress);
 Result<CadDocument> ReadIges(const SourceFile& source, StageProgress progress);
 Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress);
+
+// The usual name of a length unit of `mm` millimetres: "millimetre", "inch", …; else `written`, the file's own name for it, or
+// "N millimetres".
+std::string UnitName(double mm, const std::string& written);
 
 // The reader for the source's format; fills the parts of ImportInfo that all share.
 Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress);

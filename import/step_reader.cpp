@@ -1,19 +1,25 @@
+#include <BRepBuilderAPI_Transform.hxx>
+#include <BRep_Builder.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <STEPCAFControl_Reader.hxx>
+#include <STEPConstruct_UnitContext.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <StepData_StepModel.hxx>
+#include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
+#include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepGeom_Surface.hxx>
+#include <StepRepr_GlobalUnitAssignedContext.hxx>
 #include <StepShape_EdgeLoop.hxx>
 #include <StepShape_FaceBound.hxx>
 #include <StepShape_FaceSurface.hxx>
 #include <StepShape_OrientedEdge.hxx>
-#include <TColStd_SequenceOfAsciiString.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -94,39 +100,130 @@ class StepReader {
     }
   }
 
+  // The length unit of the first context that has one. Files that mix units are read correctly, part by part; they are only reported.
   void ReadUnit() {
-    TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
-    reader_.ChangeReader().FileUnits(lengths, angles, solid_angles);
-    if (lengths.Length() > 0) document_.info.unit = lengths.First().ToCString();
+    const Handle(Interface_InterfaceModel) model = Session()->Model();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      Handle(StepRepr_GlobalUnitAssignedContext) context =
+          Handle(StepRepr_GlobalUnitAssignedContext)::DownCast(model->Value(i));
+      if (const auto both = Handle(
+              StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext)::DownCast(model->Value(i));
+          !both.IsNull()) {
+        context = both->GlobalUnitAssignedContext();
+      } else if (const auto three =
+                     Handle(StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx)::DownCast(
+                         model->Value(i));
+                 !three.IsNull()) {
+        context = three->GlobalUnitAssignedContext();
+      }
+      if (context.IsNull()) continue;
+      STEPConstruct_UnitContext unit;
+      unit.ComputeFactors(context);
+      if (!unit.LengthDone()) continue;
+      document_.info.unit_mm = unit.LengthFactor();
+      document_.info.unit = UnitName(document_.info.unit_mm, "");
+      return;
+    }
   }
 
   void Transfer() {
+    // The way that knows assemblies, names and colours.
     try {
       OCC_CATCH_SIGNALS
       Handle(TDocStd_Document) xcaf = NewXcafDocument();
       if (reader_.Transfer(xcaf)) AddAssembly(xcaf, source_.name, document_);
-    } catch (const Standard_Failure& failure) {
-      document_.prototypes.clear();
-      document_.occurrences.clear();
+    } catch (const Standard_Failure&) {
+      Discard();
     }
+    if (document_.prototypes.empty()) TransferShapes();
+    if (document_.prototypes.empty()) TransferFaces();
     NoteOrigins();
+  }
+
+  void Discard() {
+    document_.prototypes.clear();
+    document_.occurrences.clear();
+  }
+
+  // The way that knows only shapes.
+  void TransferShapes() {
+    try {
+      OCC_CATCH_SIGNALS
+      STEPControl_Reader plain(Session(), false);
+      plain.TransferRoots();
+      for (int i = 1; i <= plain.NbShapes(); ++i) {
+        if (!plain.Shape(i).IsNull()) AddShape(plain.Shape(i), source_.name, document_);
+      }
+      if (!document_.prototypes.empty()) {
+        document_.info.warnings.push_back(
+            "The file's product structure could not be read: its shapes were, without names and colours.");
+      }
+    } catch (const Standard_Failure&) {
+      Discard();
+    }
+  }
+
+  // The last way: each face for itself. OpenCASCADE then takes the file's numbers for millimetres.
+  void TransferFaces() {
+    const Handle(Interface_InterfaceModel) model = Session()->Model();
+    BRep_Builder builder;
+    TopoDS_Compound faces;
+    builder.MakeCompound(faces);
+    bool any = false;
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
+      if (face.IsNull()) continue;
+      const TopoDS_Shape shape = TransferFace(face);
+      if (shape.IsNull()) continue;
+      FaceOrigin origin = OriginOf(face);
+      salvaged_.insert(origin.entity);
+      for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next()) {
+        document_.origins[part.Current().TShape().get()] = origin;
+        builder.Add(faces, part.Current());
+        any = true;
+      }
+    }
+    if (!any) return;
+    AddShape(faces, source_.name, document_);
+    document_.info.warnings.push_back(
+        "The file's solids could not be read: its faces were, each for itself.");
+  }
+
+  TopoDS_Shape TransferFace(const Handle(StepShape_FaceSurface) & face) {
+    try {
+      OCC_CATCH_SIGNALS
+      STEPControl_Reader plain(Session(), false);
+      if (!plain.TransferEntity(face)) return {};
+      const TopoDS_Shape shape = plain.OneShape();
+      if (shape.IsNull() || document_.info.unit_mm == 1) return shape;
+      gp_Trsf scale;
+      scale.SetScaleFactor(document_.info.unit_mm);
+      return BRepBuilderAPI_Transform(shape, scale, true).Shape();
+    } catch (const Standard_Failure&) {
+      return {};
+    }
+  }
+
+  FaceOrigin OriginOf(const Handle(StepShape_FaceSurface) & face) {
+    FaceOrigin origin;
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    origin.entity = Label(static_cast<std::uint64_t>(model->IdentLabel(face)));
+    if (!face->Name().IsNull()) origin.name = face->Name()->ToCString();
+    CountBounds(face, origin);
+    return origin;
   }
 
   // Finds the entity of each face, and what the file says of it.
   void NoteOrigins() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
-    std::set<std::string> arrived;
-    for (int i = 1; i <= model->NbEntities(); ++i) {
+    std::set<std::string> arrived = salvaged_;
+    for (int i = 1; i <= model->NbEntities() && salvaged_.empty(); ++i) {
       const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
       if (face.IsNull()) continue;
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process, face);
       if (shape.IsNull()) continue;
-      FaceOrigin origin;
-      origin.entity =
-          Label(static_cast<std::uint64_t>(Handle(StepData_StepModel)::DownCast(model)->IdentLabel(face)));
-      if (!face->Name().IsNull()) origin.name = face->Name()->ToCString();
-      CountBounds(face, origin);
+      const FaceOrigin origin = OriginOf(face);
       for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next())
         document_.origins[part.Current().TShape().get()] = origin;
       arrived.insert(origin.entity);
@@ -146,12 +243,15 @@ class StepReader {
     if (number == 0) return "OpenCASCADE could not parse its entity";
     const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(number));
     if (face.IsNull()) return "OpenCASCADE could not parse its entity";
-    std::string reason = FirstMessage(Session()->TransferReader()->TransientProcess()->Check(face));
-    if (reason.empty() && !face->FaceGeometry().IsNull()) {
-      const Handle(Transfer_Binder) binder =
-          Session()->TransferReader()->TransientProcess()->Find(face->FaceGeometry());
-      if (!binder.IsNull()) reason = FirstMessage(binder->CCheck());
-    }
+    // The surface's own message says more than the face's.
+    const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
+    std::string reason;
+    if (face->FaceGeometry().IsNull()) return "its surface is missing";
+    if (const Handle(Transfer_Binder) binder = process->Find(face->FaceGeometry()); !binder.IsNull())
+      reason = FirstMessage(binder->CCheck());
+    if (reason.empty()) reason = FirstMessage(process->Check(face->FaceGeometry()));
+    if (reason.empty()) reason = FirstMessage(process->Check(face));
+    if (!reason.empty()) reason = "OpenCASCADE: " + reason.substr(reason.find_first_not_of(' '));
     return reason.empty() ? "OpenCASCADE made no face of it and gave no reason" : reason;
   }
 
@@ -159,6 +259,7 @@ class StepReader {
   StageProgress progress_;
   STEPCAFControl_Reader reader_;
   CadDocument document_;
+  std::set<std::string> salvaged_;  // entities of faces that were transferred one by one
 };
 
 }  // namespace
