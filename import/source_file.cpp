@@ -150,6 +150,17 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
     Result<StepFacts> facts = ScanStep(source.name, bytes);
     if (!facts.ok()) return facts.error();
     source.step = std::move(facts.value());
+    if (source.step.open_strings > 0)
+      source.repairs.push_back(std::to_string(source.step.open_strings) +
+                               " texts have no closing apostrophe.");
+    if (source.step.cut_off) {
+      // End the data after the last whole entity; whatever refers to what is missing is lost and will be named.
+      bytes.resize(source.step.complete_bytes);
+      bytes += "\nENDSEC;\nEND-ISO-10303-21;\n";
+      source.repairs.push_back("The file is cut off; what comes after entity #" +
+                               std::to_string(source.step.last_entity) + " is lost.");
+      changed = true;
+    }
   } else if (*format == CadFormat::kIges) {
     Result<IgesFacts> facts = ScanIges(source.name, bytes);
     if (!facts.ok()) return facts.error();

@@ -17,8 +17,11 @@
 #include <StepShape_EdgeLoop.hxx>
 #include <StepShape_FaceBound.hxx>
 #include <StepShape_FaceSurface.hxx>
+#include <StepShape_ManifoldSolidBrep.hxx>
 #include <StepShape_OrientedEdge.hxx>
+#include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
@@ -136,8 +139,12 @@ class StepReader {
       Discard();
     }
     if (document_.prototypes.empty()) TransferShapes();
-    if (document_.prototypes.empty()) TransferFaces();
-    NoteOrigins();
+    if (document_.prototypes.empty()) {
+      TransferPieces();
+    } else {
+      NoteOrigins();
+    }
+    NoteLosses();
   }
 
   void Discard() {
@@ -163,51 +170,68 @@ class StepReader {
     }
   }
 
-  // The last way: each face for itself. OpenCASCADE then takes the file's numbers for millimetres.
-  void TransferFaces() {
+  // The last way: each body for itself, and each face that comes with none of them. OpenCASCADE then takes the file's numbers for
+  // millimetres.
+  void TransferPieces() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     BRep_Builder builder;
-    TopoDS_Compound faces;
-    builder.MakeCompound(faces);
+    TopoDS_Compound pieces;
+    builder.MakeCompound(pieces);
     bool any = false;
-    for (int i = 1; i <= model->NbEntities(); ++i) {
-      const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
-      if (face.IsNull()) continue;
-      const TopoDS_Shape shape = TransferFace(face);
-      if (shape.IsNull()) continue;
-      FaceOrigin origin = OriginOf(face);
-      salvaged_.insert(origin.entity);
-      for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next()) {
-        document_.origins[part.Current().TShape().get()] = origin;
-        builder.Add(faces, part.Current());
+    for (const bool bodies : {true, false}) {
+      for (int i = 1; i <= model->NbEntities(); ++i) {
+        const Handle(Standard_Transient) entity = model->Value(i);
+        const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(entity);
+        const bool is_body = entity->IsKind(STANDARD_TYPE(StepShape_ManifoldSolidBrep)) ||
+                             entity->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel));
+        if (bodies ? !is_body : face.IsNull() || arrived_.contains(EntityOf(face))) continue;
+        const TopoDS_Shape shape = TransferPiece(entity);
+        if (shape.IsNull()) continue;
+        // The transfer's results are forgotten at the next one: note now what became of each face.
+        NoteOrigins();
+        builder.Add(pieces, shape);
         any = true;
       }
     }
     if (!any) return;
-    AddShape(faces, source_.name, document_);
+    if (document_.info.unit_mm != 1) Rescale(pieces);
+    AddShape(pieces, source_.name, document_);
     document_.info.warnings.push_back(
-        "The file's solids could not be read: its faces were, each for itself.");
+        "The file's shapes could not be read as a whole: its bodies and faces were, each for itself.");
   }
 
-  TopoDS_Shape TransferFace(const Handle(StepShape_FaceSurface) & face) {
+  TopoDS_Shape TransferPiece(const Handle(Standard_Transient) & entity) {
     try {
       OCC_CATCH_SIGNALS
       STEPControl_Reader plain(Session(), false);
-      if (!plain.TransferEntity(face)) return {};
-      const TopoDS_Shape shape = plain.OneShape();
-      if (shape.IsNull() || document_.info.unit_mm == 1) return shape;
-      gp_Trsf scale;
-      scale.SetScaleFactor(document_.info.unit_mm);
-      return BRepBuilderAPI_Transform(shape, scale, true).Shape();
+      return plain.TransferEntity(entity) ? plain.OneShape() : TopoDS_Shape();
     } catch (const Standard_Failure&) {
       return {};
     }
   }
 
+  void Rescale(TopoDS_Compound& pieces) {
+    gp_Trsf scale;
+    scale.SetScaleFactor(document_.info.unit_mm);
+    BRepBuilderAPI_Transform transform(pieces, scale, true);
+    std::unordered_map<const void*, FaceOrigin> scaled;
+    for (TopExp_Explorer face(pieces, TopAbs_FACE); face.More(); face.Next()) {
+      const auto origin = document_.origins.find(face.Current().TShape().get());
+      const TopoDS_Shape image = transform.ModifiedShape(face.Current());
+      if (origin != document_.origins.end()) scaled[image.TShape().get()] = origin->second;
+    }
+    document_.origins = std::move(scaled);
+    pieces = TopoDS::Compound(transform.Shape());
+  }
+
+  std::string EntityOf(const Handle(StepShape_FaceSurface) & face) {
+    return Label(static_cast<std::uint64_t>(
+        Handle(StepData_StepModel)::DownCast(Session()->Model())->IdentLabel(face)));
+  }
+
   FaceOrigin OriginOf(const Handle(StepShape_FaceSurface) & face) {
     FaceOrigin origin;
-    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
-    origin.entity = Label(static_cast<std::uint64_t>(model->IdentLabel(face)));
+    origin.entity = EntityOf(face);
     if (!face->Name().IsNull()) origin.name = face->Name()->ToCString();
     CountBounds(face, origin);
     return origin;
@@ -217,8 +241,7 @@ class StepReader {
   void NoteOrigins() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
-    std::set<std::string> arrived = salvaged_;
-    for (int i = 1; i <= model->NbEntities() && salvaged_.empty(); ++i) {
+    for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
       if (face.IsNull()) continue;
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process, face);
@@ -226,14 +249,17 @@ class StepReader {
       const FaceOrigin origin = OriginOf(face);
       for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next())
         document_.origins[part.Current().TShape().get()] = origin;
-      arrived.insert(origin.entity);
+      arrived_.insert(origin.entity);
     }
-    // What the text declares and did not arrive is lost.
+  }
+
+  // What the text declares and did not arrive is lost.
+  void NoteLosses() {
     document_.info.faces_declared = source_.step.faces.size();
     for (const StepFace& face : source_.step.faces) {
       const std::string entity = Label(face.id);
-      if (arrived.contains(entity)) continue;
-      document_.info.faces_lost.push_back({kNoIndex, face.name, entity, ReasonFor(entity)});
+      if (!arrived_.contains(entity))
+        document_.info.faces_lost.push_back({kNoIndex, face.name, entity, ReasonFor(entity)});
     }
   }
 
@@ -259,7 +285,7 @@ class StepReader {
   StageProgress progress_;
   STEPCAFControl_Reader reader_;
   CadDocument document_;
-  std::set<std::string> salvaged_;  // entities of faces that were transferred one by one
+  std::set<std::string> arrived_;  // entities of faces that OpenCASCADE made shapes of
 };
 
 }  // namespace

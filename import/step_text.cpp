@@ -29,7 +29,6 @@ class Scanner {
       const char c = text_[at_];
       if (c == '\'') {
         const std::string string = TakeString();
-        if (unterminated_) return Unterminated();
         if (expects_name_) facts_.faces.push_back({id_, string});
         if (expects_schema_ && facts_.schema.empty())
           facts_.schema = string.substr(0, string.find_first_of(" {"));
@@ -54,28 +53,39 @@ class Scanner {
         }
         TakeKeyword(word);
       } else {
-        if (c == ';') expects_name_ = expects_schema_ = false;
         ++at_;
+        if (c == ';') {
+          expects_name_ = expects_schema_ = false;
+          facts_.complete_bytes = at_;
+          facts_.last_entity = id_;
+        }
       }
     }
     if (!in_data_)
       return Error{ErrorCode::kFormatBroken,
                    name_ + " is a STEP file without a DATA section; it may have been cut off."};
+    facts_.cut_off = !ended_;
     return facts_;
   }
 
  private:
-  Error Unterminated() const {
-    return {ErrorCode::kFormatBroken, name_ + ": the text of entity #" + std::to_string(id_) +
-                                          " has no closing apostrophe; the file may have been cut off."};
+  // True if a new entity begins after the semicolon at `at`: no text goes on like that.
+  bool EntityFollows(std::size_t at) const {
+    ++at;
+    while (at < text_.size() && std::isspace(static_cast<unsigned char>(text_[at]))) ++at;
+    if (at >= text_.size() || text_[at] != '#') return false;
+    ++at;
+    while (at < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at]))) ++at;
+    while (at < text_.size() && std::isspace(static_cast<unsigned char>(text_[at]))) ++at;
+    return at < text_.size() && text_[at] == '=';
   }
 
   std::string TakeString() {
     std::string out;
     ++at_;
     while (true) {
-      if (at_ >= text_.size()) {
-        unterminated_ = true;
+      if (at_ >= text_.size() || (text_[at_] == ';' && EntityFollows(at_))) {
+        ++facts_.open_strings;
         return out;
       }
       if (text_[at_] == '\'') {
@@ -112,6 +122,7 @@ class Scanner {
 
   void TakeKeyword(std::string_view word) {
     if (word == "DATA") in_data_ = true;
+    if (word == "ENDSEC" && in_data_) ended_ = true;
     if (word == "FILE_SCHEMA") expects_schema_ = true;
     if (word == "ADVANCED_FACE" || word == "FACE_SURFACE") expects_name_ = true;
     if (word == "PCURVE") facts_.has_pcurves = true;
@@ -122,7 +133,7 @@ class Scanner {
   std::string_view text_;
   std::size_t at_ = 0;
   std::uint64_t id_ = 0;
-  bool in_data_ = false, expects_name_ = false, expects_schema_ = false, unterminated_ = false;
+  bool in_data_ = false, expects_name_ = false, expects_schema_ = false, ended_ = false;
   StepFacts facts_;
 };
 

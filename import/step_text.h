@@ -21,10 +21,13 @@ struct StepFacts {
   bool has_pcurves = false;
   bool has_tessellation = false;  // TESSELLATED_… or TRIANGULATED_… entities
   std::uint64_t entities = 0;
+  std::uint64_t open_strings = 0;  // texts whose closing apostrophe is missing
+  bool cut_off = false;            // the end of the data section is missing
+  std::uint64_t last_entity = 0;   // the last whole one
+  std::size_t complete_bytes = 0;  // of a file that is cut off: up to the end of its last whole entity
 };
 
-// Errors: kNotFinite (a coordinate that is NaN or infinite; names the entity), kFormatBroken (cut off inside the header, or a
-// string that never ends).
+// Errors: kNotFinite (a coordinate that is NaN or infinite; names the entity), kFormatBroken (no data section).
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes);
 
 // "STEP AP203", "STEP AP214", "STEP AP242", or "STEP" with the schema's name.
