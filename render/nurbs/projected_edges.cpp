@@ -163,15 +163,17 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   t = std::floor(t / kParameterGrid + 0.5) * kParameterGrid;
   if (!segment.At(t, point, tangent)) return result;
   result.side = SideOfLine(point, tangent);
-  result.distance_px = Length(point);
   const std::uint32_t k = segment.index();
+  const bool joins_next = t == 1 && (closed || k + 1 < count), joins_previous = t == 0 && (closed || k > 0);
+  // Inside the edge the distance is that of the tangent line, which the rounding of t doesn't touch.
+  const bool clamped = (t == 0 || t == 1) && !joins_next && !joins_previous;
+  result.distance_px = clamped ? Length(point) : std::fabs(Cross(point, tangent)) / Length(tangent);
   const EdgeSegment& last = span(k);
   const double width = last.end - last.begin;
   result.parameter = t <= 0.5 ? last.begin + t * width : last.end - (1 - t) * width;
   result.tangent = (1 / width) * tangent;
 
   // At a joint of two segments both tangents count.
-  const bool joins_next = t == 1 && (closed || k + 1 < count), joins_previous = t == 0 && (closed || k > 0);
   if (joins_next || joins_previous) {
     segment.Select(joins_next ? (k + 1) % count : (k + count - 1) % count);
     Vec2 other_point, other;

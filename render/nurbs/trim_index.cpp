@@ -45,6 +45,10 @@ Bits2 One(Bits2 comparison) {
   return comparison ? Bits2{1, 1} : Bits2{0, 0};
 }
 
+// A corner is near if it lies within this many bands. The neighbour's band may be narrower, and the bands are boxes, whose
+// corners are 1.5 times as far as their sides.
+constexpr double kCornerReach = 2;
+
 bool Spans(const TrimPiece& piece, double v) {
   return piece.low.y <= v && v < piece.high.y;
 }
@@ -176,7 +180,7 @@ FaceTrim FaceTrim::Build(const Model& model, std::uint32_t face) {
   trim.nodes_.shrink_to_fit();
 
   trim.FindNeighbours(model, source);
-  trim.FindMaterial();
+  trim.FindEndsAndMaterial();
   trim.FindWhole(surface);
   return trim;
 }
@@ -210,8 +214,8 @@ void FaceTrim::FindNeighbours(const Model& model, const Face& face) {
   }
 }
 
-// By the longest piece of each coedge.
-void FaceTrim::FindMaterial() {
+// The ends of each coedge, and its material by its longest piece.
+void FaceTrim::FindEndsAndMaterial() {
   std::vector<std::uint32_t> longest(ends_.size(), kNoIndex);
   const auto length = [&](std::uint32_t i) {
     const TrimPiece& p = pieces_.pieces[i];
@@ -220,6 +224,10 @@ void FaceTrim::FindMaterial() {
   for (std::uint32_t i = 0; i < pieces_.pieces.size(); ++i) {
     const std::uint32_t coedge = pieces_.pieces[i].coedge;
     if (coedge == kNoIndex) continue;
+    // Pieces come in loop order.
+    Ends& ends = ends_[coedge - first_coedge_];
+    if (longest[coedge - first_coedge_] == kNoIndex) ends.begin_point = pieces_.Begin(i);
+    ends.end_point = pieces_.End(i);
     std::uint32_t& best = longest[coedge - first_coedge_];
     if (best == kNoIndex || length(i) > length(best)) best = i;
   }
@@ -397,7 +405,7 @@ RectClass FaceTrim::Classify(double u0, double u1, double v0, double v1, double 
 // The nearest point on each of the nearest coedges.
 struct FaceTrim::Contacts {
   struct Contact {
-    std::uint32_t coedge;
+    std::uint32_t coedge, piece;
     double distance_mm, edge_parameter;
   };
   static constexpr int kMost = 4;  // two are asked; the others leave room for neighbours at crowded corners
@@ -457,7 +465,7 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
     const MonotonePiece monotone = pieces_.Monotone(i);
     const double t = NearestParameter(monotone, point, scale);
     const Vec2 away = PointOn(monotone.curve, t) - point;
-    contacts.Add({piece.coedge, Length(Vec2{scale.x * away.x, scale.y * away.y}),
+    contacts.Add({piece.coedge, i, Length(Vec2{scale.x * away.x, scale.y * away.y}),
                   curve.edge_begin + t * (curve.edge_end - curve.edge_begin)});
     return true;
   };
@@ -469,31 +477,24 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
   answer.coedge = nearest.coedge;
   answer.edge_parameter = nearest.edge_parameter;
   answer.material_left = ends.material_left;
-  // At a corner: a neighbour whose band holds the point too, or the neighbour at the end that the nearest
-  // point is clamped to.
-  const Contacts::Contact* next = ends.next != kNoIndex ? contacts.Find(ends.next) : nullptr;
-  const Contacts::Contact* previous = ends.previous != kNoIndex ? contacts.Find(ends.previous) : nullptr;
-  // Of a loop of two edges the neighbour is the same at both corners: take the nearer one.
+  // At a corner, the neighbour there is asked as well, whether or not its own band holds the point.
   const bool at_end =
       std::fabs(nearest.edge_parameter - ends.end) <= std::fabs(nearest.edge_parameter - ends.begin);
-  if (next != nullptr && (previous == nullptr || at_end)) {
-    answer.other_coedge = next->coedge;
-    answer.other_edge_parameter = next->edge_parameter;
-    answer.other_is_next = true;
-  } else if (previous != nullptr) {
-    answer.other_coedge = previous->coedge;
-    answer.other_edge_parameter = previous->edge_parameter;
-  } else if (nearest.edge_parameter == ends.end && ends.next != kNoIndex && ends.next != nearest.coedge) {
-    answer.other_coedge = ends.next;
-    answer.other_edge_parameter = ends_[ends.next - first_coedge_].begin;
-    answer.other_is_next = true;
-  } else if (nearest.edge_parameter == ends.begin && ends.previous != kNoIndex &&
-             ends.previous != nearest.coedge) {
-    answer.other_coedge = ends.previous;
-    answer.other_edge_parameter = ends_[ends.previous - first_coedge_].end;
-  }
-  if (answer.other_coedge != kNoIndex)
-    answer.other_material_left = ends_[answer.other_coedge - first_coedge_].material_left;
+  const std::uint32_t neighbour = at_end ? ends.next : ends.previous;
+  if (neighbour == kNoIndex || neighbour == nearest.coedge) return answer;
+  const TrimPiece& piece = pieces_.pieces[nearest.piece];
+  const Vec2 away = point - (at_end ? ends.end_point : ends.begin_point);
+  if (std::fabs(away.x) > kCornerReach * (error_u + band_scale * piece.band_u) ||
+      std::fabs(away.y) > kCornerReach * (error_v + band_scale * piece.band_v))
+    return answer;
+  const Ends& other = ends_[neighbour - first_coedge_];
+  const Contacts::Contact* contact = contacts.Find(neighbour);
+  answer.other_coedge = neighbour;
+  answer.other_is_next = at_end;
+  answer.other_edge_parameter = contact != nullptr ? contact->edge_parameter
+                                : at_end           ? other.begin
+                                                   : other.end;
+  answer.other_material_left = other.material_left;
   return answer;
 }
 

@@ -96,6 +96,7 @@ class FaceTrim {
     std::uint32_t previous = kNoIndex,
                   next = kNoIndex;  // neighbours, collapsed ones skipped; kNoIndex: no edge to ask
     double begin = 0, end = 0;      // edge parameters
+    Vec2 begin_point, end_point;
     bool material_left = true;
   };
   struct Rect {
@@ -113,7 +114,7 @@ class FaceTrim {
   bool OddExcept(Vec2 point, std::uint32_t excluded) const;
   bool MaterialLeft(std::uint32_t piece) const;
   void FindNeighbours(const Model& model, const Face& face);
-  void FindMaterial();
+  void FindEndsAndMaterial();
   void FindWhole(const SurfaceEval& surface);
 
   TrimPieces pieces_;

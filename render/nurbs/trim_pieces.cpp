@@ -17,9 +17,9 @@ constexpr double kPointUlps = 16;
 // p-curve lies up to one gap away from the edge itself.
 constexpr double kBandSafety = 2;
 // A piece is cut while its strip takes more than this share of its box …
-constexpr double kStripShare = 1.0 / 8;
+constexpr double kStripShare = 0.5;
 // … but next to an extremum the share stays the same however short the piece: stop after this many cuts.
-constexpr int kStripCuts = 3;
+constexpr int kStripCuts = 2;
 // A piece is cut while the band at its widest is over kBandRatio times that at its narrowest and over kBandShare of the
 // grid: at kBandCut of its length from the widest end. Towards a pole the band grows like one over the distance, which takes a
 // cut per decade.
@@ -52,7 +52,12 @@ class Maker {
     out_.loop_first.push_back(static_cast<std::uint32_t>(out_.pieces.size()));
   }
 
-  TrimPieces Take() { return std::move(out_); }
+  TrimPieces Take() {
+    out_.pieces.shrink_to_fit();
+    out_.curves.shrink_to_fit();
+    out_.points.shrink_to_fit();
+    return std::move(out_);
+  }
 
  private:
   struct Source {  // what the pieces being made belong to
