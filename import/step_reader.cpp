@@ -1,7 +1,10 @@
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Check.hxx>
+#include <Interface_EntityIterator.hxx>
+#include <Interface_Graph.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <STEPCAFControl_Reader.hxx>
@@ -10,6 +13,7 @@
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <StepData_StepModel.hxx>
+#include <StepGeom_CartesianPoint.hxx>
 #include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
 #include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepGeom_Surface.hxx>
@@ -20,6 +24,7 @@
 #include <StepShape_ManifoldSolidBrep.hxx>
 #include <StepShape_OrientedEdge.hxx>
 #include <StepShape_ShellBasedSurfaceModel.hxx>
+#include <StepShape_VertexPoint.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
@@ -27,7 +32,9 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <cmath>
 #include <set>
+#include <vector>
 
 #include "import/assembly.h"
 #include "import/readers.h"
@@ -170,8 +177,7 @@ class StepReader {
     }
   }
 
-  // The last way: each body for itself, and each face that comes with none of them. OpenCASCADE then takes the file's numbers for
-  // millimetres.
+  // The last way: each body for itself, and each face that comes with none of them.
   void TransferPieces() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     BRep_Builder builder;
@@ -185,16 +191,16 @@ class StepReader {
         const bool is_body = entity->IsKind(STANDARD_TYPE(StepShape_ManifoldSolidBrep)) ||
                              entity->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel));
         if (bodies ? !is_body : face.IsNull() || arrived_.contains(EntityOf(face))) continue;
-        const TopoDS_Shape shape = TransferPiece(entity);
+        TopoDS_Shape shape = TransferPiece(entity);
         if (shape.IsNull()) continue;
         // The transfer's results are forgotten at the next one: note now what became of each face.
         NoteOrigins();
+        if (document_.info.unit_mm != 1 && KeptFileUnits(entity, shape)) shape = InMillimetres(shape);
         builder.Add(pieces, shape);
         any = true;
       }
     }
     if (!any) return;
-    if (document_.info.unit_mm != 1) Rescale(pieces);
     AddShape(pieces, source_.name, document_);
     document_.info.warnings.push_back(
         "The file's shapes could not be read as a whole: its bodies and faces were, each for itself.");
@@ -210,18 +216,46 @@ class StepReader {
     }
   }
 
-  void Rescale(TopoDS_Compound& pieces) {
+  // Outside of its representation OpenCASCADE may or may not find a piece's unit. Tell by its vertices: true if their numbers are
+  // nearer to the file's than to the file's in millimetres.
+  bool KeptFileUnits(const Handle(Standard_Transient) & entity, const TopoDS_Shape& shape) {
+    double in_file = 0, in_shape = 0;
+    std::set<const void*> seen;
+    std::vector<Handle(Standard_Transient)> open{entity};
+    while (!open.empty()) {
+      const Handle(Standard_Transient) next = open.back();
+      open.pop_back();
+      if (!seen.insert(next.get()).second) continue;
+      if (const auto vertex = Handle(StepShape_VertexPoint)::DownCast(next); !vertex.IsNull()) {
+        const auto point = Handle(StepGeom_CartesianPoint)::DownCast(vertex->VertexGeometry());
+        for (int i = 1; !point.IsNull() && i <= point->NbCoordinates(); ++i)
+          in_file = std::fmax(in_file, std::fabs(point->CoordinatesValue(i)));
+        continue;
+      }
+      for (Interface_EntityIterator shared = Session()->Graph().Shareds(next); shared.More(); shared.Next())
+        open.push_back(shared.Value());
+    }
+    for (TopExp_Explorer vertex(shape, TopAbs_VERTEX); vertex.More(); vertex.Next()) {
+      const gp_Pnt p = BRep_Tool::Pnt(TopoDS::Vertex(vertex.Current()));
+      in_shape =
+          std::fmax(in_shape, std::fmax(std::fabs(p.X()), std::fmax(std::fabs(p.Y()), std::fabs(p.Z()))));
+    }
+    if (!(in_file > 0) || !(in_shape > 0)) return false;
+    const double scale = std::log(in_shape / in_file);
+    return std::fabs(scale) < std::fabs(scale - std::log(document_.info.unit_mm));
+  }
+
+  TopoDS_Shape InMillimetres(const TopoDS_Shape& piece) {
     gp_Trsf scale;
     scale.SetScaleFactor(document_.info.unit_mm);
-    BRepBuilderAPI_Transform transform(pieces, scale, true);
-    std::unordered_map<const void*, FaceOrigin> scaled;
-    for (TopExp_Explorer face(pieces, TopAbs_FACE); face.More(); face.Next()) {
+    BRepBuilderAPI_Transform transform(piece, scale, true);
+    for (TopExp_Explorer face(piece, TopAbs_FACE); face.More(); face.Next()) {
       const auto origin = document_.origins.find(face.Current().TShape().get());
-      const TopoDS_Shape image = transform.ModifiedShape(face.Current());
-      if (origin != document_.origins.end()) scaled[image.TShape().get()] = origin->second;
+      if (origin == document_.origins.end()) continue;
+      const FaceOrigin copy = origin->second;
+      document_.origins[transform.ModifiedShape(face.Current()).TShape().get()] = copy;
     }
-    document_.origins = std::move(scaled);
-    pieces = TopoDS::Compound(transform.Shape());
+    return transform.Shape();
   }
 
   std::string EntityOf(const Handle(StepShape_FaceSurface) & face) {
