@@ -60,7 +60,8 @@ Verdict Decide(const Ray& ray, double ours, double reference, double tolerance, 
                Judgement& claim) {
   const bool ours_is_nearer = ours < reference;
   claim = exact.Judge(ray, std::min(ours, reference), tolerance);
-  if (claim.standing == Standing::kEdge) return Verdict::kAtEdge;
+  if (claim.standing == Standing::kEdge)
+    return claim.inside_edge == ours_is_nearer ? Verdict::kEdgeForOurs : Verdict::kEdgeForReference;
   // Both on one surface, apart by more than the tolerance along the ray but not across the surface: the nearer to it is right.
   if (std::isfinite(ours) && std::isfinite(reference)) {
     const Judgement other = exact.Judge(ray, std::max(ours, reference), tolerance);
@@ -80,8 +81,10 @@ const char* VerdictName(Verdict verdict) {
   switch (verdict) {
     case Verdict::kAgree:
       return "agree";
-    case Verdict::kAtEdge:
-      return "at an edge";
+    case Verdict::kEdgeForOurs:
+      return "at an edge, which speaks for ours";
+    case Verdict::kEdgeForReference:
+      return "at an edge, which speaks for the reference";
     case Verdict::kReferenceLost:
       return "reference lost it";
     case Verdict::kReferenceInvented:

@@ -21,16 +21,19 @@ namespace facetless {
 inline constexpr double kAgreement = 1e-7;
 
 enum class Verdict : std::uint8_t {
-  kAgree,          // both miss, or both hit at the same depth
-  kAtEdge,         // the ray passes an edge within the tolerance that the shape gives it: either may be right
-  kReferenceLost,  // our hit is on a face: the reference lost it
+  kAgree,  // both miss, or both hit at the same depth
+  // The ray passes an edge within the tolerance that the shape gives it. Either may be right; the side on which the ray
+  // passes the edge's 3D curve speaks for one of the two.
+  kEdgeForOurs,
+  kEdgeForReference,
+  kReferenceLost,       // our hit is on a face: the reference lost it
   kReferenceInvented,   // the reference's hit is on no face
   kReferenceImprecise,  // both on the same spot of one surface; ours is the nearer to it
   kOursLost,            // our defect: the reference's hit is on a face
   kOursInvented,        // our defect: our hit is on no face
   kOursImprecise,       // our defect: as above, the reference's is the nearer
 };
-inline constexpr std::size_t kVerdicts = 8;
+inline constexpr std::size_t kVerdicts = 9;
 const char* VerdictName(Verdict verdict);
 
 // Verdicts that are defects of Facetless.

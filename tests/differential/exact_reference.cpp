@@ -118,78 +118,101 @@ double DistanceToRay(const Ray& ray, Vec3 point) {
   return Length(Cross(point - ray.origin, ray.direction)) / Length(ray.direction);
 }
 
-// The ray's smallest distance to the edge, near the depth in question: samples, then a golden section about the best ones.
-double DistanceToEdge(const Ray& ray, const TopoDS_Edge& edge, double depth, double depth_window) {
+struct NearestOnEdge {
+  double distance = kInfinity;
+  double parameter = 0;
+};
+
+// The point of the edge that the ray comes closest to, at most `window` away in depth from `depth`; farther ones count as
+// farther by what they exceed it. Samples, then a golden section about each smallest one.
+NearestOnEdge FindNearest(const Ray& ray, const BRepAdaptor_Curve& curve, double depth, double window) {
   constexpr int kSamplesPerInterval = 24;
-  const BRepAdaptor_Curve curve(edge);
   const double first = curve.FirstParameter(), last = curve.LastParameter();
-  if (Precision::IsInfinite(first) || Precision::IsInfinite(last)) return kInfinity;
-  const double forward2 = Dot(ray.direction, ray.direction);
-  const auto distance = [&](double t) {
+  NearestOnEdge best;
+  if (Precision::IsInfinite(first) || Precision::IsInfinite(last)) return best;
+  const double length = Length(ray.direction);
+  const auto offer = [&](double t) {
     const Vec3 point = ToVec(curve.Value(t));
-    const double along = Dot(point - ray.origin, ray.direction) / forward2;
-    const double outside = std::max(0.0, std::fabs(along - depth) - depth_window) * std::sqrt(forward2);
-    return std::hypot(DistanceToRay(ray, point), outside);
+    const double along = Dot(point - ray.origin, ray.direction) / (length * length);
+    const double outside = std::max(0.0, std::fabs(along - depth) - window) * length;
+    const double distance = std::hypot(DistanceToRay(ray, point), outside);
+    if (distance < best.distance) best = {distance, t};
+    return distance;
   };
   const int samples = kSamplesPerInterval * std::max(1, curve.NbIntervals(GeomAbs_C1));
   const double step = (last - first) / samples;
   std::vector<double> values;
-  for (int i = 0; i <= samples; ++i) values.push_back(distance(first + i * step));
-  double best = kInfinity;
+  for (int i = 0; i <= samples; ++i) values.push_back(offer(first + i * step));
   for (int i = 0; i <= samples; ++i) {
-    best = std::min(best, values[i]);
     if ((i > 0 && values[i - 1] < values[i]) || (i < samples && values[i + 1] < values[i])) continue;
-    double low = first + std::max(0, i - 1) * step, high = first + std::min(samples, i + 1) * step;
     constexpr double kGolden = 0.6180339887498949;
     constexpr int kSteps = 60;  // 0.618^60 < 1e-12 of the interval
+    double low = first + std::max(0, i - 1) * step, high = first + std::min(samples, i + 1) * step;
     double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-    double at_a = distance(a), at_b = distance(b);
+    double at_a = offer(a), at_b = offer(b);
     for (int k = 0; k < kSteps; ++k) {
       if (at_a < at_b) {
         high = b, b = a, at_b = at_a;
-        a = high - kGolden * (high - low), at_a = distance(a);
+        a = high - kGolden * (high - low), at_a = offer(a);
       } else {
         low = a, a = b, at_a = at_b;
-        b = low + kGolden * (high - low), at_b = distance(b);
+        b = low + kGolden * (high - low), at_b = offer(b);
       }
     }
-    best = std::min({best, at_a, at_b});
   }
   return best;
 }
 
-// Finds the edge that the ray comes closest to, measured in that edge's own tolerance (at least tolerance_mm). A point that is
-// within the tolerance of an edge as the ray sees it lies within tolerance / cosine of it along the ray, were the face flat; twice that is
-// granted, so that an edge far in front or behind does not count.
-void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, double tolerance_mm,
+// True if the ray passes the oriented edge on its left, seen against the normal: where the face's material is.
+bool PassesInside(const Ray& ray, const BRepAdaptor_Curve& curve, double parameter, bool reversed,
+                  Vec3 normal) {
+  gp_Pnt at;
+  gp_Vec tangent;
+  curve.D1(parameter, at, tangent);
+  const Vec3 forward = Normalized(ray.direction);
+  Vec3 into_face = Cross(normal, Vec3{tangent.X(), tangent.Y(), tangent.Z()});
+  if (reversed) into_face = -into_face;
+  const Vec3 from_edge = ray.origin - ToVec(at);
+  const Vec3 lateral = from_edge - Dot(from_edge, forward) * forward;
+  return Dot(lateral, into_face - Dot(into_face, forward) * forward) > 0;
+}
+
+// Finds the edge that the ray comes closest to, measured in its own tolerance (at least tolerance_mm). A point that
+// is within the tolerance of an edge as the ray sees it lies within tolerance / cosine of it along the ray, were the
+// face flat; twice that is granted, so that an edge far in front or behind does not count.
+void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, Vec3 normal, double tolerance_mm,
                      Judgement& judgement) {
   double best = kInfinity;
   const double length = Length(ray.direction);
-  const auto window = [&](double tolerance) {
-    return 2 * std::max(tolerance, tolerance_mm) / (judgement.cosine * length);
-  };
-  const auto offer = [&](double distance, double tolerance) {
-    tolerance = std::max(tolerance, tolerance_mm);
-    if (!(distance / tolerance < best)) return;
-    best = distance / tolerance;
-    judgement.edge_mm = distance;
-    judgement.edge_tolerance_mm = tolerance;
-  };
-  for (TopExp_Explorer edges(face, TopAbs_EDGE); edges.More(); edges.Next()) {
+  const auto window = [&](double tolerance) { return 2 * tolerance / (judgement.cosine * length); };
+  // The face looks along its surface's normal, so that its edges run with the material on their left.
+  for (TopExp_Explorer edges(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); edges.More(); edges.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(edges.Current());
     TopLoc_Location location;
     double first, last;
     if (BRep_Tool::Degenerated(edge) || BRep_Tool::Curve(edge, location, first, last).IsNull()) continue;
-    const double tolerance = BRep_Tool::Tolerance(edge);
-    offer(DistanceToEdge(ray, edge, depth, window(tolerance)), tolerance);
+    const BRepAdaptor_Curve curve(edge);
+    const double tolerance = std::max(tolerance_mm, BRep_Tool::Tolerance(edge));
+    const NearestOnEdge nearest = FindNearest(ray, curve, depth, window(tolerance));
+    if (!(nearest.distance / tolerance < best)) continue;
+    best = nearest.distance / tolerance;
+    judgement.edge_mm = nearest.distance;
+    judgement.edge_tolerance_mm = tolerance;
+    judgement.inside_edge =
+        PassesInside(ray, curve, nearest.parameter, edge.Orientation() == TopAbs_REVERSED, normal);
   }
+  if (best <= 1) return;
+  // A vertex may reach farther than its edges; the side is still that of the nearest edge.
   for (TopExp_Explorer vertices(face, TopAbs_VERTEX); vertices.More(); vertices.Next()) {
     const TopoDS_Vertex vertex = TopoDS::Vertex(vertices.Current());
     const Vec3 point = ToVec(BRep_Tool::Pnt(vertex));
-    const double tolerance = BRep_Tool::Tolerance(vertex);
+    const double tolerance = std::max(tolerance_mm, BRep_Tool::Tolerance(vertex));
     const double along = Dot(point - ray.origin, ray.direction) / (length * length);
-    if (std::fabs(along - depth) > window(tolerance)) continue;
-    offer(DistanceToRay(ray, point), tolerance);
+    const double distance = DistanceToRay(ray, point);
+    if (std::fabs(along - depth) > window(tolerance) || !(distance / tolerance < best)) continue;
+    best = distance / tolerance;
+    judgement.edge_mm = distance;
+    judgement.edge_tolerance_mm = tolerance;
   }
 }
 
@@ -319,7 +342,7 @@ Judgement ExactReference::Data::JudgeFace(int index, const Ray& ray, double dept
     const Vec3 normal = Normalized(Cross(Vec3{du.X(), du.Y(), du.Z()}, Vec3{dv.X(), dv.Y(), dv.Z()}));
     judgement.cosine = std::fabs(Dot(normal, Normalized(ray.direction)));
     // Measure the ray's distance to the edges.
-    FindNearestEdge(face.face, ray, depth, tolerance_mm, judgement);
+    FindNearestEdge(face.face, ray, depth, normal, tolerance_mm, judgement);
     if (judgement.edge_mm <= judgement.edge_tolerance_mm) {
       judgement.standing = Standing::kEdge;
       return judgement;

@@ -41,7 +41,8 @@ struct Judgement {
       std::numeric_limits<double>::infinity();               // distance of the point to that face's surface
   double edge_mm = std::numeric_limits<double>::infinity();  // distance of the ray to the face's nearest edge
   double edge_tolerance_mm = 0;                              // that edge's
-  double cosine = 1;                                         // |N·D| there
+  bool inside_edge = false;  // the ray passes that edge on the face's side, as the 3D curve has it
+  double cosine = 1;         // |N·D| there
 };
 
 class ExactReference {

@@ -23,10 +23,11 @@ struct Options {
 
 void PrintHead() {
   std::printf(
-      "| file | faces | view | rays | both hit | within 1e-7 | hit/miss | at an edge | reference lost | "
+      "| file | faces | view | rays | both hit | within 1e-7 | hit/miss | at an edge: for ours | for "
+      "reference | reference lost | "
       "invented | imprecise | "
       "ours lost | invented | imprecise | largest agreeing difference, mm | ours, ms | reference, ms |\n");
-  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
 void PrintRow(const std::string& name, const ComparedFile& file, const ViewComparison& view) {
@@ -35,13 +36,14 @@ void PrintRow(const std::string& name, const ComparedFile& file, const ViewCompa
   };
   std::printf(
       "| %s | %zu | %s | %llu | %llu | %.4f %% | %.4f %% | %llu | %llu | %llu | %llu | %llu | %llu | %llu | "
+      "%llu | "
       "%.1e | %.0f | %.0f |\n",
       name.c_str(), file.reference.face_count(), view.view.c_str(),
       static_cast<unsigned long long>(view.rays), static_cast<unsigned long long>(view.both_hit),
-      100 * view.ShareWithin(), 100 * view.ShareHitMiss(), count(Verdict::kAtEdge),
-      count(Verdict::kReferenceLost), count(Verdict::kReferenceInvented), count(Verdict::kReferenceImprecise),
-      count(Verdict::kOursLost), count(Verdict::kOursInvented), count(Verdict::kOursImprecise),
-      view.max_agreeing_mm, view.ours_ms, view.reference_ms);
+      100 * view.ShareWithin(), 100 * view.ShareHitMiss(), count(Verdict::kEdgeForOurs),
+      count(Verdict::kEdgeForReference), count(Verdict::kReferenceLost), count(Verdict::kReferenceInvented),
+      count(Verdict::kReferenceImprecise), count(Verdict::kOursLost), count(Verdict::kOursInvented),
+      count(Verdict::kOursImprecise), view.max_agreeing_mm, view.ours_ms, view.reference_ms);
   std::fflush(stdout);
 }
 
