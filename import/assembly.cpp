@@ -122,8 +122,11 @@ void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
     for (int depth = 0; depth <= explorer.CurrentDepth(); ++depth) {
       const XCAFPrs_DocumentNode& step = explorer.Current(depth);
       std::string text = NameOf(step.Label);
-      if (text.empty()) text = NameOf(step.RefLabel);
-      occurrence.name += (depth > 0 ? "/" : "") + text;
+      // Occurrences that the file does not name are called after their prototype's label.
+      if (text.empty() || text.starts_with("=>[")) text = NameOf(step.RefLabel);
+      if (text.empty()) continue;
+      if (!occurrence.name.empty()) occurrence.name += "/";
+      occurrence.name += text;
     }
     occurrence.has_color = styled;
     if (styled) occurrence.color = ToColor(node.Style.GetColorSurf());

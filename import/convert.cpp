@@ -55,7 +55,9 @@ Error NothingUsable(const ImportInfo& info) {
     message +=
         "; the first is " + (loss.entity.empty() ? std::string("unnamed") : loss.entity) + ": " + loss.reason;
   }
-  return {ErrorCode::kNothingUsable, message + "."};
+  message += ".";
+  for (const std::string& warning : info.warnings) message += " " + warning;
+  return {ErrorCode::kNothingUsable, message};
 }
 
 }  // namespace

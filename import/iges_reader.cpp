@@ -32,6 +32,13 @@ bool IsFace(const IGESData_IGESEntity& entity) {
          std::find(kSurfaces.begin(), kSurfaces.end(), type) != kSurfaces.end();
 }
 
+// Labels fill eight columns.
+std::string Trimmed(const std::string& label) {
+  const std::size_t first = label.find_first_not_of(' ');
+  return first == std::string::npos ? std::string()
+                                    : label.substr(first, label.find_last_not_of(' ') - first + 1);
+}
+
 void CountBounds(const Handle(IGESData_IGESEntity) & entity, FaceOrigin& origin) {
   if (const auto trimmed = Handle(IGESGeom_TrimmedSurface)::DownCast(entity); !trimmed.IsNull())
     origin.bounds = (trimmed->HasOuterContour() ? 1 : 0) + trimmed->NbInnerContours();
@@ -115,7 +122,7 @@ class IgesReader {
       FaceOrigin origin;
       origin.entity = "D";
       origin.entity.append(std::to_string(model->DNum(entity)));
-      if (entity->HasShortLabel()) origin.name = entity->ShortLabel()->ToCString();
+      if (entity->HasShortLabel()) origin.name = Trimmed(entity->ShortLabel()->ToCString());
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
       if (shape.IsNull()) {
         if (is_face)

@@ -34,6 +34,7 @@
 #include <XSControl_WorkSession.hxx>
 #include <cmath>
 #include <set>
+#include <unordered_map>
 #include <vector>
 
 #include "import/assembly.h"
@@ -79,6 +80,7 @@ class StepReader {
     progress_("read", 0);
     document_.info.format = StepFormatName(source_.step.schema);
     document_.pcurves_in_file = source_.step.has_pcurves;
+    for (const StepFace& face : source_.step.faces) names_[Label(face.id)] = face.name;
     if (Result<void> read = Read(); !read.ok()) return read.error();
     progress_("read", 1);
     progress_("transfer", 0);
@@ -266,7 +268,7 @@ class StepReader {
   FaceOrigin OriginOf(const Handle(StepShape_FaceSurface) & face) {
     FaceOrigin origin;
     origin.entity = EntityOf(face);
-    if (!face->Name().IsNull()) origin.name = face->Name()->ToCString();
+    if (const auto name = names_.find(origin.entity); name != names_.end()) origin.name = name->second;
     CountBounds(face, origin);
     return origin;
   }
@@ -319,7 +321,8 @@ class StepReader {
   StageProgress progress_;
   STEPCAFControl_Reader reader_;
   CadDocument document_;
-  std::set<std::string> arrived_;  // entities of faces that OpenCASCADE made shapes of
+  std::unordered_map<std::string, std::string> names_;  // of faces, by entity
+  std::set<std::string> arrived_;                       // entities of faces that OpenCASCADE made shapes of
 };
 
 }  // namespace

@@ -30,6 +30,10 @@ struct StepFacts {
 // Errors: kNotFinite (a coordinate that is NaN or infinite; names the entity), kFormatBroken (no data section).
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes);
 
+// The UTF-8 of a STEP text's inside: control directives (\X2\, \X4\, \X\, \S\) decoded, bytes that are no UTF-8 taken as ISO 8859-1,
+// surrounding blanks removed. A name that says that there is none ("NONE") is empty.
+std::string DecodeStepText(std::string_view raw);
+
 // "STEP AP203", "STEP AP214", "STEP AP242", or "STEP" with the schema's name.
 std::string StepFormatName(const std::string& schema);
 
