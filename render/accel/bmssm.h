@@ -48,8 +48,10 @@ class TileBitmaps {
   void Build(const TileLeaves& tiles, int tile, int column, int row);
 
   int words() const { return words_; }
-  const std::uint64_t* Row(int i) const { return bits_.data() + std::size_t(i) * words_; }                  // R
-  const std::uint64_t* Column(int j) const { return bits_.data() + std::size_t(kTileSize + j) * words_; }  // S
+  const std::uint64_t* Row(int i) const { return bits_.data() + std::size_t(i) * words_; }  // R
+  const std::uint64_t* Column(int j) const {
+    return bits_.data() + std::size_t(kTileSize + j) * words_;
+  }  // S
   std::size_t bytes() const { return bits_.capacity() * sizeof(std::uint64_t); }
 
  private:

@@ -11,7 +11,7 @@
 
 namespace facetless {
 
-inline constexpr int kMaxDegree = 25;                                    // OpenCASCADE's limit
+inline constexpr int kMaxDegree = 25;  // OpenCASCADE's limit
 inline constexpr int kMaxNetPoints = (kMaxDegree + 1) * (kMaxDegree + 1);
 
 // Components of a projected net, in this order. See trace/projection.h for what they mean.

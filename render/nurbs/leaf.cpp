@@ -22,9 +22,9 @@ const double* EnlargedPowers() {
 
 // Sums of |coefficients| that bound a polynomial in s, t over the enlarged leaf.
 struct Bounds {
-  double value = 0;         // without the constant term
-  double ds = 0, dt = 0;    // of the first derivatives, without their constant terms
-  double second = 0;        // |∂ss| + 2|∂st| + |∂tt|
+  double value = 0;       // without the constant term
+  double ds = 0, dt = 0;  // of the first derivatives, without their constant terms
+  double second = 0;      // |∂ss| + 2|∂st| + |∂tt|
 };
 
 Bounds Bound(const double* monomials, int degree_u, int degree_v) {
@@ -47,8 +47,8 @@ Bounds Bound(const double* monomials, int degree_u, int degree_v) {
 
 // ‖I − H'‖ to expect after halving in u (scale_u = 1/2) or in v: the monomial s^i·t^j shrinks by scale_u^i·scale_v^j, and the row
 // of C that belongs to the halved direction doubles.
-double KappaAfterHalving(const double* g1, const double* g2, const double* w, int degree_u, int degree_v, double scale_u,
-                         double scale_v) {
+double KappaAfterHalving(const double* g1, const double* g2, const double* w, int degree_u, int degree_v,
+                         double scale_u, double scale_v) {
   double row1 = 0, row2 = 0, slope = 0, factor_u = 1;
   for (int i = 0; i <= degree_u; ++i, factor_u *= scale_u) {
     double factor = factor_u;
@@ -132,7 +132,8 @@ Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomi
     g1[i] = c11 * mx[i] + c12 * my[i];
     g2[i] = c21 * mx[i] + c22 * my[i];
   }
-  const double scale = std::fmax(std::fabs(leaf->c11) + std::fabs(leaf->c12), std::fabs(leaf->c21) + std::fabs(leaf->c22));
+  const double scale =
+      std::fmax(std::fabs(leaf->c11) + std::fabs(leaf->c12), std::fabs(leaf->c21) + std::fabs(leaf->c22));
   double* next = monomials + 2 * n;
   Bounds bw;
   if (rule.weight_varies) {
@@ -150,7 +151,8 @@ Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomi
   b2.dt += std::fabs(g2[1] - 1);
   const auto fail = [&] {
     const double* w = rule.weight_varies ? monomials + 2 * n : nullptr;
-    return Verdict{false, KappaAfterHalving(g1, g2, w, pu, pv, 0.5, 1), KappaAfterHalving(g1, g2, w, pu, pv, 1, 0.5)};
+    return Verdict{false, KappaAfterHalving(g1, g2, w, pu, pv, 0.5, 1),
+                   KappaAfterHalving(g1, g2, w, pu, pv, 1, 0.5)};
   };
   const double kappa_g = std::fmax(b1.ds + b1.dt, b2.ds + b2.dt);
   if (!(kappa_g <= kMaxKappa)) return fail();
@@ -170,15 +172,18 @@ Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomi
   if (!(newton_factor * kappa * kEnlarged < 0.5)) return fail();
 
   // Rounding of H: conversion loses a few units per degree of the net's size, evaluation a few of G's.
-  const double growth = std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
+  const double growth =
+      std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
   const double magnitude = std::fabs(shift_x) + std::fabs(shift_y);
-  leaf->rounding = kEpsilon * (4 * (pu + pv + 2) * (b_limit + 1) + growth * (pu + pv) * scale * size / w0 + 4 * scale * magnitude);
+  leaf->rounding = kEpsilon * (4 * (pu + pv + 2) * (b_limit + 1) + growth * (pu + pv) * scale * size / w0 +
+                               4 * scale * magnitude);
   leaf->b_limit = b_limit * (1 + 8 * kEpsilon) + leaf->rounding;
   leaf->inverse_gap = inverse_gap;
   leaf->newton_factor = newton_factor;
 
   // Depth.
-  leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) | (rule.perspective ? kLeafPerspective : 0) |
+  leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) |
+                                           (rule.perspective ? kLeafPerspective : 0) |
                                            (rule.depth_varies ? kLeafDepthVaries : 0));
   if (rule.depth_varies) {
     if (rule.perspective) {

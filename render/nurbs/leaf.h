@@ -9,7 +9,7 @@
 //     constant behind newton_factor. Hence at most one root per ray.
 //  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
 //  3. From x with residual ρ = ‖H(x)‖∞ + rounding, a root in the enlarged leaf lies within e = ρ·inverse_gap of x, and
-//     within newton_factor·e² of the Newton step from x. Both bounds include rounding (Law 4).
+//     within newton_factor·e² of the Newton step from x, and within kappa·e of the chord step x − H(x). All include rounding (Law 4).
 //  4. `rounding` bounds the error of evaluating H in double, conversion to monomials included.
 //  5. Newton from the start x = b converges: newton_factor times the start's error is below 1/2.
 #pragma once
@@ -31,26 +31,27 @@ inline constexpr double kBorderOverlap = 0x1p-30;
 inline constexpr double kSolverTolerance = 0x1p-42;
 
 enum LeafFlag : std::uint16_t {
-  kLeafWeightVaries = 1,   // W is not constant: H depends on b
-  kLeafPerspective = 2,    // depth = depth_scale·W/Q, else depth = depth_scale + Q/W
-  kLeafDepthVaries = 4,    // Q is not constant
-  kLeafTrimmed = 8,        // a hit must be asked of the face's trim index
-  kLeafHard = 16,          // no certificate: coefficients are the Bézier net itself, for the subdivision solver
+  kLeafWeightVaries = 1,  // W is not constant: H depends on b
+  kLeafPerspective = 2,   // depth = depth_scale·W/Q, else depth = depth_scale + Q/W
+  kLeafDepthVaries = 4,   // Q is not constant
+  kLeafTrimmed = 8,       // a hit must be asked of the face's trim index
+  kLeafHard = 16,  // no certificate: coefficients are the Bézier net itself, for the subdivision solver
 };
 
 struct Leaf {
   // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: X, Y, W, Q in Bernstein form,
   // X and Y relative to (center_x, center_y).
   const double* coefficients = nullptr;
-  double center_x = 0, center_y = 0;               // pixel coordinates relative to the image centre
-  double c11 = 0, c12 = 0, c21 = 0, c22 = 0;       // C
+  double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
+  double c11 = 0, c12 = 0, c21 = 0, c22 = 0;  // C
   double b_limit = 0, inverse_gap = 0, newton_factor = 0, rounding = 0;
   double s_low = -1 - kBorderOverlap, s_high = 1 + kBorderOverlap;  // accepted roots
   double t_low = -1 - kBorderOverlap, t_high = 1 + kBorderOverlap;
-  double depth_scale = 0, depth_constant = 0;      // depth_constant: Q where it does not vary
-  double near_depth = 0;                           // no point of the leaf is nearer
+  double depth_scale = 0, depth_constant = 0;                   // depth_constant: Q where it does not vary
+  double near_depth = 0;                                        // no point of the leaf is nearer
   double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;  // of the patch's Bézier parameters in [0,1]
-  std::int32_t col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;  // half-open range of sample columns and rows
+  std::int32_t col_begin = 0, col_end = 0, row_begin = 0,
+               row_end = 0;  // half-open range of sample columns and rows
   std::uint32_t placed_face = 0, patch = 0;
   std::uint8_t degree_u = 1, degree_v = 1;
   std::uint16_t flags = 0;

@@ -63,7 +63,8 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   const int n = net.points();
   for (int i = 0; i < n; ++i) {
     const double x = net.value[kX][i], y = net.value[kY][i], w = net.value[kW][i];
-    const double limit_x = (window.half_width + kBoxSlack) * w, limit_y = (window.half_height + kBoxSlack) * w;
+    const double limit_x = (window.half_width + kBoxSlack) * w,
+                 limit_y = (window.half_height + kBoxSlack) * w;
     left = left && x < -limit_x;
     right = right && x > limit_x;
     above = above && y < -limit_y;
@@ -111,8 +112,11 @@ Extent MeasureExtent(const BezierNet& net, const DepthRule& rule) {
     for (int k = 0; k <= pu; ++k) {
       for (int l = 0; l <= pv; ++l) {
         const int i = k * stride + l;
-        if (k < pu) extent.u = std::max(extent.u, pu * std::fabs(f[i + stride] - f[i] - center * (w[i + stride] - w[i])));
-        if (l < pv) extent.v = std::max(extent.v, pv * std::fabs(f[i + 1] - f[i] - center * (w[i + 1] - w[i])));
+        if (k < pu)
+          extent.u =
+              std::max(extent.u, pu * std::fabs(f[i + stride] - f[i] - center * (w[i + stride] - w[i])));
+        if (l < pv)
+          extent.v = std::max(extent.v, pv * std::fabs(f[i + 1] - f[i] - center * (w[i + 1] - w[i])));
       }
     }
   }
@@ -121,7 +125,7 @@ Extent MeasureExtent(const BezierNet& net, const DepthRule& rule) {
 
 }  // namespace
 
-LeafSplitter::LeafSplitter(const SplitWindow& window) : window_(window) {}
+LeafSplitter::LeafSplitter(const SplitWindow& window, SplitBudget* budget) : window_(window), budget_(budget) {}
 LeafSplitter::~LeafSplitter() = default;
 
 LeafSplitter::Node* LeafSplitter::Level(int level, int side) {
@@ -149,6 +153,7 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
 
 void LeafSplitter::Visit(const Node& node) {
   ++nodes_;
+  if (budget_->Stopped()) return;
   const BezierNet& net = node.net;
   if (CullFrustum(net, window_) == Visibility::kHidden) return;
 
@@ -157,11 +162,17 @@ void LeafSplitter::Visit(const Node& node) {
   int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
   if (box.in_front) {
     const double scale = window_.perspective ? std::max(box.near_depth, window_.near_depth) : 1;
-    const double slack = kBoxSlack + patch_->extend_px / scale;
+    // No leaf reaches farther past its border than an eighth of its size: kEnlarged − 1 on a side of 2, twice for its curvature.
+    const double size = std::max(box.x_high - box.x_low, box.y_high - box.y_low);
+    const double slack = kBoxSlack + std::min(patch_->extend_px / scale, size / 8);
     const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
-    const auto last = [](double high, double half) { return std::min(2 * half, std::floor(high + half - 0.5) + 1); };
-    const double c0 = first(box.x_low - slack, window_.half_width), c1 = last(box.x_high + slack, window_.half_width);
-    const double r0 = first(box.y_low - slack, window_.half_height), r1 = last(box.y_high + slack, window_.half_height);
+    const auto last = [](double high, double half) {
+      return std::min(2 * half, std::floor(high + half - 0.5) + 1);
+    };
+    const double c0 = first(box.x_low - slack, window_.half_width),
+                 c1 = last(box.x_high + slack, window_.half_width);
+    const double r0 = first(box.y_low - slack, window_.half_height),
+                 r1 = last(box.y_high + slack, window_.half_height);
     if (!(c0 < c1 && r0 < r1)) return;
     col_begin = static_cast<int>(c0), col_end = static_cast<int>(c1);
     row_begin = static_cast<int>(r0), row_end = static_cast<int>(r1);
@@ -190,12 +201,14 @@ void LeafSplitter::Visit(const Node& node) {
     if ((certified && (trimmed_small || last_level)) || hard) {
       if (hard) {
         leaf = Leaf{};
-        leaf.flags = static_cast<std::uint16_t>(kLeafHard | (patch_->rule.perspective ? kLeafPerspective : 0) |
-                                                (patch_->rule.weight_varies ? kLeafWeightVaries : 0) |
-                                                (patch_->rule.depth_varies ? kLeafDepthVaries : 0));
+        leaf.flags =
+            static_cast<std::uint16_t>(kLeafHard | (patch_->rule.perspective ? kLeafPerspective : 0) |
+                                       (patch_->rule.weight_varies ? kLeafWeightVaries : 0) |
+                                       (patch_->rule.depth_varies ? kLeafDepthVaries : 0));
         leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
         leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
-        for (int c = 0; c < kNetComponents; ++c) std::copy_n(net.value[c], net.points(), monomials + c * net.points());
+        for (int c = 0; c < kNetComponents; ++c)
+          std::copy_n(net.value[c], net.points(), monomials + c * net.points());
       }
       leaf.near_depth = box.near_depth - std::fabs(box.near_depth) * 0x1p-48;
       leaf.col_begin = col_begin, leaf.col_end = col_end;
@@ -216,6 +229,8 @@ void LeafSplitter::Visit(const Node& node) {
       std::copy_n(monomials, count, coefficients);
       leaf.coefficients = coefficients;
       leaves_->push_back(leaf);
+      budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double)),
+                                    std::memory_order_relaxed);
       return;
     }
     // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there only the extent on the screen counts.

@@ -6,6 +6,7 @@
 //  3. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -28,6 +29,15 @@ struct SplitWindow {
   bool perspective = false;
 };
 
+// What all splitters of one view share: a stop sign, and the memory that their leaves may take together.
+struct SplitBudget {
+  const std::atomic<bool>* cancel = nullptr;  // may be null
+  std::atomic<std::int64_t> bytes_left{0};
+
+  bool Exhausted() const { return bytes_left.load(std::memory_order_relaxed) < 0; }
+  bool Stopped() const { return Exhausted() || (cancel && cancel->load(std::memory_order_relaxed)); }
+};
+
 // Storage of coefficients: grows in blocks, never moves, freed as a whole.
 class CoefficientArena {
  public:
@@ -41,7 +51,7 @@ class CoefficientArena {
 
 struct SplitPatch {
   DepthRule rule;
-  SpanParameter u_map, v_map;     // Bézier to native parameters of the patch
+  SpanParameter u_map, v_map;  // Bézier to native parameters of the patch
   const FaceTrim* trim = nullptr;
   std::uint32_t placed_face = 0, patch = 0;
   // How far, in samples (perspective: at a depth of 1 mm) and in each Bézier parameter, the patch may be continued past its
@@ -52,7 +62,8 @@ struct SplitPatch {
 
 class LeafSplitter {
  public:
-  explicit LeafSplitter(const SplitWindow& window);
+  // `budget` must outlive the splitter. Once it is stopped, Split leaves out what is left: the caller gives the view up.
+  LeafSplitter(const SplitWindow& window, SplitBudget* budget);
   ~LeafSplitter();
 
   // The net that the caller fills before Split: degrees set by Begin, storage belongs to the splitter.
@@ -68,6 +79,7 @@ class LeafSplitter {
   Node* Level(int level, int side);
 
   SplitWindow window_;
+  SplitBudget* budget_;
   std::vector<std::unique_ptr<Node>> levels_;  // two per level
   const SplitPatch* patch_ = nullptr;
   std::vector<Leaf>* leaves_ = nullptr;

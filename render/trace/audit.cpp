@@ -88,7 +88,7 @@ std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<Hit>
 }  // namespace
 
 Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
-                          const CameraFrame& frame, TileKernel kernel, const std::atomic<bool>* cancel) {
+                          const CameraFrame& frame, TileKernel kernel, const DirectOptions& options) {
   const Model& model = *scene.model;
   AuditResult result;
   result.has_closed_solid = scene.has_closed_solid;
@@ -101,7 +101,7 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   behind.right = -frame.right;
   const bool orthographic = frame.projection == Projection::kOrthographic;
   if (orthographic) behind.forward = -frame.forward;
-  const Result<PreparedView> opposite = PrepareView(scene, camera, behind, cancel);
+  const Result<PreparedView> opposite = PrepareView(scene, camera, behind, options);
   if (!opposite.ok()) return opposite.error();
   std::vector<Hit> backward = Collect(scene, opposite.value(), camera, behind, kernel);
   for (Hit& hit : backward) {

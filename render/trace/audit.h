@@ -25,8 +25,8 @@ struct AuditResult {
   std::vector<std::uint32_t> mismatched_samples;
 };
 
-// `view` is the forward view, prepared for `frame`. Errors: kCancelled.
+// `view` is the forward view, prepared for `frame`. Errors: those of PrepareView.
 Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
-                          const CameraFrame& frame, TileKernel kernel, const std::atomic<bool>* cancel);
+                          const CameraFrame& frame, TileKernel kernel, const DirectOptions& options);
 
 }  // namespace facetless

@@ -79,7 +79,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   result.stats.isa = kernels.value().isa;
 
   // Project, split, list per tile.
-  Result<PreparedView> prepared = PrepareView(scene.data(), camera, result.frame, options.cancel);
+  Result<PreparedView> prepared = PrepareView(scene.data(), camera, result.frame, options);
   if (!prepared.ok()) return prepared.error();
   const PreparedView& view = prepared.value();
   const TraceShared shared(scene.data(), view, camera, result.frame);
@@ -131,7 +131,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   // Count every crossing, where asked to.
   if (options.audit) {
     Result<AuditResult> audit =
-        Audit(scene.data(), view, camera, result.frame, kernels.value().trace_tile, options.cancel);
+        Audit(scene.data(), view, camera, result.frame, kernels.value().trace_tile, options);
     if (!audit.ok()) return audit.error();
     if (audit.value().has_closed_solid) stats.odd_rays = audit.value().odd_samples.size();
     stats.reverse_mismatches = audit.value().mismatched_samples.size();

@@ -26,6 +26,7 @@ struct DirectOptions {
   int threads = 0;                            // 0: all cores
   bool uv = false;                            // fill samples.uv
   bool audit = false;                         // count every crossing of every ray
+  std::uint64_t max_bytes = std::uint64_t{8} << 30;  // what the leaves of a view may take
   const std::atomic<bool>* cancel = nullptr;  // polled; true ends the call with kCancelled
 };
 

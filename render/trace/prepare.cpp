@@ -16,7 +16,7 @@ constexpr std::uint32_t kParallelPatches = 16;
 
 // What one thread splits into.
 struct Worker {
-  explicit Worker(const SplitWindow& window) : splitter(window) {}
+  Worker(const SplitWindow& window, SplitBudget* budget) : splitter(window, budget) {}
   LeafSplitter splitter;
   CoefficientArena arena;
   std::vector<Leaf> leaves;
@@ -25,20 +25,25 @@ struct Worker {
 class Preparation {
  public:
   Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
-              const std::atomic<bool>* cancel)
-      : scene_(scene), model_(*scene.model), frame_(frame), cancel_(cancel), workers_([this] {
-          return Worker(window_);
+                                 const DirectOptions& options)
+      : scene_(scene), model_(*scene.model), frame_(frame), workers_([this] {
+          return Worker(window_, &budget_);
         }) {
     window_.half_width = 0.5 * camera.width_px;
     window_.half_height = 0.5 * camera.height_px;
     window_.perspective = frame.projection == Projection::kPerspective;
     window_.near_depth = frame.near_mm;
+    budget_.cancel = options.cancel;
+    budget_.bytes_left = static_cast<std::int64_t>(options.max_bytes);
   }
 
   Result<PreparedView> Run(int columns, int rows) {
     tbb::parallel_for(std::size_t{0}, model_.instances.size(),
                       [this](std::size_t i) { VisitInstance(model_.instances[i]); });
-    if (Cancelled()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
+    if (budget_.Exhausted()) {
+      return Error{ErrorCode::kLimitExceeded, "the view needs more leaves than fit into the memory allowed; use a smaller image"};
+    }
+    if (budget_.Stopped()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
 
     PreparedView view;
     std::vector<Leaf> leaves;
@@ -64,13 +69,11 @@ class Preparation {
   }
 
  private:
-  bool Cancelled() const { return cancel_ && cancel_->load(std::memory_order_relaxed); }
-
   void VisitInstance(const Instance& instance) {
     const ViewProjection projection(frame_, instance.placement);
     const Range faces = model_.parts[instance.part].faces;
     tbb::parallel_for(faces.first, faces.end(), [&](std::uint32_t face) {
-      if (!Cancelled()) VisitFace(face, instance.first_placed_face + (face - faces.first), projection);
+      if (!budget_.Stopped()) VisitFace(face, instance.first_placed_face + (face - faces.first), projection);
     });
   }
 
@@ -186,8 +189,8 @@ class Preparation {
   const Scene::Data& scene_;
   const Model& model_;
   const CameraFrame& frame_;
-  const std::atomic<bool>* cancel_;
   SplitWindow window_;
+  SplitBudget budget_;
   tbb::enumerable_thread_specific<Worker> workers_;
 };
 
@@ -200,8 +203,8 @@ std::size_t PreparedView::bytes() const {
 }
 
 Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
-                                 const std::atomic<bool>* cancel) {
-  return Preparation(scene, camera, frame, cancel).Run(camera.width_px, camera.height_px);
+                                 const DirectOptions& options) {
+  return Preparation(scene, camera, frame, options).Run(camera.width_px, camera.height_px);
 }
 
 }  // namespace facetless

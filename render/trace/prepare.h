@@ -21,8 +21,8 @@ struct PreparedView {
   std::size_t bytes() const;
 };
 
-// Errors: kCancelled.
+// Errors: kCancelled; kLimitExceeded.
 Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
-                                 const std::atomic<bool>* cancel);
+                                 const DirectOptions& options);
 
 }  // namespace facetless

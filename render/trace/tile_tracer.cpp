@@ -42,15 +42,18 @@ TraceShared::PlacedFace TraceShared::Placed(std::uint32_t placed_face) const {
   const Model& model = *scene.model;
   const std::uint32_t index = instance_of_face_.empty() ? 0 : instance_of_face_[placed_face];
   const Instance& instance = model.instances[index];
-  const std::uint32_t face = model.parts[instance.part].faces.first + placed_face - instance.first_placed_face;
+  const std::uint32_t face =
+      model.parts[instance.part].faces.first + placed_face - instance.first_placed_face;
   return {index, face, model.faces[face].reversed != mirrored_[index] ? -1.0 : 1.0};
 }
 
-TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint32_t face, double s, double t) const {
+TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint32_t face, double s,
+                                                    double t) const {
   const Surface& surface = scene.model->surfaces[scene.model->faces[face].surface];
   return {&scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count],
           &scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count],
-          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half), OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half)};
+          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half),
+          OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half)};
 }
 
 TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel) : shared_(shared), kernel_(kernel) {
@@ -109,7 +112,8 @@ bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x
   const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, placed.face, hit_s, hit_t);
   const double u = at.u_map->ToNative(at.u), v = at.v_map->ToNative(at.v);
   const double solver_error = 2 * kSolverTolerance + 2 * hit_leaf.rounding * hit_leaf.inverse_gap;
-  const double error_u = solver_error * hit_leaf.u_half / at.u_map->Rate(at.u), error_v = solver_error * hit_leaf.v_half / at.v_map->Rate(at.v);
+  const double error_u = solver_error * hit_leaf.u_half / at.u_map->Rate(at.u),
+               error_v = solver_error * hit_leaf.v_half / at.v_map->Rate(at.v);
 
   const HitGeometry geometry = EvaluateHit(hit_leaf, hit_s, hit_t, x, y, shared_.frame);
   const double band_scale = std::min(kMaxBandScale, 1 / geometry.cosine);
@@ -117,9 +121,9 @@ bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x
 
   // In an edge's band, both faces ask the edge itself.
   if (answer.coedge != kNoIndex && jacobian_sign != 0) {
-    const EdgeVerdict verdict =
-        DecideAtEdge(*shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
-                     y + 0.5 * shared_.camera.height_px, jacobian_sign > 0);
+    const EdgeVerdict verdict = DecideAtEdge(*shared_.scene.model, shared_.edges[placed.instance], answer,
+                                             x + 0.5 * shared_.camera.width_px,
+                                             y + 0.5 * shared_.camera.height_px, jacobian_sign > 0);
     if (verdict != EdgeVerdict::kUnknown) return verdict == EdgeVerdict::kKeep;
   }
   if (!answer.certain) *hit_doubt |= kDoubtTrim;

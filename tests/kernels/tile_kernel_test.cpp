@@ -47,7 +47,7 @@ TEST(TileKernel, EveryInstructionSetGivesTheSameBytes) {
     // 203 is no multiple of a packet or a tile.
     const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
     const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
-    const PreparedView view = PrepareView(scene.data(), camera, frame, nullptr).value();
+    const PreparedView view = PrepareView(scene.data(), camera, frame, {}).value();
     const TraceShared shared(scene.data(), view, camera, frame);
     TileCounters expected_counters;
     const std::vector<unsigned char> expected = Bytes(shared, kernels[0].trace_tile, &expected_counters);

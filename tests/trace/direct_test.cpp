@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -29,7 +30,8 @@ Camera ViewOf(const Model& model, const char* name, Projection projection, int s
 }
 
 // Renders and compares each sample.
-void ExpectMatches(const Model& model, const Camera& camera, const Analytic& analytic, double tolerance, std::uint64_t max_uncertain) {
+void ExpectMatches(const Model& model, const Camera& camera, const Analytic& analytic, double tolerance,
+                   std::uint64_t max_uncertain) {
   const Scene scene(model);
   const Result<DirectResult> result = TraceDirect(scene, camera, {});
   ASSERT_TRUE(result.ok()) << result.error().message;
@@ -45,7 +47,8 @@ void ExpectMatches(const Model& model, const Camera& camera, const Analytic& ana
       const bool hit = direct.samples.face[i] != kNoIndex;
       if (hit != expected.has_value()) {
         ++wrong_hits;
-        ADD_FAILURE() << camera.name << ": pixel " << column << "," << row << " hit " << hit << " depth " << direct.samples.depth[i];
+        ADD_FAILURE() << camera.name << ": pixel " << column << "," << row << " hit " << hit << " depth "
+                      << direct.samples.depth[i];
         if (wrong_hits > 5) return;
         continue;
       }
@@ -69,7 +72,8 @@ void ExpectMatches(const Model& model, const Camera& camera, const Analytic& ana
 
 Analytic SphereAt(Vec3 center, double radius) {
   return {[=](const Ray& ray) -> std::optional<double> {
-            const long double ox = ray.origin.x - center.x, oy = ray.origin.y - center.y, oz = ray.origin.z - center.z;
+            const long double ox = ray.origin.x - center.x, oy = ray.origin.y - center.y,
+                              oz = ray.origin.z - center.z;
             const long double dx = ray.direction.x, dy = ray.direction.y, dz = ray.direction.z;
             const long double a = dx * dx + dy * dy + dz * dz, b = ox * dx + oy * dy + oz * dz;
             const long double c = ox * ox + oy * oy + oz * oz - (long double)radius * radius;
@@ -95,28 +99,33 @@ TEST(Direct, PoleUnderThePixelCentre) {
   // An odd image puts the pole of the top view exactly under the middle pixel, and a row of pixels exactly on the seam: without an edge
   // there, the trimming can't prove on which side of the seam a hit lies, but it must not lose one.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
-  ExpectMatches(model, ViewOf(model, "top", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8, 201);
-  ExpectMatches(model, ViewOf(model, "bottom", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8, 201);
+  ExpectMatches(model, ViewOf(model, "top", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
+                201);
+  ExpectMatches(model, ViewOf(model, "bottom", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
+                201);
 }
 
 TEST(Direct, CylinderAlongAndAcrossItsAxis) {
   const double radius = 4, height = 9;
   const Model model = ModelOf({Frustum({0, 0, 0}, radius, radius, height)});
-  const Analytic analytic{[=](const Ray& ray) -> std::optional<double> {
-                            const double a = ray.direction.x * ray.direction.x + ray.direction.y * ray.direction.y;
-                            const double b = ray.origin.x * ray.direction.x + ray.origin.y * ray.direction.y;
-                            const double c = ray.origin.x * ray.origin.x + ray.origin.y * ray.origin.y - radius * radius;
-                            const double d = b * b - a * c;
-                            if (std::fabs(d) < 1e-9) return NAN;
-                            if (d < 0) return std::nullopt;
-                            for (const double sign : {-1.0, 1.0}) {
-                              const double t = (-b + sign * std::sqrt(d)) / a, z = ray.origin.z + t * ray.direction.z;
-                              if (std::fabs(z) < 1e-9 || std::fabs(z - height) < 1e-9) return NAN;
-                              if (z > 0 && z < height) return t;
-                            }
-                            return std::nullopt;
-                          },
-                          [=](Vec3 p) { return Normalized(Vec3{p.x, p.y, 0}); }};
+  const Analytic analytic{
+      [=](const Ray& ray) -> std::optional<double> {
+        const double a = ray.direction.x * ray.direction.x + ray.direction.y * ray.direction.y;
+        const double b = ray.origin.x * ray.direction.x + ray.origin.y * ray.direction.y;
+        const double c = ray.origin.x * ray.origin.x + ray.origin.y * ray.origin.y - radius * radius;
+        const double d = b * b - a * c;
+        if (std::fabs(d) < 1e-9) return NAN;
+        if (d < 0) return std::nullopt;
+        for (const double sign : {-1.0, 1.0}) {
+          const double t = (-b + sign * std::sqrt(d)) / a, z = ray.origin.z + t * ray.direction.z;
+          if (std::fabs(z) < 1e-9 || std::fabs(z - height) < 1e-9) return NAN;
+          if (z > 0 && z < height) return t;
+        }
+        return std::nullopt;
+      },
+      [=](Vec3 p) {
+        return Normalized(Vec3{p.x, p.y, 0});
+      }};
   for (const char* name : {"front", "left", "iso", "iso-below"}) {
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
       ExpectMatches(model, ViewOf(model, name, projection), analytic, 1e-7, 4);
@@ -138,7 +147,8 @@ TEST(Direct, TorusAgainstItsQuartic) {
     const DirectResult direct = TraceDirect(scene, camera, {}).value();
     std::uint64_t hits = 0;
     for (std::size_t i = 0; i < direct.samples.size(); ++i) {
-      const Ray ray = PixelRay(direct.frame, double(i % camera.width_px) + 0.5, double(i / camera.width_px) + 0.5);
+      const Ray ray =
+          PixelRay(direct.frame, double(i % camera.width_px) + 0.5, double(i / camera.width_px) + 0.5);
       // March along the ray with the distance to the torus: the first root, or none.
       double t = 0, distance = 0;
       const double speed = Length(ray.direction), far = 4 * model.Diagonal() + Length(ray.origin);
@@ -161,8 +171,9 @@ TEST(Direct, TorusAgainstItsQuartic) {
 }
 
 TEST(Direct, NearestOfManySurfaces) {
-  const Model model = ModelOf({Rectangle({0, 0, 3}, {4, 0, 0}, {0, 4, 0}), Rectangle({0, 0, 1}, {4, 0, 0}, {0, 4, 0}),
-                               Rectangle({0, 0, 2}, {4, 0, 0}, {0, 4, 0})});
+  const Model model =
+      ModelOf({Rectangle({0, 0, 3}, {4, 0, 0}, {0, 4, 0}), Rectangle({0, 0, 1}, {4, 0, 0}, {0, 4, 0}),
+               Rectangle({0, 0, 2}, {4, 0, 0}, {0, 4, 0})});
   const Scene scene(model);
   const DirectResult direct = TraceDirect(scene, ViewOf(model, "top", Projection::kOrthographic), {}).value();
   std::uint64_t hits = 0;
@@ -197,7 +208,8 @@ TEST(Direct, CameraInsideTheModelSeesTheWallsAllAround) {
 TEST(Direct, FacesThatNoRayCanSeeAreNamed) {
   // The second rectangle is narrower than the distance between pixel centres and lies between two of them.
   const double size = 100;
-  Model model = ModelOf({Rectangle({0, 0, 0}, {size, 0, 0}, {0, size, 0}), Rectangle({50.01, 20, 1}, {0.2, 0, 0}, {0, 20, 0})});
+  Model model = ModelOf(
+      {Rectangle({0, 0, 0}, {size, 0, 0}, {0, size, 0}), Rectangle({50.01, 20, 1}, {0.2, 0, 0}, {0, 20, 0})});
   Camera camera;
   camera.eye = {50, 50, 10};
   camera.target = {50, 50, 0};
@@ -215,11 +227,44 @@ TEST(Direct, ThreadsDoNotChangeABit) {
   DirectOptions one, seven;
   one.threads = 1;
   seven.threads = 7;
-  const SampleBuffer a = TraceDirect(scene, camera, one).value().samples, b = TraceDirect(scene, camera, seven).value().samples;
+  const SampleBuffer a = TraceDirect(scene, camera, one).value().samples,
+                     b = TraceDirect(scene, camera, seven).value().samples;
   EXPECT_EQ(a.depth, b.depth);
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.face, b.face);
   EXPECT_EQ(a.certificate, b.certificate);
+}
+
+TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
+  const Model model = ModelOf({Torus({0, 0, 0}, 10, 3)});
+  const Scene scene(model);
+  DirectOptions small;
+  small.max_bytes = 100000;
+  const Result<DirectResult> limited = TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), small);
+  ASSERT_FALSE(limited.ok());
+  EXPECT_EQ(limited.error().code, ErrorCode::kLimitExceeded);
+  const std::atomic<bool> cancel{true};
+  DirectOptions cancelled;
+  cancelled.cancel = &cancel;
+  const Result<DirectResult> stopped = TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), cancelled);
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+}
+
+TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
+  // A broken file claimed a gap of a fifth of the model's size; every leaf at the border then held half the image.
+  Model model = ModelOf({Sphere({0, 0, 0}, 10)});
+  model.trim_points = {{0, -1.5, 1}, {6.25, -1.5, 1}, {6.25, 1.5, 1}, {0, 1.5, 1}, {0, -1.5, 1}};
+  for (std::uint32_t i = 0; i < 4; ++i) model.trim_segments.push_back({1, i, 0, 1});
+  Coedge coedge;
+  coedge.segments = {0, 4};
+  coedge.gap_mm = 4;
+  model.coedges = {coedge};
+  model.loops = {{{0, 1}}};
+  model.faces[0].loops = {0, 1};
+  const DirectStats stats = TraceDirect(Scene(model), ViewOf(model, "iso", Projection::kOrthographic), {}).value().stats;
+  EXPECT_GT(stats.hits, 1000u);
+  EXPECT_LT(stats.leaves, 20000u);
 }
 
 TEST(Direct, FarFromTheOriginLosesOnlyTheCoordinatesOwnDigits) {
