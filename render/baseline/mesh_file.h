@@ -27,8 +27,9 @@
 namespace facetless {
 
 struct MeshLoadOptions {
-  std::string unit;  // "" (the format's own), "mm", "cm", "m", "in", "ft": one unit of the file (--mesh-unit)
-  std::string up;    // "" (the format's own), "y", "z": the file's up axis (--mesh-up)
+  std::string unit =
+      {};  // "" (the format's own), "mm", "cm", "m", "in", "ft": one unit of the file (--mesh-unit)
+  std::string up = {};     // "" (the format's own), "y", "z": the file's up axis (--mesh-up)
   double crease_deg = 40;  // law 4; 0 … 180
   std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
   std::uint64_t max_memory_bytes = std::uint64_t{4} << 30;  // vertices and triangles, unpacked

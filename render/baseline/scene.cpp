@@ -1,5 +1,6 @@
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <new>
@@ -29,6 +30,14 @@ Error EmbreeError(RTCDevice device) {
   if (code == RTC_ERROR_UNSUPPORTED_CPU)
     return {ErrorCode::kBadUsage, "the baseline needs a processor with SSE2, which Embree does not find"};
   return {ErrorCode::kInternal, "Embree reports error " + std::to_string(static_cast<int>(code))};
+}
+
+// An entry of an instance's matrix. What is smaller than this share of the largest entry is less than
+// float32 resolves of the sums that it enters, and is set to 0: see kLeastCoordinate in tracer.cpp.
+constexpr double kLeastEntry = 1e-8;
+
+float Entry(double entry, double largest) {
+  return std::fabs(entry) >= kLeastEntry * largest ? static_cast<float>(entry) : 0.0f;
 }
 
 PlacedNode Place(const Placement& placement) {
@@ -122,18 +131,16 @@ class Builder {
     const RTCGeometry instance = rtcNewGeometry(data_.device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, part_scene);
     const auto& m = node.placement.m;
-    const float columns[12] = {static_cast<float>(m[0][0]),
-                               static_cast<float>(m[1][0]),
-                               static_cast<float>(m[2][0]),
-                               static_cast<float>(m[0][1]),
-                               static_cast<float>(m[1][1]),
-                               static_cast<float>(m[2][1]),
-                               static_cast<float>(m[0][2]),
-                               static_cast<float>(m[1][2]),
-                               static_cast<float>(m[2][2]),
-                               static_cast<float>(m[0][3] - data_.center.x),
-                               static_cast<float>(m[1][3] - data_.center.y),
-                               static_cast<float>(m[2][3] - data_.center.z)};
+    double norm = 0;
+    for (const auto& row : m)
+      for (int c = 0; c < 3; ++c) norm = std::max(norm, std::fabs(row[c]));
+    float columns[12];
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) columns[3 * c + r] = Entry(m[r][c], norm);
+    }
+    columns[9] = static_cast<float>(m[0][3] - data_.center.x);
+    columns[10] = static_cast<float>(m[1][3] - data_.center.y);
+    columns[11] = static_cast<float>(m[2][3] - data_.center.z);
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
     rtcCommitGeometry(instance);
     return Remember(Attach(data_.scene, instance), node_index);

@@ -21,6 +21,18 @@ constexpr int kPacket = 4;  // pixels on a side of a packet of 16 rays
 // Rays start this share of the mesh's diagonal before its bounds, far above float32's rounding there.
 constexpr double kLeadIn = 1e-3;
 
+// Directions have a length of about 1. A coordinate below this is set to 0: it moves a ray by less than
+// float32 resolves. Embree 3.13 replaces a coordinate below 1e-18 by a positive one, but chooses the near
+// sides of boxes by its sign, so that its coherent packets lose hits where it is negative. Rays enter the
+// space of instances through kLeastEntry of scene.cpp, which together keeps every coordinate there away
+// from that number.
+constexpr float kLeastCoordinate = 1e-9f;
+
+float Coordinate(double direction) {
+  const float rounded = static_cast<float>(direction);
+  return std::fabs(rounded) >= kLeastCoordinate ? rounded : 0.0f;
+}
+
 struct HitPoint {
   double depth = INFINITY;
   Vec3 normal;
@@ -103,9 +115,9 @@ class TileTracer {
       packet.ray.org_x[lane] = static_cast<float>(origin.x);
       packet.ray.org_y[lane] = static_cast<float>(origin.y);
       packet.ray.org_z[lane] = static_cast<float>(origin.z);
-      packet.ray.dir_x[lane] = static_cast<float>(rays[lane].direction.x);
-      packet.ray.dir_y[lane] = static_cast<float>(rays[lane].direction.y);
-      packet.ray.dir_z[lane] = static_cast<float>(rays[lane].direction.z);
+      packet.ray.dir_x[lane] = Coordinate(rays[lane].direction.x);
+      packet.ray.dir_y[lane] = Coordinate(rays[lane].direction.y);
+      packet.ray.dir_z[lane] = Coordinate(rays[lane].direction.z);
       packet.ray.tnear[lane] = 0;
       packet.ray.tfar[lane] = INFINITY;
       packet.ray.time[lane] = 0;

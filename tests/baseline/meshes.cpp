@@ -1,0 +1,136 @@
+#include "tests/baseline/meshes.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+namespace facetless::testing {
+
+MeshPart SphereMesh(double radius, int longitudes, int latitudes) {
+  MeshPart part;
+  for (int j = 0; j <= latitudes; ++j)
+    for (int i = 0; i <= longitudes; ++i) {
+      const double u = 2 * std::numbers::pi * (i % longitudes) / longitudes;
+      const double v = std::numbers::pi * (static_cast<double>(j) / latitudes - 0.5);
+      const bool pole = j == 0 || j == latitudes;
+      const Vec3 n = pole ? Vec3{0, 0, j == 0 ? -1.0 : 1.0}
+                          : Vec3{std::cos(v) * std::cos(u), std::cos(v) * std::sin(u), std::sin(v)};
+      part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+      part.positions.push_back({static_cast<float>(radius * n.x), static_cast<float>(radius * n.y),
+                                static_cast<float>(radius * n.z)});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
+  for (int j = 0; j < latitudes; ++j)
+    for (int i = 0; i < longitudes; ++i) {
+      if (j > 0) part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      if (j + 1 < latitudes) part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  part.face_of_triangle.assign(part.triangles.size(), 0);
+  return part;
+}
+
+MeshPart BoxMesh(Vec3 size) {
+  MeshPart part;
+  const double extent[3] = {size.x, size.y, size.z};
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      const std::uint32_t base = static_cast<std::uint32_t>(part.positions.size());
+      for (int corner = 0; corner < 4; ++corner) {
+        std::array<float, 3> p{}, n{};
+        p[axis] = static_cast<float>(side * extent[axis]);
+        p[u] = static_cast<float>((corner == 1 || corner == 2) * extent[u]);
+        p[v] = static_cast<float>((corner >= 2) * extent[v]);
+        n[axis] = side == 1 ? 1.0f : -1.0f;
+        part.positions.push_back(p);
+        part.normals.push_back(n);
+      }
+      if (side == 1) {
+        part.triangles.push_back({base, base + 1, base + 2});
+        part.triangles.push_back({base, base + 2, base + 3});
+      } else {
+        part.triangles.push_back({base, base + 2, base + 1});
+        part.triangles.push_back({base, base + 3, base + 2});
+      }
+      part.face_of_triangle.insert(part.face_of_triangle.end(), 2,
+                                   static_cast<std::uint32_t>(2 * axis + side));
+    }
+  return part;
+}
+
+Mesh OneNode(MeshPart part, const Placement& placement) {
+  Mesh mesh;
+  mesh.parts.push_back(std::move(part));
+  mesh.nodes.push_back({0, placement, 0});
+  return mesh;
+}
+
+Placement Translation(Vec3 by) {
+  Placement placement;
+  placement.m[0][3] = by.x;
+  placement.m[1][3] = by.y;
+  placement.m[2][3] = by.z;
+  return placement;
+}
+
+std::string Glb(const nlohmann::json& json, const std::string& bin) {
+  std::string text = json.dump();
+  while (text.size() % 4 != 0) text += ' ';
+  std::string body = bin;
+  while (body.size() % 4 != 0) body += '\0';
+  const auto word = [](std::size_t value) {
+    const std::uint32_t v = static_cast<std::uint32_t>(value);
+    std::string bytes(4, '\0');
+    std::memcpy(bytes.data(), &v, 4);
+    return bytes;
+  };
+  const std::size_t length = 12 + 8 + text.size() + (body.empty() ? 0 : 8 + body.size());
+  std::string file = "glTF" + word(2) + word(length) + word(text.size()) + "JSON" + text;
+  if (!body.empty()) file += word(body.size()) + std::string("BIN\0", 4) + body;
+  return file;
+}
+
+TriangleFile::TriangleFile() {
+  json = {{"asset", {{"version", "2.0"}}},
+          {"scene", 0},
+          {"scenes", {{{"nodes", {0}}}}},
+          {"nodes", {{{"mesh", 0}}}},
+          {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 1}}}, {"indices", 0}}}}}}},
+          {"buffers", {{{"byteLength", 44}}}},
+          {"bufferViews",
+           {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 6}},
+            {{"buffer", 0}, {"byteOffset", 8}, {"byteLength", 36}}}},
+          {"accessors",
+           {{{"bufferView", 0}, {"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}},
+            {{"bufferView", 1},
+             {"componentType", 5126},
+             {"count", 3},
+             {"type", "VEC3"},
+             {"min", {0, 0, 0}},
+             {"max", {1, 1, 0}}}}}};
+  const std::uint16_t indices[4] = {0, 1, 2, 0};
+  const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  bin.assign(reinterpret_cast<const char*>(indices), 8);
+  bin.append(reinterpret_cast<const char*>(positions), 36);
+}
+
+TempFile::TempFile(const std::string& name, const std::string& bytes) {
+  static int counter = 0;
+  path_ = (std::filesystem::temp_directory_path() /
+           ("facetless-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + "-" + name))
+              .string();
+  std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+TempFile::~TempFile() {
+  std::filesystem::remove(path_);
+}
+
+std::string CadFolder() {
+  const char* folder = std::getenv("FACETLESS_CAD");
+  return folder != nullptr && std::filesystem::is_directory(folder) ? folder : "";
+}
+
+}  // namespace facetless::testing
