@@ -84,10 +84,11 @@ ProjectedEdges::ProjectedEdges(const Model& model, const Placement& placement, c
 
 namespace {
 
-// The side of the pixel, at the origin, of the line through `point` along `tangent`.
+// The side of the pixel, at the origin, of the line through `point` along `tangent`. On the line itself it is kNegative, for whoever
+// asks.
 Side SideOfLine(Vec2 point, Vec2 tangent) {
-  const double cross = Cross(point, tangent);  // = cross(tangent, −point)
-  return cross > 0 ? Side::kPositive : cross < 0 ? Side::kNegative : Side::kUnknown;
+  if (!(Dot(tangent, tangent) > 0)) return Side::kUnknown;
+  return Cross(point, tangent) > 0 ? Side::kPositive : Side::kNegative;  // = cross(tangent, −point)
 }
 
 // Both lines at a kink: the positive side is the intersection of two half planes where the curve turns towards it, else their union.

@@ -477,18 +477,22 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
   answer.coedge = nearest.coedge;
   answer.edge_parameter = nearest.edge_parameter;
   answer.material_left = ends.material_left;
-  // At a corner, the neighbour there is asked as well, whether or not its own band holds the point.
-  const bool at_end =
+  // At a corner the neighbour is asked as well: if its band holds the point, too, as along both sides of a narrow wedge, or if
+  // the corner is near.
+  const Contacts::Contact* next = contacts.Find(ends.next);
+  const Contacts::Contact* previous = contacts.Find(ends.previous);
+  const bool nearer_end =
       std::fabs(nearest.edge_parameter - ends.end) <= std::fabs(nearest.edge_parameter - ends.begin);
+  const bool at_end = (next != nullptr) == (previous != nullptr) ? nearer_end : next != nullptr;
+  const Contacts::Contact* contact = at_end ? next : previous;
   const std::uint32_t neighbour = at_end ? ends.next : ends.previous;
   if (neighbour == kNoIndex || neighbour == nearest.coedge) return answer;
   const TrimPiece& piece = pieces_.pieces[nearest.piece];
   const Vec2 away = point - (at_end ? ends.end_point : ends.begin_point);
-  if (std::fabs(away.x) > kCornerReach * (error_u + band_scale * piece.band_u) ||
-      std::fabs(away.y) > kCornerReach * (error_v + band_scale * piece.band_v))
-    return answer;
+  const bool corner_is_near = std::fabs(away.x) <= kCornerReach * (error_u + band_scale * piece.band_u) &&
+                              std::fabs(away.y) <= kCornerReach * (error_v + band_scale * piece.band_v);
+  if (contact == nullptr && !corner_is_near) return answer;
   const Ends& other = ends_[neighbour - first_coedge_];
-  const Contacts::Contact* contact = contacts.Find(neighbour);
   answer.other_coedge = neighbour;
   answer.other_is_next = at_end;
   answer.other_edge_parameter = contact != nullptr ? contact->edge_parameter
