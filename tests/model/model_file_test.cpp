@@ -1,0 +1,262 @@
+// The model file: what is written is what is read, and no bytes whatever make the reader crash or return an invalid model.
+#include "render/model/model_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+namespace facetless {
+namespace {
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "facetless-model-test-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::string File(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+// A unit square face in the plane z = 0, bounded by four edges, and a quarter of a cylinder without loops.
+Model TwoFaces() {
+  Model model;
+  model.info.file = "two.step";
+  model.info.sha256 = std::string(64, 'a');
+  model.info.format = "STEP AP214";
+  model.info.unit = "inch";
+  model.info.unit_mm = 25.4;
+  model.info.faces_declared = 3;
+  model.info.faces_imported = 2;
+  model.info.faces_lost = {{kNoIndex, "lost", "#7", "no surface"}};
+  model.info.loops_lost = {{0, "", "#8", "dropped"}};
+  model.info.approximated = {{1, 1e-9}};
+  model.info.warnings = {"Grüße", ""};
+  model.info.read_ms = 1.5;
+  model.info.peak_bytes = 1ull << 33;
+  model.info.max_edge_gap_mm = 0.25;
+  model.info.max_edge_gap_entity = "#8";
+  model.bounds.Add({0, 0, -1});
+  model.bounds.Add({1, 1, 1});
+  // The square: one bilinear patch, four straight coedges.
+  model.control_points = {{0, 0, 0, 1}, {0, 1, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}};
+  model.spans = {{0, 1, SpanMap::kLinear}, {0, 1, SpanMap::kLinear}};
+  Surface square;
+  square.kind = SurfaceKind::kPlane;
+  square.u_spans = {0, 1};
+  square.v_spans = {1, 1};
+  model.surfaces.push_back(square);
+  const Vec2 corners[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const Vec2 a = corners[i], b = corners[(i + 1) % 4];
+    model.vertices.push_back({{a.x, a.y, 0}, 1e-7});
+    model.trim_points.push_back({a.x, a.y, 1});
+    model.trim_points.push_back({b.x, b.y, 1});
+    model.trim_segments.push_back({1, 2 * i, 0, 1});
+    model.edge_points.push_back({a.x, a.y, 0, 1});
+    model.edge_points.push_back({b.x, b.y, 0, 1});
+    model.edge_segments.push_back({1, 2 * i, 0, 1});
+    model.edges.push_back({{i, 1}, {i, (i + 1) % 4}, 1e-7, false, 1, "#" + std::to_string(20 + i)});
+    model.coedges.push_back({i, false, true, {i, 1}, 0.125 * i});
+  }
+  model.loops.push_back({{0, 4}});
+  // The cylinder: a rational quarter arc times a line.
+  const double half = std::sqrt(0.5);
+  model.control_points.insert(model.control_points.end(), {{1, 0, -1, 1},
+                                                           {1, 0, 1, 1},
+                                                           {half, half, -half, half},
+                                                           {half, half, half, half},
+                                                           {0, 1, -1, 1},
+                                                           {0, 1, 1, 1}});
+  model.spans.push_back({0, std::numbers::pi / 2, SpanMap::kHalfAngle});
+  model.spans.push_back({-1, 1, SpanMap::kLinear});
+  Surface cylinder;
+  cylinder.kind = SurfaceKind::kCylinder;
+  cylinder.degree_u = 2;
+  cylinder.rational = true;
+  cylinder.extendable_u = true;
+  cylinder.period_u = 2 * std::numbers::pi;
+  cylinder.u_spans = {2, 1};
+  cylinder.v_spans = {3, 1};
+  cylinder.first_control_point = 4;
+  model.surfaces.push_back(cylinder);
+  Face first{0, {0, 1}, true, 0, true, {1, 0.5f, 0}, 1e-5, "top", "#8"};
+  Face second{1, {1, 0}, false, kNoIndex, false, {}, 0, "", ""};
+  model.faces = {first, second};
+  model.solids = {{0, true, "body"}};
+  model.parts = {{"part", {0, 2}, {0, 1}}, {"empty", {2, 0}, {1, 0}}};
+  Placement shifted;
+  shifted.m[1][3] = 5;
+  model.instances = {
+      {0, {}, false, {}, "a", 0}, {1, {}, false, {}, "nothing", 2}, {0, shifted, true, {0, 1, 0}, "", 2}};
+  return model;
+}
+
+TEST(ModelFile, WhatIsWrittenIsRead) {
+  const TemporaryFolder folder;
+  const Model model = TwoFaces();
+  const std::string path = folder.File("a.flm"), again = folder.File("b.flm");
+  ASSERT_TRUE(WriteModel(model, path).ok());
+  const Result<Model> read = ReadModel(path);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  // Spot-check each kind of element, then compare everything: the same model gives the same bytes.
+  EXPECT_EQ(read.value().info.warnings[0], "Grüße");
+  EXPECT_EQ(read.value().info.faces_lost[0].entity, "#7");
+  EXPECT_EQ(read.value().info.peak_bytes, 1ull << 33);
+  EXPECT_EQ(read.value().surfaces[1].kind, SurfaceKind::kCylinder);
+  EXPECT_EQ(read.value().spans[2].map, SpanMap::kHalfAngle);
+  EXPECT_EQ(read.value().edges[2].entity, "#22");
+  EXPECT_EQ(read.value().coedges[3].gap_mm, 0.375);
+  EXPECT_EQ(read.value().faces[0].color.g, 0.5f);
+  EXPECT_TRUE(read.value().faces[0].reversed);
+  EXPECT_EQ(read.value().instances[2].placement.m[1][3], 5);
+  ASSERT_TRUE(WriteModel(read.value(), again).ok());
+  std::ifstream a(path, std::ios::binary), b(again, std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(a), {}),
+            std::string(std::istreambuf_iterator<char>(b), {}));
+}
+
+TEST(ModelFile, NamesAndIndicesOfPlacedFaces) {
+  const Model model = TwoFaces();
+  ASSERT_EQ(model.PlacedFaceCount(), 4u);
+  EXPECT_EQ(model.InstanceOf(1), 0u);
+  EXPECT_EQ(model.InstanceOf(2), 2u);  // not the empty instance that starts there as well
+  EXPECT_EQ(model.FaceOf(3), 1u);
+  EXPECT_EQ(model.PlacedFaceName(0), "a/top #8");
+  EXPECT_EQ(model.PlacedFaceName(3), "part/face 1");
+  EXPECT_EQ(model.PlacedFaceColor(2).r, 1);     // the face's own
+  EXPECT_EQ(model.PlacedFaceColor(3).g, 1);     // the instance's
+  EXPECT_EQ(model.PlacedFaceColor(1).g, 0.7f);  // neither
+}
+
+TEST(ModelFile, RefusesWhatIsNoModelFile) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(ReadModel(folder.File("absent")).error().code, ErrorCode::kFileUnreadable);
+  for (const std::string& bytes :
+       {std::string(), std::string("x"), std::string(1000, '\0'), std::string("ISO-10303-21;")}) {
+    const std::string path = folder.File("other");
+    std::ofstream(path, std::ios::binary) << bytes;
+    EXPECT_EQ(ReadModel(path).error().code, ErrorCode::kFormatUnknown);
+  }
+}
+
+TEST(ModelFile, DamagedBytesGiveAnErrorOrAValidModel) {
+  const TemporaryFolder folder;
+  const std::string path = folder.File("a.flm"), damaged = folder.File("damaged.flm");
+  ASSERT_TRUE(WriteModel(TwoFaces(), path).ok());
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  const unsigned seed = 20260117;
+  std::mt19937 random(seed);
+  int errors = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::string changed = bytes;
+    // Cut the file or change up to four bytes, where offsets live as well as where numbers do.
+    if (round % 10 == 0) {
+      changed.resize(random() % bytes.size());
+    } else {
+      for (unsigned i = 0; i <= random() % 4; ++i)
+        changed[random() % changed.size()] = static_cast<char>(random());
+    }
+    std::ofstream(damaged, std::ios::binary | std::ios::trunc) << changed;
+    const Result<Model> read = ReadModel(damaged);
+    if (read.ok()) {
+      EXPECT_TRUE(Validate(read.value()).ok()) << "seed " << seed << ", round " << round;
+    } else {
+      ++errors;
+    }
+  }
+  EXPECT_GT(errors, 1000);
+}
+
+TEST(ModelFile, WritesInFullOrNotAtAll) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(WriteModel(TwoFaces(), folder.File("no/such/folder.flm")).error().code, ErrorCode::kWriteFailed);
+  Model invalid = TwoFaces();
+  invalid.control_points[0].w = 0;
+  EXPECT_FALSE(WriteModel(invalid, folder.File("invalid.flm")).ok());
+  EXPECT_FALSE(std::filesystem::exists(folder.File("invalid.flm")));
+}
+
+// Each violation is found, and the message names the element and, for geometry, its face.
+struct Violation {
+  const char* what;
+  void (*damage)(Model&);
+  ErrorCode code;
+  const char* message;
+};
+
+class Validation : public ::testing::TestWithParam<Violation> {};
+
+TEST_P(Validation, FindsIt) {
+  Model model = TwoFaces();
+  ASSERT_TRUE(Validate(model).ok()) << Validate(model).error().message;
+  GetParam().damage(model);
+  const Result<void> result = Validate(model);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().code, GetParam().code);
+  EXPECT_NE(result.error().message.find(GetParam().message), std::string::npos) << result.error().message;
+}
+
+const double kNan = std::nan("");
+
+INSTANTIATE_TEST_SUITE_P(
+    Laws, Validation,
+    ::testing::Values(
+        Violation{"surface", [](Model& m) { m.faces[1].surface = 9; }, ErrorCode::kFormatBroken, "faces[1]"},
+        Violation{"loop", [](Model& m) { m.faces[0].loops.count = 2; }, ErrorCode::kFormatBroken, "faces[0]"},
+        Violation{"overflow",
+                  [](Model& m) {
+                    m.loops[0].coedges = {2, 0xffffffffu};
+                  },
+                  ErrorCode::kFormatBroken, "loops[0]"},
+        Violation{"span order", [](Model& m) { m.spans[0].end = -1; }, ErrorCode::kFormatBroken, "faces[0]"},
+        Violation{"half turn", [](Model& m) { m.spans[2].end = 3.2; }, ErrorCode::kFormatBroken,
+                  "half a turn"},
+        Violation{"nan point", [](Model& m) { m.control_points[5].x = kNan; }, ErrorCode::kNotFinite,
+                  "control_points[5]"},
+        Violation{"weight", [](Model& m) { m.control_points[6].w = 0; }, ErrorCode::kFormatBroken,
+                  "not positive"},
+        Violation{"polynomial", [](Model& m) { m.control_points[0].w = 2; }, ErrorCode::kFormatBroken,
+                  "polynomial"},
+        Violation{"gap", [](Model& m) { m.trim_points[3].x += 1e-9; }, ErrorCode::kFormatBroken, "(#8)"},
+        Violation{"trim weight", [](Model& m) { m.trim_points[0].z = -1; }, ErrorCode::kFormatBroken,
+                  "trim_points[0]"},
+        Violation{"edge", [](Model& m) { m.coedges[1].edge = 4; }, ErrorCode::kFormatBroken, "coedges[1]"},
+        Violation{"edge curve", [](Model& m) { m.edges[1].segments.count = 0; }, ErrorCode::kFormatBroken,
+                  "edges[1]"},
+        Violation{"edge nan", [](Model& m) { m.edge_points[1].z = kNan; }, ErrorCode::kNotFinite,
+                  "edge_points[1]"},
+        Violation{"solid", [](Model& m) { m.faces[0].solid = 1; }, ErrorCode::kFormatBroken, "faces[0]"},
+        Violation{"dense", [](Model& m) { m.instances[2].first_placed_face = 3; }, ErrorCode::kFormatBroken,
+                  "instances[2]"},
+        Violation{"singular", [](Model& m) { m.instances[0].placement.m[0][0] = 0; },
+                  ErrorCode::kFormatBroken, "singular"},
+        Violation{"orphan", [](Model& m) { m.parts[0].faces.count = 1; }, ErrorCode::kFormatBroken, ""},
+        Violation{"bounds", [](Model& m) { m.bounds = {}; }, ErrorCode::kFormatBroken, "bounds"},
+        Violation{"degree", [](Model& m) { m.surfaces[0].degree_u = 26; }, ErrorCode::kFormatBroken,
+                  "degree"},
+        Violation{"points", [](Model& m) { m.surfaces[1].first_control_point = 5; }, ErrorCode::kFormatBroken,
+                  "control points"}),
+    [](const auto& info) {
+      std::string name = info.param.what;
+      for (char& c : name) c = c == ' ' ? '_' : c;
+      return name;
+    });
+
+TEST(ErrorCodes, HaveStableNames) {
+  EXPECT_STREQ(ErrorCodeName(ErrorCode::kBadUsage), "bad-usage");
+  EXPECT_STREQ(ErrorCodeName(ErrorCode::kImporterCrashed), "importer-crashed");
+  EXPECT_STREQ(SurfaceKindName(SurfaceKind::kBspline), "bspline");
+}
+
+}  // namespace
+}  // namespace facetless
