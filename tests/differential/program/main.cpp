@@ -1,4 +1,4 @@
-// facetless_differential FILE... [--size N] [--list N] [--one-placement]: the table of docs/accuracy.md for any CAD files.
+// facetless_differential FILE... [--size N] [--view NAME]... [--list N] [--one-placement]: the table of docs/accuracy.md for any CAD files.
 //
 // One row per file and view on standard output, in Markdown; with --list the first N differences of each verdict on standard error. Exit status: 0
 // no defect of ours, 2 some, 4 a file that one of the two cannot read, 64 bad usage.
@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tests/differential/differential.h"
@@ -19,6 +18,7 @@ struct Options {
   int size = 512;
   int list = 0;
   bool one_placement = false;
+  std::vector<std::string> views = {"iso", "iso-back"};
 };
 
 void PrintHead() {
@@ -61,10 +61,10 @@ Result<bool> CompareFile(const std::string& path, const Options& options) {
   if (!file.ok()) return file.error();
   const Scene scene(file.value().model);
   bool clean = true;
-  for (const auto& [name, projection] :
-       {std::pair{"iso", Projection::kOrthographic}, std::pair{"iso-back", Projection::kPerspective}}) {
+  for (std::size_t i = 0; i < options.views.size(); ++i) {
+    const Projection projection = i % 2 == 0 ? Projection::kOrthographic : Projection::kPerspective;
     const Result<Camera> camera =
-        NamedView(name, file.value().model.bounds, projection, options.size, options.size);
+        NamedView(options.views[i], file.value().model.bounds, projection, options.size, options.size);
     if (!camera.ok()) return camera.error();
     const Result<ViewComparison> view = CompareView(file.value(), scene, camera.value());
     if (!view.ok()) return view.error();
@@ -85,6 +85,8 @@ int main(int argc, char** argv) {
   app.add_option("--size", options.size, "Pixels of each side of the picture")->check(CLI::Range(1, 4096));
   app.add_option("--list", options.list, "List so many differences of each kind");
   app.add_flag("--one-placement", options.one_placement, "Compare one placement of each part");
+  app.add_option("--view", options.views, "Names of views: orthographic and perspective by turns")
+      ->allow_extra_args(false);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
