@@ -67,6 +67,35 @@ TEST(ProjectedEdges, SideOfALine) {
   EXPECT_EQ(beyond.side, Side::kPositive);
 }
 
+TEST(ProjectedEdges, OnTheLineOneSideIsChosen) {
+  Model model = PlaneModel(-2, 2, -2, 2);
+  AddLoop(model, Polygon({{-1, 0}, {1, 0}, {0, 1}}));
+  const ProjectedEdges edges(model, Placement(), FromAbove());
+  const EdgeSide on = edges.SideOf(0, 0.3, 100, 128);
+  EXPECT_EQ(on.distance_px, 0);
+  EXPECT_EQ(on.side, Side::kNegative);
+}
+
+TEST(ProjectedEdges, KinksAreDecidedByBothTangents) {
+  // One edge of two straight segments with a right angle at (0, 0), turning to the left and then, reversed, to the right.
+  for (bool back : {false, true}) {
+    Outline bent{{Line({-1, 0}, {0, 0}), Line({0, 0}, {0, 1})}};
+    if (back) bent = Reversed(bent);
+    Model model = PlaneModel(-2, 2, -2, 2);
+    AddLoop(model, bent);
+    const ProjectedEdges edges(model, Placement(), FromAbove());
+    for (double x : {-1.0, 1.0})
+      for (double y : {-1.0, 1.0}) {
+        // Only the quarter x < 0, y > 0 (up) is inside the angle, on the left; in pixels that is the negative side.
+        const bool inside = x < 0 && y > 0;
+        const Side expected = inside != back ? Side::kNegative : Side::kPositive;
+        for (double guess : {0.8, 1.0, 1.2})
+          EXPECT_EQ(edges.SideOf(0, guess, 128 + x, 128 - 2 * y).side, expected)
+              << x << " " << y << " " << guess;
+      }
+  }
+}
+
 TEST(ProjectedEdges, CircleIsClosedAndExact) {
   const Model model = CircleModel();
   const ProjectedEdges edges(model, Placement(), FromAbove());

@@ -435,6 +435,16 @@ TEST(TrimIndex, CornersNameBothCoedges) {
   EXPECT_EQ(trim.Query(0.5, 0.0005, 0, 0).other_coedge, kNoIndex);
 }
 
+TEST(TrimIndex, BothSidesOfANarrowWedgeAreAsked) {
+  // Far from the corner, where the bands of its two sides still overlap.
+  const FaceTrim trim = TrimOf({Polygon({{0, 0}, {1, 0}, {1, 0.001}})}, 1e-3);
+  const TrimAnswer wedge = trim.Query(0.5, 0.0001, 0, 0);
+  EXPECT_EQ(wedge.coedge, 0u);
+  EXPECT_EQ(wedge.other_coedge, 2u);
+  EXPECT_FALSE(wedge.other_is_next);
+  EXPECT_NEAR(wedge.other_edge_parameter, 0.5, 1e-5);
+}
+
 TEST(TrimIndex, EdgeParameterRunsWithTheEdge) {
   Model model = PlaneModel(-2, 2, -2, 2);
   AddLoop(model, Circle({0, 0}, 1), 1e-3);
