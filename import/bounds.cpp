@@ -9,7 +9,8 @@
 namespace facetless {
 namespace {
 
-// Hulls are taken after this many halvings per direction: the hull of a quarter arc then exceeds the arc by 1e-4 of the radius.
+// Hulls are taken after at most this many halvings of a Bézier piece: the hull of an eighth of a turn then exceeds the arc by 3e-4 of the
+// radius.
 constexpr int kHalvings = 4;
 
 // Points whose hull holds a face.
@@ -79,11 +80,13 @@ PatchPoints Transposed(const PatchPoints& patch) {
   return out;
 }
 
-// Halvings that are worth while along a direction: straight ones need none.
+// Halvings along a direction that make the whole of it at least kCells cells: on a full turn the hull then exceeds an arc by less than half
+// a per cent of its radius. Straight directions need none.
 int HalvingsFor(int degree, std::size_t spans) {
   if (degree == 1) return 0;
-  int halvings = kHalvings;
-  for (std::size_t n = 1; n < spans && halvings > 0; n *= 2) --halvings;
+  constexpr std::size_t kCells = 32;
+  int halvings = 0;
+  while (halvings < kHalvings && spans << halvings < kCells) ++halvings;
   return halvings;
 }
 

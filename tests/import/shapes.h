@@ -1,0 +1,44 @@
+// Small shapes with known answers, and the way from a shape to a model without a file.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+#include <string>
+
+#include "import/convert.h"
+#include "import/face_loops.h"
+#include "render/model/result.h"
+
+namespace facetless {
+
+// A folder that is removed with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::string& path() const { return path_; }
+  std::string File(const std::string& name) const { return path_ + "/" + name; }
+  // Writes `bytes` into a file of that name and returns its path.
+  std::string Write(const std::string& name, const std::string& bytes) const;
+
+ private:
+  std::string path_;
+};
+
+// The folder of real CAD files; empty if there is none (tests skip).
+std::string CadFolder();
+
+Result<Conversion> ConvertShape(const TopoDS_Shape& shape);
+// Through the readers, as the command does.
+Result<Conversion> ConvertFile(const std::string& path);
+
+// Twice the signed area that all loops enclose in (u, v), by fine polygons.
+double SignedArea(const FaceLoops& loops);
+
+// The trimmed area of a face of the model: Gauss-Legendre in v between loop crossings, in u between ends of segments. Good to
+// about 1e-4 of the area.
+double TrimmedArea(const Model& model, std::uint32_t face);
+
+}  // namespace facetless
