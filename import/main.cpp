@@ -167,18 +167,26 @@ int Import(const CommandLine& options) {
   return kExitDone;
 }
 
+int Run(int argc, char** argv) {
+  const auto options = ParseCommandLine(argc, argv);
+  if (!options.ok()) {
+    std::cerr << options.error().message << "\n";
+    return Fail(options.error());
+  }
+  if (options.value().help) {
+    std::cout << CommandLineHelp();
+    return kExitDone;
+  }
+  return Import(options.value());
+}
+
 }  // namespace
 }  // namespace facetless
 
 int main(int argc, char** argv) {
-  const auto options = facetless::ParseCommandLine(argc, argv);
-  if (!options.ok()) {
-    std::cerr << options.error().message << "\n";
-    return facetless::Fail(options.error());
-  }
-  if (options.value().help) {
-    std::cout << facetless::CommandLineHelp();
-    return facetless::kExitDone;
-  }
-  return facetless::Import(options.value());
+  const int code = facetless::Run(argc, argv);
+  std::cout.flush();
+  // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool: every tenth run or so dies in
+  // them, so leave without.
+  std::_Exit(code);
 }

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -133,6 +134,16 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
                name + ": the importer died of " + SignalName(outcome.signal) + " while reading it"};
 }
 
+// ": " and the last line that is no progress; nothing if there is none.
+std::string LastLine(const std::string& text) {
+  std::string last;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && !line.starts_with("progress ")) last = ": " + line;
+  }
+  return last;
+}
+
 }  // namespace
 
 ErrorCode ErrorCodeFromName(const std::string& name) {
@@ -191,15 +202,16 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
   files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
-  if (!files.summary.is_object())
-    return Error{ErrorCode::kInternal, name + ": the importer ended with code " +
-                                           std::to_string(outcome.exit_code) + " and gave no answer"};
-  if (outcome.exit_code != 0 || !files.summary.value("ok", false)) {
-    const nlohmann::json error = files.summary.value("error", nlohmann::json::object());
-    return Error{
-        ErrorCodeFromName(error.value("code", "internal")),
-        error.value("message", name + ": the importer ended with code " + std::to_string(outcome.exit_code))};
+  const bool answered = files.summary.is_object();
+  if (answered && files.summary.contains("error")) {
+    const nlohmann::json& error = files.summary["error"];
+    return Error{ErrorCodeFromName(error.value("code", "internal")),
+                 error.value("message", name + ": no reason given")};
   }
+  if (!answered || outcome.exit_code != 0)
+    return Error{ErrorCode::kImporterCrashed, name + ": the importer gave up with exit code " +
+                                                  std::to_string(outcome.exit_code) +
+                                                  LastLine(outcome.error_tail)};
   return files;
 }
 

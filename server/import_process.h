@@ -54,7 +54,7 @@ struct ImportedFiles {
   std::uint64_t peak_bytes = 0;
 };
 
-// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal); kLimitExceeded
+// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last words); kLimitExceeded
 // (names the limit and the option that raises it); kCancelled; kInternal (no importer, or an answer that is
 // none); and whatever the importer reports.
 Result<ImportedFiles> RunImporter(const ImportRequest& request);

@@ -221,7 +221,7 @@ TEST_F(HttpService, SurvivesWhatFilesDoToTheImporter) {
   EXPECT_EQ(hanging.status, 504);
   EXPECT_EQ(hanging.Problem(), "timeout");
   EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "flood"}}).status, 504);
-  EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "garbage"}}).status, 500);
+  EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "garbage"}}).status, 422);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "memory"}}).Problem(), "limit-exceeded");
 #endif

@@ -92,7 +92,7 @@ TEST_F(CommandLine, SaysInOneSentenceWhyAFileCannotBeUsed) {
   EXPECT_EQ(unusable.error_tail, "facetless: nothing in here\n");
   EXPECT_EQ(unusable.out, "");
   EXPECT_EQ(RunFake("inspect", "crash", {}).exit_code, kExitUnusable);
-  EXPECT_EQ(RunFake("inspect", "garbage", {}).exit_code, kExitInternal);
+  EXPECT_EQ(RunFake("inspect", "garbage", {}).exit_code, kExitUnusable);
   const ChildOutcome hanging = RunFake("inspect", "hang", {"--import-timeout", "0.3"});
   EXPECT_EQ(hanging.exit_code, kExitUnusable);
   EXPECT_THAT(hanging.error_tail, HasSubstr("--import-timeout allows more"));

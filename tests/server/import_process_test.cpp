@@ -116,9 +116,12 @@ TEST_F(ImportProcess, StopsWhenAsked) {
 }
 
 TEST_F(ImportProcess, MistrustsAnAnswerThatIsNone) {
+  const Error unknown = ErrorOf(Request("no such mode"));
+  EXPECT_EQ(unknown.code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(unknown.message, HasSubstr("exit code 70: unknown mode no"));
   const Error error = ErrorOf(Request("garbage"));
-  EXPECT_EQ(error.code, ErrorCode::kInternal);
-  EXPECT_THAT(error.message, HasSubstr("gave no answer"));
+  EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(error.message, HasSubstr("gave up with exit code 0"));
 }
 
 TEST_F(ImportProcess, AllowsNeitherSocketsNorProcesses) {
