@@ -11,7 +11,7 @@
 //     depth than to this pixel's. A face that the mesh lacks is no border: nothing within a pixel explains
 //     it, and it counts.
 //  4. deviation_mm = |depth difference| · |N · D|, D the ray at depth 1: the distance between the surfaces,
-//     to first order.
+//     to first order (too large within some pixels of a silhouette, where the surface bends away from the ray).
 #pragma once
 
 #include <cstdint>

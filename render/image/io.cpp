@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <new>
+#include <string_view>
 
 #include "render/image/atomic_file.h"
 
@@ -18,8 +19,10 @@ constexpr int kMaxPixels = 65536;
 
 // Encodes an image in memory and writes it; `format` is an OpenImageIO plugin, `type` that of the bytes at
 // `pixels`.
-Result<void> WriteImage(const std::string& path, const char* format, const OIIO::ImageSpec& spec,
+Result<void> WriteImage(const std::string& path, const char* format, OIIO::ImageSpec spec,
                         OIIO::TypeDesc type, const void* pixels) {
+  // OpenImageIO would write today's date; this is Exif's way to say that it is unknown.
+  if (std::string_view(format) != "png") spec.attribute("DateTime", "    :  :     :  :  ");
   std::vector<unsigned char> bytes;
   try {
     OIIO::Filesystem::IOVecOutput memory(bytes);

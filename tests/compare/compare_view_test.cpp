@@ -1,0 +1,210 @@
+// One view from model and mesh to report: a sphere against its tessellation, where everything has a closed form.
+#include "render/compare/compare_view.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "render/compare/report.h"
+#include "tests/support/shapes.h"
+
+namespace facetless {
+namespace {
+
+using testing::ModelOf;
+using testing::Sphere;
+
+constexpr double kRadius = 10;
+
+// Longitude × latitude quads, two triangles each, with exact normals.
+Mesh SphereMesh(int longitudes, bool from_model) {
+  Mesh mesh;
+  MeshPart part;
+  const int latitudes = longitudes / 2;
+  for (int j = 0; j <= latitudes; ++j)
+    for (int i = 0; i <= longitudes; ++i) {
+      const double u = 2 * std::numbers::pi * (i % longitudes) / longitudes;
+      const double v = std::numbers::pi * (static_cast<double>(j) / latitudes - 0.5);
+      const double ring = j == 0 || j == latitudes ? 0 : std::cos(v);
+      const Vec3 n{ring * std::cos(u), ring * std::sin(u), std::sin(v)};
+      part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+      part.positions.push_back({static_cast<float>(kRadius * n.x), static_cast<float>(kRadius * n.y),
+                                static_cast<float>(kRadius * n.z)});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
+  for (int j = 0; j < latitudes; ++j)
+    for (int i = 0; i < longitudes; ++i) {
+      if (j > 0) part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      if (j + 1 < latitudes) part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  part.face_of_triangle.assign(part.triangles.size(), 0);
+  mesh.parts.push_back(std::move(part));
+  mesh.nodes.push_back({0, {}, 0});
+  mesh.from_model = from_model;
+  return mesh;
+}
+
+// The largest distance of a facet to the sphere: over the diagonal of an equatorial quad.
+double Sagitta(int longitudes) {
+  return kRadius * (1 - std::cos(std::numbers::pi / longitudes * std::numbers::sqrt2));
+}
+
+class SphereView : public ::testing::Test {
+ protected:
+  SphereView() : model_(ModelOf({Sphere({0, 0, 0}, kRadius)})), scene_(model_) {
+    model_.faces[0].name = "ball";
+    model_.faces[0].has_color = true;
+    model_.faces[0].color = {0.8f, 0.3f, 0.2f};
+  }
+
+  ViewComparison Compare(const Mesh& mesh, const ViewOptions& options = {}, int size = 128) {
+    const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
+    const Result<Camera> camera = NamedView("iso", model_.bounds, Projection::kPerspective, size, size);
+    Result<ViewComparison> comparison = CompareView(scene_, baseline.value(), camera.value(), options);
+    EXPECT_TRUE(comparison.ok()) << comparison.error().message;
+    json_ = ComparisonJson(comparison.value(), baseline.value());
+    return std::move(comparison).value();
+  }
+
+  Model model_;
+  Scene scene_;
+  nlohmann::json json_;
+};
+
+TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
+  double last = 0;
+  for (int longitudes : {32, 64, 128}) {
+    const ViewComparison c = Compare(SphereMesh(longitudes, true));
+    const double sagitta = Sagitta(longitudes), typical = c.difference.deviation_mm.p99;
+    EXPECT_LE(typical, sagitta) << longitudes;
+    EXPECT_GE(typical, 0.8 * sagitta) << longitudes;
+    // |N·D| times the difference along the ray is the distance to first order: at the rim, where the sphere bends away
+    // from the ray, it is too large.
+    EXPECT_LE(c.difference.deviation_mm.max, 1.5 * sagitta) << longitudes;
+    EXPECT_GT(c.difference.depth_mm.mean, 0) << "an inscribed mesh lies farther from the eye";
+    if (last > 0) {
+      EXPECT_NEAR(last / typical, 4, 0.3);
+    }
+    last = typical;
+    EXPECT_LT(c.difference.silhouette.max_distance_px, 2);
+    EXPECT_EQ(c.difference.faces.size(), 1u);
+    EXPECT_NE(c.difference.faces[0].name.find("ball"), std::string::npos);
+  }
+}
+
+TEST_F(SphereView, BothTracersShadeAlike) {
+  const ViewComparison c = Compare(SphereMesh(512, true));
+  EXPECT_GT(c.difference.color.ssim, 0.99);
+  EXPECT_LT(c.difference.color.flip_mean, 0.01);
+  EXPECT_LT(c.difference.normal_deg.p95, 0.2);
+  // The face's colour reaches both pictures.
+  for (const Image8* image : {&c.direct.image, &c.baseline.image}) {
+    const std::uint8_t* middle = image->at(64, 64);
+    EXPECT_GT(middle[0], middle[2] + 40);
+  }
+}
+
+TEST_F(SphereView, AForeignMeshBorrowsTheColours) {
+  const ViewComparison own = Compare(SphereMesh(256, true)), foreign = Compare(SphereMesh(256, false));
+  EXPECT_EQ(own.baseline.image.bytes, foreign.baseline.image.bytes);
+  EXPECT_FALSE(foreign.difference.faces_known);
+  EXPECT_TRUE(json_["difference"]["other_face"].is_null());
+}
+
+TEST_F(SphereView, SupersamplingChangesTheColourAndNothingElse) {
+  ViewOptions options;
+  const Mesh mesh = SphereMesh(64, true);
+  const ViewComparison plain = Compare(mesh, options);
+  options.samples = 6;
+  const ViewComparison smooth = Compare(mesh, options);
+  EXPECT_EQ(plain.direct.samples.depth, smooth.direct.samples.depth);
+  EXPECT_EQ(plain.baseline.samples.depth, smooth.baseline.samples.depth);
+  EXPECT_NE(plain.direct.image.bytes, smooth.direct.image.bytes);
+  EXPECT_EQ(smooth.direct.image.width, 128);
+  EXPECT_EQ(smooth.direct.image.height, 128);
+  EXPECT_EQ(smooth.direct.grid.x, 3);
+  EXPECT_EQ(smooth.direct.grid.y, 2);
+  EXPECT_EQ(plain.direct.color_ms, 0);
+  EXPECT_GT(smooth.direct.color_ms, 0);
+  EXPECT_GT(smooth.direct.peak_bytes, plain.direct.peak_bytes);
+}
+
+TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
+  ViewOptions options;
+  options.samples = 4;
+  options.edges = true;
+  const ViewComparison compared = Compare(SphereMesh(64, true), options);
+  for (int threads : {1, 5}) {
+    options.threads = threads;
+    const Result<DirectView> alone = RenderView(scene_, compared.camera, options);
+    ASSERT_TRUE(alone.ok());
+    EXPECT_EQ(alone.value().image.bytes, compared.direct.image.bytes);
+  }
+}
+
+TEST_F(SphereView, TimesAreDisjointAndAddUp) {
+  ViewOptions options;
+  options.samples = 4;
+  const ViewComparison c = Compare(SphereMesh(64, true), options);
+  EXPECT_LE(c.direct.stats.prepare_ms + c.direct.stats.trace_ms + c.direct.color_ms + c.direct.shade_ms,
+            c.direct.total_ms);
+  EXPECT_LE(c.baseline.stats.trace_ms + c.baseline.color_ms + c.baseline.shade_ms, c.baseline.total_ms);
+  EXPECT_GT(c.direct.shade_ms, 0);
+}
+
+TEST_F(SphereView, TheReportHasEveryPromisedName) {
+  Compare(SphereMesh(64, true));
+  const auto has = [](const nlohmann::json& object, std::initializer_list<const char*> keys) {
+    for (const char* key : keys) EXPECT_TRUE(object.contains(key)) << key;
+  };
+  has(json_, {"name", "camera", "direct", "baseline", "difference"});
+  has(json_["camera"], {"eye", "target", "up", "projection", "fov_y_deg", "width", "height_px"});
+  has(json_["direct"],
+      {"timing_ms", "rays", "hits", "leaves", "solves", "iterations", "certified", "converged", "unresolved",
+       "certified_hits", "odd_rays", "reverse_mismatches", "unseen_faces", "bmssm", "peak_bytes"});
+  has(json_["direct"]["timing_ms"], {"prepare", "trace", "shade", "total"});
+  has(json_["direct"]["bmssm"], {"bits", "bytes"});
+  has(json_["baseline"],
+      {"triangles", "deflection_mm", "angular_deg", "faces_unmeshed", "timing_ms", "peak_bytes"});
+  has(json_["baseline"]["timing_ms"], {"mesh", "build", "trace", "shade", "total"});
+  const nlohmann::json& direct = json_["direct"];
+  EXPECT_EQ(direct["certified"].get<int>() + direct["converged"].get<int>() + direct["unresolved"].get<int>(),
+            128 * 128);
+  has(ModelJson(model_),
+      {"file", "sha256", "format", "unit", "diagonal_mm", "bounds_mm", "solids", "faces", "faces_skipped",
+       "loops_lost", "faces_approximated", "surfaces", "patches", "import_ms", "import_peak_bytes"});
+  EXPECT_EQ(ModelJson(model_)["surfaces"]["sphere"], 1);
+}
+
+TEST_F(SphereView, RefusesBadOptionsAndCanBeCancelled) {
+  const Camera camera = NamedView("iso", model_.bounds, Projection::kOrthographic, 16, 16).value();
+  ViewOptions options;
+  options.samples = 0;
+  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
+  options.samples = 65;
+  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
+  options = {};
+  options.threads = -1;
+  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
+  options = {};
+  const std::atomic<bool> cancel{true};
+  options.cancel = &cancel;
+  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kCancelled);
+}
+
+TEST(SampleGrid, IsAsEvenAsItCanBe) {
+  const auto is = [](int samples, int x, int y) {
+    const SampleGrid grid = GridOf(samples);
+    return grid.x == x && grid.y == y;
+  };
+  EXPECT_TRUE(is(1, 1, 1));
+  EXPECT_TRUE(is(2, 2, 1));
+  EXPECT_TRUE(is(4, 2, 2));
+  EXPECT_TRUE(is(7, 7, 1));
+  EXPECT_TRUE(is(8, 4, 2));
+  EXPECT_TRUE(is(64, 8, 8));
+}
+
+}  // namespace
+}  // namespace facetless

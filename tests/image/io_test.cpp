@@ -1,0 +1,156 @@
+// Image files: what goes out comes back, in full or not at all.
+#include "render/image/io.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "render/image/atomic_file.h"
+
+namespace facetless {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("facetless-io-" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  std::size_t FileCount() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  static std::string Read(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  }
+  fs::path folder_;
+};
+
+Image8 Pattern(int width, int height, int channels) {
+  Image8 image{width, height, channels, {}};
+  for (int i = 0; i < width * height * channels; ++i)
+    image.bytes.push_back(static_cast<std::uint8_t>(37 * i + i / 7));
+  return image;
+}
+
+TEST_F(ImageFiles, PngComesBackByteForByte) {
+  for (int channels : {3, 4}) {
+    const Image8 image = Pattern(31, 17, channels);
+    ASSERT_TRUE(WritePng(Path("a.png"), image).ok());
+    const Result<Image8> back = ReadPng(Path("a.png"));
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(back.value().width, 31);
+    EXPECT_EQ(back.value().height, 17);
+    EXPECT_EQ(back.value().channels, channels);
+    EXPECT_EQ(back.value().bytes, image.bytes) << "alpha is not multiplied in";
+  }
+  EXPECT_EQ(FileCount(), 1u) << "no temporary file stays";
+}
+
+TEST_F(ImageFiles, DepthComesBackBitForBit) {
+  std::vector<double> depth = {1.0 / 3, -1e-300, 1e300, INFINITY, 0.1, 7};
+  ASSERT_TRUE(WriteDepth(Path("d.tif"), 3, 2, depth).ok());
+  const Result<DepthImage> back = ReadDepth(Path("d.tif"));
+  ASSERT_TRUE(back.ok()) << back.error().message;
+  EXPECT_EQ(back.value().width, 3);
+  EXPECT_EQ(back.value().depth, depth);
+  depth[2] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(WriteDepth(Path("d.tif"), 3, 2, depth).ok());
+  EXPECT_TRUE(std::isnan(ReadDepth(Path("d.tif")).value().depth[2])) << "a NaN is not hidden";
+}
+
+TEST_F(ImageFiles, TheSamePictureGivesTheSameBytes) {
+  SampleBuffer samples;
+  samples.Resize(20, 10);
+  ASSERT_TRUE(WritePng(Path("1.png"), Pattern(20, 10, 3)).ok());
+  ASSERT_TRUE(WriteDepth(Path("1.tif"), 20, 10, samples.depth).ok());
+  ASSERT_TRUE(WriteAovs(Path("1.exr"), samples, {}).ok());
+  ::sleep(1);  // a date in a file would have changed by now
+  ASSERT_TRUE(WritePng(Path("2.png"), Pattern(20, 10, 3)).ok());
+  ASSERT_TRUE(WriteDepth(Path("2.tif"), 20, 10, samples.depth).ok());
+  ASSERT_TRUE(WriteAovs(Path("2.exr"), samples, {}).ok());
+  for (const char* extension : {".png", ".tif", ".exr"})
+    EXPECT_EQ(Read(Path(std::string("1") + extension)), Read(Path(std::string("2") + extension)))
+        << extension;
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  for (const char* name : {"1.png", "1.tif", "1.exr"})
+    EXPECT_EQ(Read(Path(name)).find(host), std::string::npos) << name << " names this machine";
+}
+
+TEST_F(ImageFiles, AovsNameTheirChannels) {
+  SampleBuffer samples;
+  samples.Resize(4, 3);
+  samples.uv.resize(12);
+  samples.certificate.resize(12);
+  AovSelection all;
+  all.uv = all.certificate = true;
+  const std::vector<float> curvature(12, 0.5f);
+  all.curvature = &curvature;
+  ASSERT_TRUE(WriteAovs(Path("a.exr"), samples, all).ok());
+  const std::string bytes = Read(Path("a.exr"));
+  for (const char* channel : {"depth.Z", "normal.X", "normal.Y", "normal.Z", "face.id", "uv.U", "uv.V",
+                              "certificate.C", "curvature.H"})
+    EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
+  samples.uv.clear();
+  EXPECT_EQ(WriteAovs(Path("b.exr"), samples, all).error().code, ErrorCode::kBadUsage);
+  EXPECT_FALSE(fs::exists(Path("b.exr")));
+}
+
+TEST_F(ImageFiles, AFailedWriteLeavesNothingAndHarmsNothing) {
+  EXPECT_EQ(WritePng("/nowhere/at/all.png", Pattern(2, 2, 3)).error().code, ErrorCode::kWriteFailed);
+  EXPECT_NE(WritePng("/nowhere/at/all.png", Pattern(2, 2, 3)).error().message.find("/nowhere/at/all.png"),
+            std::string::npos);
+  // A folder in the way: the rename fails, and the temporary file goes.
+  fs::create_directories(Path("taken.png") + "/inside");
+  EXPECT_EQ(WritePng(Path("taken.png"), Pattern(2, 2, 3)).error().code, ErrorCode::kWriteFailed);
+  EXPECT_EQ(FileCount(), 1u);
+  Image8 wrong = Pattern(2, 2, 3);
+  wrong.bytes.pop_back();
+  EXPECT_EQ(WritePng(Path("x.png"), wrong).error().code, ErrorCode::kSizeMismatch);
+  EXPECT_EQ(WriteDepth(Path("x.tif"), 2, 2, std::vector<double>(3)).error().code, ErrorCode::kSizeMismatch);
+}
+
+TEST_F(ImageFiles, AFullDiskIsAnError) {
+  // A limit on the file size stands in for a full disk: the write comes up short, with an errno.
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{100, 100};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    const Result<void> written = WriteAtomically(Path("full.bin"), std::vector<unsigned char>(1000));
+    ::_exit(!written.ok() && written.error().code == ErrorCode::kWriteFailed ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(FileCount(), 0u);
+}
+
+TEST_F(ImageFiles, ReadingRefusesWhatIsNoImage) {
+  EXPECT_EQ(ReadPng(Path("absent.png")).error().code, ErrorCode::kFileUnreadable);
+  EXPECT_EQ(ReadPng(folder_.string()).error().code, ErrorCode::kFileUnreadable);
+  std::ofstream(Path("text.png")) << "this is no picture";
+  EXPECT_EQ(ReadPng(Path("text.png")).error().code, ErrorCode::kFormatUnknown);
+  ASSERT_TRUE(WritePng(Path("whole.png"), Pattern(64, 64, 3)).ok());
+  const std::string whole = Read(Path("whole.png"));
+  std::ofstream(Path("cut.png"), std::ios::binary) << whole.substr(0, whole.size() / 2);
+  EXPECT_EQ(ReadPng(Path("cut.png")).error().code, ErrorCode::kFormatBroken);
+  ASSERT_TRUE(WritePng(Path("picture.png"), Pattern(8, 8, 3)).ok());
+  EXPECT_EQ(ReadDepth(Path("picture.png")).error().code, ErrorCode::kFormatUnknown);
+}
+
+}  // namespace
+}  // namespace facetless
