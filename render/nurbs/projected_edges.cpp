@@ -206,12 +206,25 @@ bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobia
   return (side == Side::kPositive) == material_positive;
 }
 
+namespace {
+
+// Whether the ray passes the edge too far off for the p-curve and the edge to disagree on it: they are a gap apart at the most.
+// Twice the gap allows for how it was measured, the rest for the rounding of a projected edge, in samples.
+bool OutOfReach(const Coedge& coedge, const EdgeSide& side, double mm_per_px) {
+  constexpr double kRoundingPx = 0x1p-20;
+  return side.distance_px > 2 * coedge.gap_mm / mm_per_px + kRoundingPx;
+}
+
+}  // namespace
+
 EdgeVerdict DecideAtEdge(const Model& model, const ProjectedEdges& edges, const TrimAnswer& answer, double x,
-                         double y, bool jacobian_positive) {
+                         double y, double mm_per_px, bool jacobian_positive) {
   if (answer.coedge == kNoIndex) return EdgeVerdict::kUnknown;
   const Coedge& one = model.coedges[answer.coedge];
   const EdgeSide side = edges.SideOf(one.edge, answer.edge_parameter, x, y);
   if (side.side == Side::kUnknown) return EdgeVerdict::kUnknown;
+  // At grazing incidence the band in (u,v) is wide; seen along the ray it is not.
+  if (answer.certain && OutOfReach(one, side, mm_per_px)) return EdgeVerdict::kUnknown;
   const bool keeps = EdgeKeeps(one, answer.material_left, side.side, jacobian_positive);
   const EdgeVerdict verdict = keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop;
   if (answer.other_coedge == kNoIndex || answer.other_material_left != answer.material_left) return verdict;

@@ -61,9 +61,9 @@ bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobia
 
 enum class EdgeVerdict : std::uint8_t { kKeep, kDrop, kUnknown };
 
-// The whole rule for a trim answer with a coedge: one edge, or the two of a corner. kUnknown: go by
-// answer.inside.
+// The whole rule for a trim answer with a coedge: one edge, or the two of a corner. `mm_per_px`: the size of a pixel at the hit's
+// depth. kUnknown: go by answer.inside, because the edge can't say, or because the ray passes it farther off than its gap.
 EdgeVerdict DecideAtEdge(const Model& model, const ProjectedEdges& edges, const TrimAnswer& answer, double x,
-                         double y, bool jacobian_positive);
+                         double y, double mm_per_px, bool jacobian_positive);
 
 }  // namespace facetless

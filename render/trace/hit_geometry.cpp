@@ -50,6 +50,7 @@ Jet Bernstein(const double* c, int degree_u, int degree_v, double s, double t) {
 
 struct Tangents {
   Vec3 ds, dt;
+  double depth;
 };
 
 Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y,
@@ -92,13 +93,15 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
   if (!perspective) {
     const double depth = q.f / w.f;
     return {{xs * frame.pixel_x, ys * frame.pixel_y, (q.ds - depth * w.ds) / w.f},
-            {xt * frame.pixel_x, yt * frame.pixel_y, (q.dt - depth * w.dt) / w.f}};
+            {xt * frame.pixel_x, yt * frame.pixel_y, (q.dt - depth * w.dt) / w.f},
+            (leaf.flags & kLeafHard) ? depth : leaf.depth_scale + depth};
   }
   const double scale = (leaf.flags & kLeafHard) ? 1 : leaf.depth_scale;
   const double depth = scale * w.f / q.f;
   const double depth_s = (scale * w.ds - depth * q.ds) / q.f, depth_t = (scale * w.dt - depth * q.dt) / q.f;
   return {{(depth_s * x + depth * xs) * frame.pixel_x, (depth_s * y + depth * ys) * frame.pixel_y, depth_s},
-          {(depth_t * x + depth * xt) * frame.pixel_x, (depth_t * y + depth * yt) * frame.pixel_y, depth_t}};
+          {(depth_t * x + depth * xt) * frame.pixel_x, (depth_t * y + depth * yt) * frame.pixel_y, depth_t},
+          depth};
 }
 
 // Below this sine of the angle between the tangents, or ratio of their lengths, ds × dt is mostly rounding: half the digits are gone.
@@ -111,6 +114,7 @@ HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y
   Tangents tangents = EvaluateTangents(leaf, s, t, x, y, frame);
   hit.ds = tangents.ds;
   hit.dt = tangents.dt;
+  hit.depth = tangents.depth;
   Vec3 normal = Cross(tangents.ds, tangents.dt);
   // At a pole step back towards the middle, where the tangents span a plane again.
   for (double back = 0x1p-16; back <= 1; back *= 16) {

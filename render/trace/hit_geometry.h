@@ -11,6 +11,7 @@ struct HitGeometry {
   Vec3 ds,
       dt;  // derivatives of the surface point by s and t, mm, in the camera's axes (right, down, forward)
   Vec3 normal;        // unit, along ds × dt, model axes; (0,0,0) where both ways to find one fail
+  double depth = 0;   // mm along the view direction
   double cosine = 0;  // |normal · ray direction|
 };
 

@@ -121,9 +121,11 @@ bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x
 
   // In an edge's band, both faces ask the edge itself.
   if (answer.coedge != kNoIndex && jacobian_sign != 0) {
-    const EdgeVerdict verdict = DecideAtEdge(*shared_.scene.model, shared_.edges[placed.instance], answer,
-                                             x + 0.5 * shared_.camera.width_px,
-                                             y + 0.5 * shared_.camera.height_px, jacobian_sign > 0);
+    const double mm_per_px = std::max(shared_.frame.pixel_x, shared_.frame.pixel_y) *
+                             (shared_.frame.projection == Projection::kPerspective ? geometry.depth : 1);
+    const EdgeVerdict verdict = DecideAtEdge(
+        *shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
+        y + 0.5 * shared_.camera.height_px, mm_per_px, jacobian_sign > 0);
     if (verdict != EdgeVerdict::kUnknown) return verdict == EdgeVerdict::kKeep;
   }
   if (!answer.certain) *hit_doubt |= kDoubtTrim;

