@@ -32,6 +32,7 @@ const bytes = (value) => {
   return `${step === 0 ? value : value.toPrecision(3)} ${steps[step]}`;
 };
 const milliseconds = (value) => (value >= 10000 ? `${(value / 1000).toPrecision(3)} s` : value === undefined || value === null ? "–" : `${number(value >= 100 ? Math.round(value) : value)} ms`);
+const count = (value, what) => `${number(value)} ${what}${value === 1 ? "" : "s"}`;
 const share = (value) => (value === null || value === undefined ? "–" : `${number(value * 100)} %`);
 
 const table = (head, rows) =>
@@ -153,7 +154,7 @@ const differenceTables = (d) => {
       table(["", "mean", "p50", "p95", "p99", "max"], [spread("surfaces, mm", d.deviation_mm), spread("along the ray, mm", d.depth_mm)]),
       element("p", { class: "facts" }, `Positions of the mesh are known to ${number(d.noise_mm)} mm.`)),
     element("div", {}, element("h3", {}, "Picture"),
-      table(null, [["FLIP, mean", number(d.color.flip_mean)], ["FLIP, 95 %", number(d.color.flip_p95)], ["SSIM", number(d.color.ssim)],
+      table(null, [["FLIP, mean", number(d.color.flip_mean)], ["FLIP, 95 %", number(d.color.flip_p95)], ["SSIM", d.color.ssim.toFixed(4)],
         ["PSNR", d.color.psnr === null ? "equal" : `${number(d.color.psnr)} dB`], ["Pixels that differ", share(d.color.share_over_threshold)],
         ["Silhouette", `${number(d.silhouette.pixels)} px, up to ${d.silhouette.max_distance_px === null ? "∞" : number(d.silhouette.max_distance_px)} px off`],
         ["Normals, p95 and max", `${number(d.normal_deg.p95)}°, ${number(d.normal_deg.max)}°`]])),
@@ -164,7 +165,7 @@ const costTable = (view) => {
   const direct = view.direct, baseline = view.baseline || {}, dt = direct.timing_ms, bt = baseline.timing_ms || {};
   const rows = [["Mesh", "–", milliseconds(bt.mesh)], ["Build, prepare", milliseconds(dt.prepare), milliseconds(bt.build)], ["Trace", milliseconds(dt.trace), milliseconds(bt.trace)],
     ["Shade", milliseconds(dt.shade), milliseconds(bt.shade)], ["Total", milliseconds(dt.total), milliseconds(bt.total)], ["Memory", bytes(direct.peak_bytes), bytes(baseline.peak_bytes)],
-    ["Size", `${number(direct.leaves)} leaves`, `${number(baseline.triangles)} triangles`]];
+    ["Size", `${number(direct.leaves)} leaves`, count(baseline.triangles, "triangle")]];
   return element("div", {}, element("h3", {}, "Cost"),
     view.baseline ? table(["", "direct", "baseline"], rows) : table(["", "direct"], rows.slice(1).map((row) => row.slice(0, 2))));
 };
@@ -200,7 +201,7 @@ const showReport = (root, report, pictureOf) => {
   const model = report.model;
   const lost = ["faces_skipped", "loops_lost", "edges_lost"].reduce((sum, key) => sum + (model[key] || []).length, 0);
   const broken = report.verdict && report.verdict.broken.length > 0;
-  const facts = [model.format, model.unit && `in ${model.unit}`, `${number(model.faces)} faces`, model.solids && `${number(model.solids)} solids`, model.patches && `${number(model.patches)} patches`, `${number(model.diagonal_mm)} mm across`, `read in ${milliseconds(model.import_ms)}`].filter(Boolean);
+  const facts = [model.format, model.unit && `in ${model.unit}`, count(model.faces, "face"), model.solids && count(model.solids, "solid"), model.patches && `${number(model.patches)} Bézier patches`, `${number(model.diagonal_mm)} mm across`, `read in ${milliseconds(model.import_ms)}`].filter(Boolean);
   const surfaces = Object.entries(model.surfaces || {}).filter(([, count]) => count > 0);
   root.replaceChildren(...[
     element("h1", {}, model.file || "Report"),
