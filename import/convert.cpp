@@ -45,17 +45,19 @@ void FindLargestGap(Model& model) {
 }
 
 Error NothingUsable(const ImportInfo& info) {
-  if (info.faces_declared == 0)
-    return {ErrorCode::kNothingUsable,
-            info.file + " holds no face: no trimmed surface, shell or solid to render."};
-  std::string message =
-      "None of the " + std::to_string(info.faces_declared) + " faces of " + info.file + " can be used";
-  if (!info.faces_lost.empty()) {
-    const Loss& loss = info.faces_lost.front();
-    message +=
-        "; the first is " + (loss.entity.empty() ? std::string("unnamed") : loss.entity) + ": " + loss.reason;
+  std::string message;
+  if (info.faces_declared == 0) {
+    message = info.file + " holds no face: no trimmed surface, shell or solid to render.";
+  } else {
+    message =
+        "None of the " + std::to_string(info.faces_declared) + " faces of " + info.file + " can be used";
+    if (!info.faces_lost.empty()) {
+      const Loss& loss = info.faces_lost.front();
+      message += "; the first is " + (loss.entity.empty() ? std::string("unnamed") : loss.entity) + ": " +
+                 loss.reason;
+    }
+    message += ".";
   }
-  message += ".";
   for (const std::string& warning : info.warnings) message += " " + warning;
   return {ErrorCode::kNothingUsable, message};
 }

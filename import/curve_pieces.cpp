@@ -26,6 +26,8 @@ namespace {
 constexpr double kRelativeTolerance = 1e-10;
 // A smooth stretch is halved at most this often: 2^-10 of it is either good enough or not smooth.
 constexpr int kMaxHalvings = 10;
+// More turns than any thread or spring has; a damaged range must not fill the memory.
+constexpr double kMaxTurns = 4096;
 
 Vec4 Affine(Vec3 p) {
   return {p.x, p.y, p.z, 1};
@@ -171,6 +173,8 @@ Result<CurvePieces> PiecesOf(const Handle(Geom_Curve) & trimmed, double first, d
       Precision::IsInfinite(last))
     return Error{ErrorCode::kFormatBroken, "a curve has an empty or infinite parameter range"};
   const Handle(Geom_Curve) curve = Untrimmed(trimmed);
+  if (curve->IsPeriodic() && last - first > kMaxTurns * curve->Period())
+    return Error{ErrorCode::kLimitExceeded, "a curve goes around more than 4096 times"};
   if (const auto line = Handle(Geom_Line)::DownCast(curve); !line.IsNull())
     return Checked({{LinePiece(line->Lin(), first, last)}});
   if (const auto circle = Handle(Geom_Circle)::DownCast(curve); !circle.IsNull()) {

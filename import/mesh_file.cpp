@@ -28,8 +28,9 @@ struct FaceMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Directions that are singular in one parameter have no normal of their own: take that of the facets around the node.
-void FillMissingNormals(FaceMesh& mesh) {
+// Gives normals their side and fills those that are missing: the exact one where a parameter line has collapsed to a point is known up to
+// its sign, and where nothing is known that of the facets around the node serves.
+void FinishNormals(const std::vector<bool>& unsigned_normal, FaceMesh& mesh) {
   std::vector<Vec3> facets(mesh.positions.size());
   for (const auto& triangle : mesh.triangles) {
     const Vec3 a = mesh.positions[triangle[0]], b = mesh.positions[triangle[1]],
@@ -38,9 +39,25 @@ void FillMissingNormals(FaceMesh& mesh) {
   }
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     if (Length(mesh.normals[i]) == 0) mesh.normals[i] = Normalized(facets[i]);
+    if (unsigned_normal[i] && Dot(mesh.normals[i], facets[i]) < 0) mesh.normals[i] = -mesh.normals[i];
     // A node without a facet still needs a unit vector.
     if (Length(mesh.normals[i]) == 0) mesh.normals[i] = {0, 0, 1};
   }
+}
+
+// The surface's unit normal at (u, v), zero if it has none. Where one derivative vanishes the mixed one has its direction (*sign_unknown).
+Vec3 NormalAt(const GeomAdaptor_Surface& surface, gp_Pnt2d uv, const gp_Trsf& placement, bool* sign_unknown) {
+  gp_Pnt point;
+  gp_Vec du, dv, duu, dvv, duv;
+  surface.D2(uv.X(), uv.Y(), point, du, dv, duu, dvv, duv);
+  // What is left of a derivative after cancellation is noise of this size.
+  const double collapsed = 1e-10 * std::fmax(du.Magnitude(), dv.Magnitude());
+  *sign_unknown = !(du.Magnitude() > collapsed) || !(dv.Magnitude() > collapsed);
+  if (!(du.Magnitude() > collapsed)) du = duv;
+  if (!(dv.Magnitude() > collapsed)) dv = duv;
+  du.Transform(placement);
+  dv.Transform(placement);
+  return Normalized(Cross(ToVec3(du.XYZ()), ToVec3(dv.XYZ())));
 }
 
 FaceMesh MeshOf(const TopoDS_Face& face) {
@@ -52,24 +69,15 @@ FaceMesh MeshOf(const TopoDS_Face& face) {
   TopLoc_Location surface_location;
   const GeomAdaptor_Surface surface(Untrimmed(BRep_Tool::Surface(face, surface_location)));
   const bool reversed = face.Orientation() == TopAbs_REVERSED;
+  std::vector<bool> unsigned_normal;
   for (int i = 1; i <= triangulation->NbNodes(); ++i) {
     mesh.positions.push_back(ToVec3(triangulation->Node(i).Transformed(placement).XYZ()));
+    bool sign_unknown = false;
     Vec3 normal;
-    if (triangulation->HasUVNodes()) {
-      gp_Pnt point;
-      gp_Vec du, dv;
-      const gp_Pnt2d uv = triangulation->UVNode(i);
-      surface.D1(uv.X(), uv.Y(), point, du, dv);
-      // At a pole one derivative vanishes up to rounding, and the product's direction is noise.
-      const double collapsed = 1e-10 * std::fmax(du.Magnitude(), dv.Magnitude());
-      if (du.Magnitude() > collapsed && dv.Magnitude() > collapsed) {
-        du.Transform(placement);
-        dv.Transform(placement);
-        normal = Normalized(Cross(ToVec3(du.XYZ()), ToVec3(dv.XYZ())));
-        if (reversed) normal = -normal;
-      }
-    }
-    mesh.normals.push_back(normal);
+    if (triangulation->HasUVNodes())
+      normal = NormalAt(surface, triangulation->UVNode(i), placement, &sign_unknown);
+    mesh.normals.push_back(reversed ? -normal : normal);
+    unsigned_normal.push_back(sign_unknown);
   }
   for (int i = 1; i <= triangulation->NbTriangles(); ++i) {
     int a, b, c;
@@ -78,7 +86,7 @@ FaceMesh MeshOf(const TopoDS_Face& face) {
     mesh.triangles.push_back({static_cast<std::uint32_t>(a - 1), static_cast<std::uint32_t>(b - 1),
                               static_cast<std::uint32_t>(c - 1)});
   }
-  FillMissingNormals(mesh);
+  FinishNormals(unsigned_normal, mesh);
   return mesh;
 }
 

@@ -12,6 +12,7 @@
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "import/curve_pieces.h"
@@ -23,6 +24,11 @@ namespace {
 constexpr double kMaxArc = std::numbers::pi / 4;
 // A conversion that is called exact must agree with the surface to this share of its coordinates' size.
 constexpr double kExact = 1e-12;
+
+// A p-curve that is farther from its 3D edge than this share of the edge's length is worth a warning: one of the two is wrong.
+constexpr double kOffSurface = 0.01;
+// Indices into the model's vectors are 32 bits wide; stop well before they run out.
+constexpr std::size_t kMaxElements = std::size_t{1} << 31;
 
 std::uint32_t Size(std::size_t size) {
   return static_cast<std::uint32_t>(size);
@@ -170,6 +176,8 @@ void PartConverter::AddFace(const Member& member) {
     if (whole) surface->Bounds(box.u0, box.u1, box.v0, box.v1);
     Result<PatchGrid> grid = PatchesOf(surface, box, whole, location.Transformation());
     if (!grid.ok()) return LoseFace(shape, grid.error().message);
+    if (model_.control_points.size() + grid.value().points.size() > kMaxElements)
+      return LoseFace(shape, "the model would have more than 2^31 control points");
     // Store.
     const std::uint32_t index = Size(model_.faces.size());
     Face face;
@@ -193,10 +201,44 @@ void PartConverter::AddFace(const Member& member) {
     model_.faces.push_back(std::move(face));
     faces_.push_back(shape);
     face_groups_.push_back(member.group);
+    WarnOfGaps(index);
     CheckAgainstFile(index, loops.value());
   } catch (const Standard_Failure& failure) {
     LoseFace(shape, std::string("OpenCASCADE failed on it: ") + failure.DynamicType()->Name());
   }
+}
+
+double PartConverter::PolygonLength(const Edge& edge) const {
+  double length = 0;
+  for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
+    const EdgeSegment& segment = model_.edge_segments[s];
+    for (std::uint32_t i = segment.first_point; i < segment.first_point + segment.degree; ++i)
+      length += Length(Cartesian(model_.edge_points[i + 1]) - Cartesian(model_.edge_points[i]));
+  }
+  return length;
+}
+
+void PartConverter::WarnOfGaps(std::uint32_t index) {
+  const Face& face = model_.faces[index];
+  double worst = 0;
+  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+    const Range coedges = model_.loops[l].coedges;
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+      const Coedge& coedge = model_.coedges[c];
+      if (coedge.edge != kNoIndex && coedge.gap_mm > kOffSurface * PolygonLength(model_.edges[coedge.edge]))
+        worst = std::fmax(worst, coedge.gap_mm);
+    }
+  }
+  if (worst == 0) return;
+  char distance[32];
+  std::snprintf(distance, sizeof(distance), "%.3g", worst);
+  model_.info.warnings.push_back("Face " + FaceName(index) + ": an edge lies " + distance +
+                                 " mm off its surface.");
+}
+
+std::string PartConverter::FaceName(std::uint32_t index) const {
+  const Face& face = model_.faces[index];
+  return face.entity.empty() ? std::to_string(index) : face.entity;
 }
 
 // Lists bounds and edges that the file declares for the face and that did not arrive.

@@ -3,6 +3,7 @@
 
 #include <TopTools_DataMapOfShapeInteger.hxx>
 #include <TopoDS_Face.hxx>
+#include <string>
 #include <vector>
 
 #include "import/document.h"
@@ -50,6 +51,9 @@ class PartConverter {
   void StoreLoop(const FaceLoop& loop);
   std::uint32_t EdgeIndex(const TopoDS_Edge& edge);
   std::uint32_t VertexIndex(const TopoDS_Shape& vertex);
+  double PolygonLength(const Edge& edge) const;
+  std::string FaceName(std::uint32_t index) const;
+  void WarnOfGaps(std::uint32_t face);
   void CheckAgainstFile(std::uint32_t face, const FaceLoops& loops);
   const FaceOrigin* OriginOf(const TopoDS_Face& face) const;
   bool IsClosed(int group) const;

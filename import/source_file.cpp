@@ -153,6 +153,8 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
     if (source.step.open_strings > 0)
       source.repairs.push_back(std::to_string(source.step.open_strings) +
                                " texts have no closing apostrophe.");
+    if (source.step.has_tessellation && source.step.faces.empty())
+      source.repairs.push_back("Its geometry is tessellated, which is a mesh and no exact surface.");
     if (source.step.cut_off) {
       // End the data after the last whole entity; whatever refers to what is missing is lost and will be named.
       bytes.resize(source.step.complete_bytes);

@@ -31,6 +31,8 @@ constexpr double kMargin = 1.0 / 64;
 constexpr double kMaxArc = std::numbers::pi / 2;
 // An approximation's aim, relative to the surface's size.
 constexpr double kRelativeTolerance = 1e-10;
+// More turns than any thread has; a damaged loop must not fill the memory.
+constexpr double kMaxTurns = 4096;
 // The lattice that a grid is checked on: at most this many points a side.
 constexpr int kMaxChecks = 48;
 
@@ -534,6 +536,9 @@ Result<PatchGrid> PatchesOf(const Handle(Geom_Surface) & trimmed, const Paramete
   if (!(box.u0 < box.u1) || !(box.v0 < box.v1))
     return Error{ErrorCode::kFormatBroken, "its loops enclose no area"};
   const Handle(Geom_Surface) surface = Untrimmed(trimmed);
+  if ((surface->IsUPeriodic() && box.u1 - box.u0 > kMaxTurns * surface->UPeriod()) ||
+      (surface->IsVPeriodic() && box.v1 - box.v0 > kMaxTurns * surface->VPeriod()))
+    return Error{ErrorCode::kLimitExceeded, "its loops go around more than 4096 times"};
   Result<PatchGrid> result = Unplaced(surface, box, whole);
   if (!result.ok()) return result;
   PatchGrid& grid = result.value();
