@@ -44,7 +44,7 @@ const table = (head, rows) =>
 
 const lossList = (title, losses) =>
   losses.length === 0 ? null : element("div", {},
-    element("h3", {}, `${losses.length} ${title}`),
+    element("h3", {}, count(losses.length, title)),
     element("div", { class: "scroll" },
       element("table", {},
         element("tbody", {}, ...losses.slice(0, 200).map((loss) => element("tr", {},
@@ -53,7 +53,7 @@ const lossList = (title, losses) =>
     losses.length > 200 ? element("p", { class: "facts" }, `… and ${losses.length - 200} more in the JSON`) : null);
 
 const lossNotice = (model) => {
-  const kinds = [["faces lost", model.faces_skipped], ["loops lost", model.loops_lost], ["edges lost", model.edges_lost]];
+  const kinds = [["lost face", model.faces_skipped], ["lost loop", model.loops_lost], ["lost edge", model.edges_lost]];
   if (kinds.every(([, list]) => !list || list.length === 0)) return null;
   return element("section", { class: "notice" },
     element("h2", {}, "Not everything in the file could be read"),
