@@ -1,5 +1,6 @@
 #include "render/compare/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -50,7 +51,7 @@ json LossesJson(const std::vector<Loss>& losses) {
 
 json UnseenJson(const DirectView& view) {
   json list = json::array();
-  for (std::size_t i = 0; i < view.stats.unseen_faces.size(); ++i)
+  for (std::size_t i = 0; i < std::min(view.stats.unseen_faces.size(), kMostListedFaces); ++i)
     list.push_back({{"id", view.stats.unseen_faces[i]}, {"name", view.unseen_names[i]}});
   return list;
 }
@@ -142,6 +143,7 @@ json DirectJson(const DirectView& view) {
           {"odd_rays", OrNull(stats.odd_rays)},
           {"reverse_mismatches", OrNull(stats.reverse_mismatches)},
           {"unseen_faces", UnseenJson(view)},
+          {"unseen_face_count", view.stats.unseen_faces.size()},
           {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
           {"isa", stats.isa},
           {"samples_per_pixel", view.grid.x * view.grid.y},
@@ -172,7 +174,8 @@ json DifferenceJson(const Difference& difference, const DifferencePicture& pictu
   const ColorMetrics& color = difference.color;
   const Silhouette& silhouette = difference.silhouette;
   json faces = json::array();
-  for (const FaceDifference& face : difference.faces)
+  for (std::size_t i = 0; i < std::min(difference.faces.size(), kMostListedFaces); ++i) {
+    const FaceDifference& face = difference.faces[i];
     faces.push_back({{"id", face.id},
                      {"name", face.name},
                      {"depth_mm_max", face.depth_mm_max},
@@ -183,6 +186,7 @@ json DifferenceJson(const Difference& difference, const DifferencePicture& pictu
                      {"missed_pixels", face.missed_pixels},
                      {"other_face_pixels", face.other_face_pixels},
                      {"border_pixels", face.border_pixels}});
+  }
   return {{"color",
            {{"max", color.max},
             {"mean", color.mean},
@@ -209,7 +213,8 @@ json DifferenceJson(const Difference& difference, const DifferencePicture& pictu
                                                        {"share", difference.other_face_share}}
                                                 : json(nullptr)},
           {"picture_range_mm", picture.range_mm},
-          {"faces", faces}};
+          {"faces", faces},
+          {"face_count", difference.faces.size()}};
 }
 
 json RenderJson(const Camera& camera, const DirectView& view) {

@@ -12,17 +12,16 @@
 namespace facetless {
 namespace {
 
-// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere; from 1 it falls
-// monotonically, by at least the factor 1 − 1/n while far away, so 64 steps are more than enough for what
-// is asked here (n <= 5, a > 1e-9).
+// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere. From 1 the iterates fall until rounding stops them.
 double Root(double a, int n) {
   double y = 1;
-  for (int step = 0; step < 64; ++step) {
+  for (;;) {
     double power = 1;
     for (int k = 1; k < n; ++k) power *= y;
-    y += (a / power - y) / n;
+    const double next = y + (a / power - y) / n;
+    if (!(next < y)) return y;
+    y = next;
   }
-  return y;
 }
 
 // Byte k of an sRGB picture stands for linear light from threshold[k − 1] on.

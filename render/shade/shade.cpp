@@ -22,6 +22,10 @@ Vec3 Linear(const Color& color) {
   return {SrgbToLinear(color.r), SrgbToLinear(color.g), SrgbToLinear(color.b)};
 }
 
+bool Same(const Color& a, const Color& b) {
+  return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
 Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options) {
   const std::size_t count =
       static_cast<std::size_t>(samples.width) * static_cast<std::size_t>(samples.height);
@@ -76,9 +80,11 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options) {
   if (Result<void> sound = CheckInput(samples, options); !sound.ok()) return sound.error();
+  // Faces in a row mostly share their colour: convert it once.
   std::vector<Vec3> albedo;
   albedo.reserve(colors.size());
-  for (const Color& color : colors) albedo.push_back(Linear(color));
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    albedo.push_back(i > 0 && Same(colors[i], colors[i - 1]) ? albedo.back() : Linear(colors[i]));
   const Vec3 fallback = Linear(options.fallback);
   const Vec3 room = StudioBackground();
   std::array<float, 4> background = {0, 0, 0, 0};

@@ -292,6 +292,20 @@ TEST(Report, WritesNullForWhatDoesNotExist) {
   EXPECT_TRUE(json.contains("noise_mm"));
 }
 
+TEST(Report, ListsOfFacesEndAndSayHowManyThereAre) {
+  Difference difference;
+  difference.faces.resize(kMostListedFaces + 5);
+  const nlohmann::json json = DifferenceJson(difference, {});
+  EXPECT_EQ(json["faces"].size(), kMostListedFaces);
+  EXPECT_EQ(json["face_count"], kMostListedFaces + 5);
+  DirectView view;
+  view.stats.unseen_faces.resize(kMostListedFaces + 7);
+  view.unseen_names.resize(kMostListedFaces + 7);
+  const nlohmann::json direct = DirectJson(view);
+  EXPECT_EQ(direct["unseen_faces"].size(), kMostListedFaces);
+  EXPECT_EQ(direct["unseen_face_count"], kMostListedFaces + 7);
+}
+
 TEST(Report, TheCameraHasTheNumbersOfItsProjection) {
   Camera camera;
   camera.height = 12.5;
