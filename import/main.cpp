@@ -63,6 +63,28 @@ class Stages {
   inline static std::chrono::steady_clock::time_point begin_;
 };
 
+// Standard output for our own JSON alone: OpenCASCADE writes to it too, and is sent to standard error instead.
+class Answer {
+ public:
+  Answer() : descriptor_(dup(STDOUT_FILENO)) { dup2(STDERR_FILENO, STDOUT_FILENO); }
+  ~Answer() { close(descriptor_); }
+  Answer(const Answer&) = delete;
+  Answer& operator=(const Answer&) = delete;
+
+  void Write(const nlohmann::json& json) const {
+    const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    std::size_t done = 0;
+    while (done < text.size()) {
+      const ssize_t count = write(descriptor_, text.data() + done, text.size() - done);
+      if (count <= 0) return;
+      done += static_cast<std::size_t>(count);
+    }
+  }
+
+ private:
+  int descriptor_;
+};
+
 // A folder of the process's own, removed at the end.
 class Scratch {
  public:
@@ -80,11 +102,8 @@ class Scratch {
   std::string path_;
 };
 
-int Fail(const Error& error) {
-  std::cout << nlohmann::json{{"ok", false},
-                              {"error", {{"code", ErrorCodeName(error.code)}, {"message", error.message}}}}
-                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
-            << "\n";
+int Fail(const Error& error, const Answer& answer) {
+  answer.Write({{"ok", false}, {"error", {{"code", ErrorCodeName(error.code)}, {"message", error.message}}}});
   return error.code == ErrorCode::kBadUsage ? kExitUsage : kExitNothingUsable;
 }
 
@@ -127,21 +146,22 @@ nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes
   return summary;
 }
 
-int Import(const CommandLine& options) {
+int Import(const CommandLine& options, const Answer& answer) {
   const Scratch scratch;
   if (scratch.path().empty())
-    return Fail({ErrorCode::kWriteFailed, "No folder for temporary files can be made; set TMPDIR to one."});
+    return Fail({ErrorCode::kWriteFailed, "No folder for temporary files can be made; set TMPDIR to one."},
+                answer);
   if (options.deadline_s > 0) alarm(options.deadline_s);
   PrepareOpenCascade(scratch.path());
   // Read and convert.
   Result<SourceFile> source = OpenSource(options.input, scratch.path());
-  if (!source.ok()) return Fail(source.error());
+  if (!source.ok()) return Fail(source.error(), answer);
   Result<CadDocument> document = ReadDocument(source.value(), &Stages::Report);
-  if (!document.ok()) return Fail(document.error());
+  if (!document.ok()) return Fail(document.error(), answer);
   Stages::Report("convert", 0);
   Result<Conversion> conversion =
       Convert(std::move(document.value()), [](double fraction) { Stages::Report("convert", fraction); });
-  if (!conversion.ok()) return Fail(conversion.error());
+  if (!conversion.ok()) return Fail(conversion.error(), answer);
   Stages::Report("convert", 1);
   // Mesh, once for each request.
   Model& model = conversion.value().model;
@@ -151,7 +171,7 @@ int Import(const CommandLine& options) {
         request.deflection_mm > 0 ? request.deflection_mm : request.deflection * model.Diagonal();
     Result<MeshReport> mesh = WriteMesh(conversion.value(), {deflection, request.angular_deg}, request.path,
                                         [](double fraction) { Stages::Report("mesh", fraction); });
-    if (!mesh.ok()) return Fail(mesh.error());
+    if (!mesh.ok()) return Fail(mesh.error(), answer);
     model.info.mesh_ms += mesh.value().mesh_ms;
     meshes.push_back(std::move(mesh.value()));
   }
@@ -160,10 +180,9 @@ int Import(const CommandLine& options) {
   model.info.transfer_ms = Stages::transfer_ms;
   model.info.convert_ms = Stages::convert_ms;
   model.info.peak_bytes = PeakBytes();
-  if (Result<void> written = WriteModel(model, options.model); !written.ok()) return Fail(written.error());
-  std::cout
-      << Summary(model, meshes, options.meshes).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
-      << "\n";
+  if (Result<void> written = WriteModel(model, options.model); !written.ok())
+    return Fail(written.error(), answer);
+  answer.Write(Summary(model, meshes, options.meshes));
   return kExitDone;
 }
 
@@ -171,7 +190,7 @@ int Run(int argc, char** argv) {
   const auto options = ParseCommandLine(argc, argv);
   if (!options.ok()) {
     std::cerr << options.error().message << "\n";
-    return Fail(options.error());
+    return Fail(options.error(), answer);
   }
   if (options.value().help) {
     std::cout << CommandLineHelp();
@@ -184,9 +203,15 @@ int Run(int argc, char** argv) {
 }  // namespace facetless
 
 int main(int argc, char** argv) {
-  const int code = facetless::Run(argc, argv);
-  std::cout.flush();
-  // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool: every tenth run or so dies in
-  // them, so leave without.
-  std::_Exit(code);
+  const auto options = facetless::ParseCommandLine(argc, argv);
+  if (options.ok() && options.value().help) {
+    std::cout << facetless::CommandLineHelp();
+    return facetless::kExitDone;
+  }
+  const facetless::Answer answer;
+  if (!options.ok()) {
+    std::cerr << options.error().message << "\n";
+    return facetless::Fail(options.error(), answer);
+  }
+  return facetless::Import(options.value(), answer);
 }
