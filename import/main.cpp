@@ -188,30 +188,26 @@ int Import(const CommandLine& options, const Answer& answer) {
 
 int Run(int argc, char** argv) {
   const auto options = ParseCommandLine(argc, argv);
+  if (options.ok() && options.value().help) {
+    std::cout << CommandLineHelp();
+    return kExitDone;
+  }
+  const Answer answer;
   if (!options.ok()) {
     std::cerr << options.error().message << "\n";
     return Fail(options.error(), answer);
   }
-  if (options.value().help) {
-    std::cout << CommandLineHelp();
-    return kExitDone;
-  }
-  return Import(options.value());
+  return Import(options.value(), answer);
 }
 
 }  // namespace
 }  // namespace facetless
 
 int main(int argc, char** argv) {
-  const auto options = facetless::ParseCommandLine(argc, argv);
-  if (options.ok() && options.value().help) {
-    std::cout << facetless::CommandLineHelp();
-    return facetless::kExitDone;
-  }
-  const facetless::Answer answer;
-  if (!options.ok()) {
-    std::cerr << options.error().message << "\n";
-    return facetless::Fail(options.error(), answer);
-  }
-  return facetless::Import(options.value(), answer);
+  const int status = facetless::Run(argc, argv);
+  // Leave without running static destructors: OpenCASCADE's tear each other down in an order that now and then crashes, after
+  // everything has been written.
+  std::cout.flush();
+  std::fflush(nullptr);
+  std::_Exit(status);
 }
