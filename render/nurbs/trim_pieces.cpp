@@ -10,8 +10,8 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// A surface point of the tracer is off by about this many units in the last place of the surface's largest
-// coordinate.
+// A hit of the tracer is off by about this many units in the last place of the surface's largest coordinate plus the model's
+// diagonal: the eye is about a diagonal away.
 constexpr double kPointUlps = 16;
 // The metric is sampled at the ends and the middle of a piece; it may exceed the samples in between, and the
 // p-curve lies up to one gap away from the edge itself.
@@ -44,7 +44,7 @@ class Maker {
   Maker(const Model& model, const Face& face, const SurfaceEval& surface)
       : model_(model),
         surface_(surface),
-        rounding_mm_(kPointUlps * kEpsilon * surface.magnitude()),
+        rounding_mm_(kPointUlps * kEpsilon * (surface.magnitude() + model.Diagonal())),
         grid_{surface.u_end() - surface.u_begin(), surface.v_end() - surface.v_begin()} {
     FindSlits(face);
     for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) AddLoop(model.loops[l]);
