@@ -147,7 +147,7 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
   Node* root = Level(0, 0);
   root->u_mid = root->u_half = root->v_mid = root->v_half = 0.5;
   root->level = 0;
-  root->trim = patch.trim ? RectClass::kMixed : RectClass::kInside;
+  root->trim = patch.trim_class;
   Visit(*root);
 }
 
@@ -180,7 +180,7 @@ void LeafSplitter::Visit(const Node& node) {
 
   // Ask the trimming, unless the parent knew.
   RectClass trim = node.trim;
-  if (trim == RectClass::kMixed) {
+  if (trim == RectClass::kMixed && node.level > 0) {
     trim = patch_->trim->Classify(
         patch_->u_map.ToNative(node.u_mid - node.u_half), patch_->u_map.ToNative(node.u_mid + node.u_half),
         patch_->v_map.ToNative(node.v_mid - node.v_half), patch_->v_map.ToNative(node.v_mid + node.v_half));

@@ -53,6 +53,7 @@ struct SplitPatch {
   DepthRule rule;
   SpanParameter u_map, v_map;  // Bézier to native parameters of the patch
   const FaceTrim* trim = nullptr;
+  RectClass trim_class = RectClass::kMixed;  // of the whole patch
   std::uint32_t placed_face = 0, patch = 0;
   // How far, in samples (perspective: at a depth of 1 mm) and in each Bézier parameter, the patch may be continued past its
   // borders (u low, u high, v low, v high) where the face ends there and its edges lie off the surface by a gap. 0: not at all.

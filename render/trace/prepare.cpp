@@ -120,18 +120,16 @@ class Preparation {
     const Surface& surface = model_.surfaces[model_.faces[face].surface];
     const FaceData& data = scene_.faces[face];
     const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
+    // Leave out what the loops cut away before projecting anything.
+    if (data.patches[patch] == RectClass::kOutside) return;
     SplitPatch split;
+    split.trim_class = data.patches[patch];
     split.u_map = scene_.spans[surface.u_spans.first + i];
     split.v_map = scene_.spans[surface.v_spans.first + j];
     split.trim = &data.trim;
     split.placed_face = placed_face;
     split.patch = patch;
 
-    // Leave out what the loops cut away before projecting anything.
-    if (data.trim.Classify(split.u_map.ToNative(0), split.u_map.ToNative(1), split.v_map.ToNative(0),
-                           split.v_map.ToNative(1)) == RectClass::kOutside) {
-      return;
-    }
     Worker& worker = workers_.local();
     BezierNet& net = worker.splitter.Begin(surface.degree_u, surface.degree_v);
     const Vec4* points = model_.control_points.data() + surface.first_control_point +
