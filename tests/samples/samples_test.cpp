@@ -27,7 +27,8 @@ using nlohmann::json;
 
 fs::path SamplesFolder() {
   const char* root = std::getenv("FACETLESS_SOURCE");
-  return fs::path(root != nullptr ? root : ".") / "samples";
+  return (root != nullptr ? fs::path(root) : fs::path(__FILE__).parent_path().parent_path().parent_path()) /
+         "samples";
 }
 
 json Expected() {
