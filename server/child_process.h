@@ -1,14 +1,11 @@
 // A child process under limits, watched from its start to its end.
 //
 //  1. The child leads its own process group, in its own working directory, with exactly the environment
-//  given, nothing on
-//     standard input, and no other open file of ours. It dies if we die.
+//     given, nothing on standard input, and no other open file of ours. It dies if we die.
 //  2. RunChild returns when the child has ended and nothing of its group is left: at its own exit, when the
-//  wall clock or the
-//     cancel flag ended it (SIGKILL to the group), or when one of its resource limits did.
+//     wall clock or the cancel flag ended it (SIGKILL to the group), or when one of its resource limits did.
 //  3. Standard output is kept up to stdout_cap bytes, of standard error the last stderr_cap bytes; what goes
-//  beyond is read and dropped,
-//     so that a child that floods neither blocks nor fills our memory.
+//     beyond is read and dropped, so that a child that floods neither blocks nor fills our memory.
 #pragma once
 
 #include <linux/filter.h>

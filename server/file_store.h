@@ -4,7 +4,7 @@
 //   DIR/artifacts/<first two digits>/<sha256>.<extension>                       DIR/tmp/
 //
 //  1. One process owns a directory at a time: Open takes a lock, and empties tmp/ of what a crash left
-//  behind.
+//     behind.
 //  2. Nothing is removed by itself; delete the directory, or its models/ and results/, to make room.
 #pragma once
 

@@ -258,9 +258,9 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
                                                    httplib::Response& response) {
     if (request.method == "POST") return httplib::Server::HandlerResponse::Unhandled;
     timed(request, response, [&] {
-      // Ranges are ignored, which HTTP allows: the library checks none against the file, and many of them would make
-      // a large answer out of a small request. The request is the library's own object; only the handler sees it as
-      // constant.
+      // Ranges are ignored, which HTTP allows: the library checks none against the file, and many of them
+      // would make a large answer out of a small request. The request is the library's own object; only the
+      // handler sees it as constant.
       const_cast<httplib::Request&>(request).ranges.clear();
       const HttpRequest translated = Translated(request);
       if (auto refusal = service.Check(translated)) return *refusal;

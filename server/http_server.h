@@ -1,8 +1,7 @@
 // The transport: HTTP/1.1 over TCP in front of a Service.
 //
 //  1. Bodies are read in pieces and counted after decompression, so that neither chunked nor compressed ones
-//  pass the limit;
-//     parts "file" and "mesh" go straight to files, the rest is small.
+//     pass the limit; parts "file" and "mesh" go straight to files, the rest is small.
 //  2. One request per connection: what a refused request leaves unread can't be taken for the next one.
 //  3. Every response carries nosniff, and never what an exception said.
 #pragma once

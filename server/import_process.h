@@ -1,12 +1,12 @@
 // Runs `facetless-import` on one file: the only way from a CAD file to a Model.
 //
 //  1. The importer is a process of its own (child_process.h), under limits of memory, processor time, wall
-//  time and file size, without
-//     sockets and without the right to start processes (sandbox.h), in an empty directory of its own.
+//     time and file size, without sockets and without the right to start processes (sandbox.h), in an empty
+//     directory of its own.
 //  2. Whatever the file does to it, RunImporter returns either files or one Error, and leaves nothing behind
-//  but what ImportedFiles owns.
+//     but what ImportedFiles owns.
 //  3. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
-//  another one.
+//     another one.
 #pragma once
 
 #include <atomic>
@@ -23,8 +23,7 @@
 namespace facetless {
 
 struct TessellationOptions {
-  double deflection =
-      1e-3;  // relative to the diagonal of the model's bounding box; used if deflection_mm is 0
+  double deflection = 1e-3;  // relative to the diagonal of the bounding box; used if deflection_mm is 0
   double deflection_mm = 0;
   double angular_deg = 20;
 };
@@ -54,9 +53,9 @@ struct ImportedFiles {
   std::uint64_t peak_bytes = 0;
 };
 
-// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last words); kLimitExceeded
-// (names the limit and the option that raises it); kCancelled; kInternal (no importer, or an answer that is
-// none); and whatever the importer reports.
+// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last
+// words); kLimitExceeded (names the limit and the option that raises it); kCancelled; kInternal (no importer);
+// and whatever the importer reports.
 Result<ImportedFiles> RunImporter(const ImportRequest& request);
 
 // The error code with the given stable name; kInternal for a name that no code has.

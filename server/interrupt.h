@@ -1,10 +1,10 @@
 // Stopping: signals from the user, and deadlines. Both end in one flag that long work polls.
 //
 //  1. The first SIGINT, SIGTERM or SIGHUP sets the flag, so that work unwinds, children are killed and
-//  temporary files removed. A second
-//     one ends the process at once (children die with it: see child_process.h).
+//     temporary files removed. A second one ends the process at once (children die with it: see
+//     child_process.h).
 //  2. A Deadline's flag is set when its time is over or when the flag that it watches is set; expired() tells
-//  which.
+//     which.
 #pragma once
 
 #include <atomic>

@@ -2,11 +2,9 @@
 // range and an error message exist once.
 //
 //  1. A JSON name is the command line's without the dashes in front, and with _ for - inside: --deflection-mm
-//  is "deflection_mm".
-//     (- is accepted, too.)
+//     is "deflection_mm". (- is accepted, too.)
 //  2. An unknown name, a wrong type, a number out of range and two options that contradict each other are
-//  kBadUsage; the
-//     message names the option and what is allowed.
+//     kBadUsage; the message names the option and what is allowed.
 //
 // name            type, range                                                    default
 // view            name or list of names (NamedView)                              iso
@@ -29,9 +27,9 @@
 // import_timeout  seconds, > 0                                                   300
 // import_memory   megabytes, >= 64                                               8192
 // strict          true: any loss fails                                           false
-// fail_deviation_mm, fail_depth_mm, fail_silhouette_px, fail_flip, fail_share: fail if a view's
-// deviation_mm.max, depth_mm.max,
-//                 silhouette.max_distance_px, color.flip_mean or color.share_over_threshold is larger, >= 0
+// fail_deviation_mm, fail_depth_mm, fail_silhouette_px, fail_flip, fail_share
+//                 numbers >= 0: a view fails if its deviation_mm.max, depth_mm.max,
+//                 silhouette.max_distance_px, color.flip_mean or color.share_over_threshold is larger
 #pragma once
 
 #include <optional>

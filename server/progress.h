@@ -1,7 +1,7 @@
 // Progress for a person who waits, on standard error.
 //
 //  1. On a terminal, one line that is rewritten and removed at the end; with --progress elsewhere, one line
-//  per stage and tenth; else nothing.
+//     per stage and tenth; else nothing.
 #pragma once
 
 #include <string>

@@ -3,9 +3,8 @@
 //  1. Paths in a manifest are relative to the manifest's directory.
 //  2. A reference is NAME.VIEW.png and, where depth_mm or silhouette_px is limited, NAME.VIEW.depth.tif.
 //  3. A view passes if every tolerance holds; a tolerance that is not given is 0 for "max" (the direct image
-//  has the same bytes
-//     everywhere) and absent for the rest. A missing reference fails. An error in one file does not keep
-//     others from running.
+//     has the same bytes everywhere) and absent for the rest. A missing reference fails. An error in one file
+//     does not keep others from running.
 #pragma once
 
 #include <string>

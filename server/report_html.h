@@ -1,8 +1,7 @@
 // report.html: one file that shows a report to a person, with nothing to fetch.
 //
 //  1. Pictures are embedded as data URIs; so are the report itself (as JSON), the style and the script. It
-//  opens from a disk, a mail or
-//     an artifact store alike, in light and dark, and prints.
+//     opens from a disk, a mail or an artifact store alike, in light and dark, and prints.
 //  2. No text of the report can become markup or script, whatever names a CAD file carries.
 #pragma once
 

@@ -2,8 +2,7 @@
 // needs.
 //
 //  1. Denied with EPERM: sockets of any family, starting processes (threads are allowed), tracing or reading
-//  other processes,
-//     mounts, namespaces, kernel keys, BPF, performance counters, modules, reboot.
+//     other processes, mounts, namespaces, kernel keys, BPF, performance counters, modules, reboot.
 //  2. Everything else is left alone: OpenCASCADE, TBB and libc use an open-ended set of harmless calls.
 #pragma once
 

@@ -1,8 +1,8 @@
 // The HTTP service without HTTP: requests in, responses out. docs/api.md is its contract with callers.
 //
 //  1. Handle may be called from many threads. At most `jobs` runs (imports, renderings) happen at the same
-//  time, at most `queue` requests
-//     wait for one; others get 503. A run ends at its request's deadline (504) or when `stop` is set (503).
+//     time, at most `queue` requests wait for one; others get 503. A run ends at its request's deadline (504)
+//     or when `stop` is set (503).
 //  2. Check looks at a request before its body is read: what fails there would fail afterwards, too.
 //  3. Every error is a problem document (problem.h). No message shows where the service keeps its files.
 #pragma once

@@ -1,10 +1,9 @@
 // A directory that exists as long as the object does.
 //
 //  1. Create makes a new, empty directory that only this user may enter (0700), below `parent` or, if that is
-//  empty, below
-//     $TMPDIR or /tmp.
+//     empty, below $TMPDIR or /tmp.
 //  2. The destructor removes it with everything in it. It never follows a symbolic link out of it, and never
-//  throws.
+//     throws.
 #pragma once
 
 #include <string>

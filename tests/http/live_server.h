@@ -31,7 +31,8 @@ struct FormPart {
 
 class LiveServer {
  public:
-  // Starts it on a free port with an empty data directory. `importer` goes to FACETLESS_IMPORTER if not empty.
+  // Starts it on a free port with an empty data directory. `importer` goes to FACETLESS_IMPORTER if not
+  // empty.
   explicit LiveServer(const std::vector<std::string>& arguments = {}, const std::string& importer = "");
   ~LiveServer();  // SIGKILL if it still runs
   LiveServer(const LiveServer&) = delete;

@@ -1,4 +1,5 @@
-// The service over a real socket, with an importer that does what the first word of the upload says (tests/fake_importer).
+// The service over a real socket, with an importer that does what the first word of the upload says
+// (tests/fake_importer).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

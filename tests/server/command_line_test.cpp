@@ -23,7 +23,8 @@ class CommandLine : public testing::Test {
   ChildOutcome Run(const std::vector<std::string>& arguments) {
     return RunProgram(Program("facetless"), arguments, directory_.path(), environment_);
   }
-  // Runs on a file with the given text, which tells the stand-in for the importer what to do (tests/fake_importer).
+  // Runs on a file with the given text, which tells the stand-in for the importer what to do
+  // (tests/fake_importer).
   ChildOutcome RunFake(const std::string& command, const std::string& text,
                        std::vector<std::string> arguments) {
     environment_ = {"FACETLESS_IMPORTER=" + Program("facetless-fake-importer"), "TMPDIR=" + scratch_.path()};

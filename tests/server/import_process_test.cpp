@@ -1,4 +1,5 @@
-// The importer's launcher, with a stand-in that does what the first word of its input says (tests/fake_importer).
+// The importer's launcher, with a stand-in that does what the first word of its input says
+// (tests/fake_importer).
 #include "server/import_process.h"
 
 #include <gmock/gmock.h>
