@@ -37,8 +37,8 @@ struct ImportedModel {
 Result<ImportedModel> Import(const ImportRequest& request);
 
 struct RunContext {
-  const std::atomic<bool>* cancel =
-      nullptr;  // ends the run with kCancelled; options.timeout_s with kLimitExceeded
+  // True ends the run with kCancelled; options.timeout_s ends it with kLimitExceeded.
+  const std::atomic<bool>* cancel = nullptr;
   ProgressCallback progress;
 };
 
