@@ -18,7 +18,7 @@ constexpr char kHelp[] =
     "0.001)\n"
     "    --deflection-mm MM   the same in millimetres\n"
     "    --angular DEG        turn of the normal from facet to facet (default 20)\n"
-    "  --deadline-s N       give up (killed by SIGALRM) after N seconds\n"
+    "  --deadline-s N       give up after N seconds\n"
     "\n"
     "Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.\n";
 

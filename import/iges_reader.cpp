@@ -1,3 +1,4 @@
+#include <BRep_Builder.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
@@ -8,12 +9,15 @@
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
+#include <set>
+#include <string>
 
 #include "import/assembly.h"
 #include "import/readers.h"
@@ -95,7 +99,45 @@ class IgesReader {
       document_.occurrences.clear();
     }
     if (document_.prototypes.empty()) TransferShapes();
-    NoteOrigins();
+    if (document_.prototypes.empty()) {
+      TransferFaces();
+    } else {
+      NoteOrigins();
+    }
+    NoteLosses();
+  }
+
+  // The last way: each face for itself.
+  void TransferFaces() {
+    const Handle(IGESData_IGESModel) model = reader_.IGESModel();
+    BRep_Builder builder;
+    TopoDS_Compound faces;
+    builder.MakeCompound(faces);
+    bool any = false;
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const Handle(IGESData_IGESEntity) entity = model->Entity(i);
+      if (!IsFace(*entity)) continue;
+      const TopoDS_Shape shape = TransferFace(entity);
+      if (shape.IsNull()) continue;
+      // The transfer's results are forgotten at the next one.
+      NoteOrigins();
+      builder.Add(faces, shape);
+      any = true;
+    }
+    if (!any) return;
+    AddShape(faces, source_.name, document_);
+    document_.info.warnings.push_back(
+        "The file's shapes could not be read as a whole: its faces were, each for itself.");
+  }
+
+  TopoDS_Shape TransferFace(const Handle(IGESData_IGESEntity) & entity) {
+    try {
+      OCC_CATCH_SIGNALS
+      IGESControl_Reader plain(reader_.WS(), false);
+      return plain.TransferEntity(entity) ? plain.OneShape() : TopoDS_Shape();
+    } catch (const Standard_Failure&) {
+      return {};
+    }
   }
 
   void TransferShapes() {
@@ -112,28 +154,43 @@ class IgesReader {
     }
   }
 
+  FaceOrigin OriginOf(const Handle(IGESData_IGESEntity) & entity) {
+    FaceOrigin origin;
+    origin.entity = "D";
+    origin.entity.append(std::to_string(reader_.IGESModel()->DNum(entity)));
+    if (entity->HasShortLabel()) origin.name = Trimmed(entity->ShortLabel()->ToCString());
+    CountBounds(entity, origin);
+    return origin;
+  }
+
+  // Finds the entity of each face.
   void NoteOrigins() {
     const Handle(IGESData_IGESModel) model = reader_.IGESModel();
     const Handle(Transfer_TransientProcess) process = reader_.WS()->TransferReader()->TransientProcess();
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(IGESData_IGESEntity) entity = model->Entity(i);
-      const bool is_face = IsFace(*entity);
-      if (is_face) ++document_.info.faces_declared;
-      FaceOrigin origin;
-      origin.entity = "D";
-      origin.entity.append(std::to_string(model->DNum(entity)));
-      if (entity->HasShortLabel()) origin.name = Trimmed(entity->ShortLabel()->ToCString());
+      if (!IsFace(*entity)) continue;
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
-      if (shape.IsNull()) {
-        if (is_face)
-          document_.info.faces_lost.push_back(
-              {kNoIndex, origin.name, origin.entity, ReasonFor(process, entity)});
-        continue;
-      }
-      if (!is_face) continue;
-      CountBounds(entity, origin);
+      if (shape.IsNull()) continue;
+      const FaceOrigin origin = OriginOf(entity);
       for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next())
         document_.origins[part.Current().TShape().get()] = origin;
+      arrived_.insert(origin.entity);
+    }
+  }
+
+  // What the file declares and did not arrive is lost.
+  void NoteLosses() {
+    const Handle(IGESData_IGESModel) model = reader_.IGESModel();
+    const Handle(Transfer_TransientProcess) process = reader_.WS()->TransferReader()->TransientProcess();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const Handle(IGESData_IGESEntity) entity = model->Entity(i);
+      if (!IsFace(*entity)) continue;
+      ++document_.info.faces_declared;
+      const FaceOrigin origin = OriginOf(entity);
+      if (!arrived_.contains(origin.entity))
+        document_.info.faces_lost.push_back(
+            {kNoIndex, origin.name, origin.entity, ReasonFor(process, entity)});
     }
   }
 
@@ -141,8 +198,8 @@ class IgesReader {
                                const Handle(IGESData_IGESEntity) & entity) {
     if (entity->TypeNumber() == kPlane && entity->FormNumber() == 0)
       return "a plane without bounds has no face";
-    const Interface_Check& check = *process->Check(entity);
-    if (check.NbFails() > 0) return std::string("OpenCASCADE: ") + check.CFail(1);
+    const Handle(Interface_Check) check = process->Check(entity);
+    if (!check.IsNull() && check->NbFails() > 0) return std::string("OpenCASCADE: ") + check->CFail(1);
     return "OpenCASCADE made no face of it and gave no reason";
   }
 
@@ -150,6 +207,7 @@ class IgesReader {
   StageProgress progress_;
   IGESCAFControl_Reader reader_;
   CadDocument document_;
+  std::set<std::string> arrived_;  // entities of faces that OpenCASCADE made shapes of
 };
 
 }  // namespace

@@ -5,13 +5,18 @@
 // Exit status: 0 written, 4 nothing usable, 64 bad usage.
 #include <sys/resource.h>
 #include <unistd.h>
+#include <Standard_ErrorHandler.hxx>
+#include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -80,6 +85,7 @@ class Answer {
       done += static_cast<std::size_t>(count);
     }
   }
+  int descriptor() const { return descriptor_; }
 
  private:
   int descriptor_;
@@ -101,6 +107,32 @@ class Scratch {
  private:
   std::string path_;
 };
+
+// The answer of a process that runs out of time: prepared beforehand, since a signal handler may allocate nothing.
+std::string& DeadlineAnswer() {
+  static std::string text;
+  return text;
+}
+int deadline_descriptor = -1;
+
+void GiveUp(int) {
+  const std::string& text = DeadlineAnswer();
+  const ssize_t written = write(deadline_descriptor, text.data(), text.size());
+  _exit(written < 0 ? kExitUsage : kExitNothingUsable);
+}
+
+void SetDeadline(unsigned seconds, const Answer& answer) {
+  DeadlineAnswer() =
+      nlohmann::json{{"ok", false},
+                     {"error",
+                      {{"code", ErrorCodeName(ErrorCode::kLimitExceeded)},
+                       {"message", "The import took longer than " + std::to_string(seconds) + " s."}}}}
+          .dump() +
+      "\n";
+  deadline_descriptor = answer.descriptor();
+  std::signal(SIGALRM, GiveUp);
+  alarm(seconds);
+}
 
 int Fail(const Error& error, const Answer& answer) {
   answer.Write({{"ok", false}, {"error", {{"code", ErrorCodeName(error.code)}, {"message", error.message}}}});
@@ -151,7 +183,7 @@ int Import(const CommandLine& options, const Answer& answer) {
   if (scratch.path().empty())
     return Fail({ErrorCode::kWriteFailed, "No folder for temporary files can be made; set TMPDIR to one."},
                 answer);
-  if (options.deadline_s > 0) alarm(options.deadline_s);
+  if (options.deadline_s > 0) SetDeadline(options.deadline_s, answer);
   PrepareOpenCascade(scratch.path());
   // Read and convert.
   Result<SourceFile> source = OpenSource(options.input, scratch.path());
@@ -197,7 +229,19 @@ int Run(int argc, char** argv) {
     std::cerr << options.error().message << "\n";
     return Fail(options.error(), answer);
   }
-  return Import(options.value(), answer);
+  // What the readers and the mesher did not catch themselves.
+  try {
+    OCC_CATCH_SIGNALS
+    return Import(options.value(), answer);
+  } catch (const std::bad_alloc&) {
+    return Fail({ErrorCode::kLimitExceeded, "The import needs more memory than it may use."}, answer);
+  } catch (const Standard_OutOfMemory&) {
+    return Fail({ErrorCode::kLimitExceeded, "The import needs more memory than it may use."}, answer);
+  } catch (const Standard_Failure& failure) {
+    return Fail({ErrorCode::kFormatBroken, options.value().input + " makes OpenCASCADE fail (" +
+                                               failure.DynamicType()->Name() + "); export the model again."},
+                answer);
+  }
 }
 
 }  // namespace
