@@ -77,7 +77,8 @@ TEST(ProjectedEdges, OnTheLineOneSideIsChosen) {
 }
 
 TEST(ProjectedEdges, KinksAreDecidedByBothTangents) {
-  // One edge of two straight segments with a right angle at (0, 0), turning to the left and then, reversed, to the right.
+  // One edge of two straight segments with a right angle at (0, 0), turning to the left and then, reversed,
+  // to the right.
   for (bool back : {false, true}) {
     Outline bent{{Line({-1, 0}, {0, 0}), Line({0, 0}, {0, 1})}};
     if (back) bent = Reversed(bent);
@@ -86,7 +87,8 @@ TEST(ProjectedEdges, KinksAreDecidedByBothTangents) {
     const ProjectedEdges edges(model, Placement(), FromAbove());
     for (double x : {-1.0, 1.0})
       for (double y : {-1.0, 1.0}) {
-        // Only the quarter x < 0, y > 0 (up) is inside the angle, on the left; in pixels that is the negative side.
+        // Only the quarter x < 0, y > 0 (up) is inside the angle, on the left; in pixels that is the negative
+        // side.
         const bool inside = x < 0 && y > 0;
         const Side expected = inside != back ? Side::kNegative : Side::kPositive;
         for (double guess : {0.8, 1.0, 1.2})
@@ -163,7 +165,8 @@ TEST(ProjectedEdges, SeenEndOnIsUnknown) {
   EXPECT_EQ(edges.SideOf(0, 0.5, 100, 100).side, Side::kUnknown);
 }
 
-// A fan of flat faces around one vertex, all seen at once: every pixel near the vertex must be kept by exactly one of them.
+// A fan of flat faces around one vertex, all seen at once: every pixel near the vertex must be kept by
+// exactly one of them.
 void ExpectFanTiles(Random& random, int spokes) {
   std::vector<double> angles;
   for (int i = 0; i < spokes; ++i) angles.push_back(2 * kPi * (i + random.Uniform(0.05, 0.95)) / spokes);
@@ -193,7 +196,8 @@ void ExpectFanTiles(Random& random, int spokes) {
   };
   for (int i = 0; i < spokes; ++i) add_edge({0, 0}, at(angles[i]));
   for (int i = 0; i < spokes; ++i) {
-    // P-curves beside the true edges, differently for each face; the rim goes around so that reflex corners are possible.
+    // P-curves beside the true edges, differently for each face; the rim goes around so that reflex corners
+    // are possible.
     const Vec2 shift{random.Uniform(-5e-4, 5e-4), random.Uniform(-5e-4, 5e-4)};
     const double turn = (angles[i + 1] - angles[i]) / 3;
     Face face;
@@ -222,7 +226,8 @@ void ExpectFanTiles(Random& random, int spokes) {
       bool keep = answer.inside;
       if (answer.coedge != kNoIndex) {
         ++asked;
-        const EdgeVerdict verdict = DecideAtEdge(model, edges, answer, pixel.x, pixel.y, frame.pixel_x, false);
+        const EdgeVerdict verdict =
+            DecideAtEdge(model, edges, answer, pixel.x, pixel.y, frame.pixel_x, false);
         if (verdict != EdgeVerdict::kUnknown) keep = verdict == EdgeVerdict::kKeep;
       }
       kept += keep;
@@ -272,8 +277,9 @@ RC_GTEST_PROP(ProjectedEdges, NeighboursAreComplementaryAlongACurve, (std::uint3
     const PixelPoint pixel = Project(frame, {q.x, q.y, 0});
     const auto keeps = [&](const FaceTrim& trim, const Model& model_of, const ProjectedEdges& edges) {
       const TrimAnswer answer = trim.Query(q.x, q.y, 1e-15, 1e-15);
-      if (answer.coedge == kNoIndex) return answer.inside;
-      return DecideAtEdge(model_of, edges, answer, pixel.x, pixel.y, frame.pixel_x, false) == EdgeVerdict::kKeep;
+      const EdgeVerdict verdict =
+          DecideAtEdge(model_of, edges, answer, pixel.x, pixel.y, frame.pixel_x, false);
+      return verdict == EdgeVerdict::kUnknown ? answer.inside : verdict == EdgeVerdict::kKeep;
     };
     RC_ASSERT(keeps(up, above, up_edges) != keeps(down, below, down_edges));
   }
