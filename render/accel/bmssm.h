@@ -1,11 +1,14 @@
-// BMSSM (V. Skala, "Memory saving technique for space subdivision technique"): for each sample row and each sample column a bitmap
-// with a bit per leaf. The leaves whose screen box holds the sample (row i, column j) are exactly the bits of R_i & S_j.
+// BMSSM (V. Skala, "Memory saving technique for space subdivision technique"): for each sample row and each
+// sample column a bitmap with a bit per leaf. The leaves whose screen box holds the sample (row i, column j)
+// are exactly the bits of R_i & S_j.
 //
-//  1. Bits are numbered per screen tile: a tile lists the leaves whose boxes meet it, and its bitmaps have one bit per listed leaf.
-//  2. A tile's list is sorted by (near depth, placed face, patch, u, v): walking set bits upwards goes front to back, and the walk ends
-//     at the first leaf that begins behind the hit. The order is total, so it does not depend on threads.
-//  3. An object without a bit in some row (the paper's V) or column (W) is met by no ray. Leaves are only kept when
-//     their box holds a sample centre, so a placed face without leaves is one that no ray can see.
+//  1. Bits are numbered per screen tile: a tile lists the leaves whose boxes meet it, and its bitmaps have
+//     one bit per listed leaf.
+//  2. A tile's list is sorted by (near depth, placed face, patch, u, v): walking set bits upwards goes front
+//     to back, and the walk ends at the first leaf that begins behind the hit. The order is total, so it does
+//     not depend on threads.
+//  3. An object without a bit in some row (the paper's V) or column (W) is met by no ray. Leaves are only
+//     kept when their box holds a sample centre, so a placed face without leaves is one that no ray can see.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +24,8 @@ inline constexpr int kTileSize = 32;  // samples along each side
 // The leaves of all tiles of one view, front to back within each tile.
 class TileLeaves {
  public:
-  // Sorts `leaves` and lists them per tile. Parallel over tiles' lists; the result does not depend on the thread count.
+  // Sorts `leaves` and lists them per tile. Parallel over tiles' lists; the result does not depend on the
+  // thread count.
   TileLeaves(std::vector<Leaf> leaves, int columns, int rows);
 
   int tiles_x() const { return tiles_x_; }

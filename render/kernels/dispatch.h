@@ -1,6 +1,7 @@
 // The one place that chooses the instruction set.
 //
-//  1. The widest set that the processor has, unless FACETLESS_ISA=scalar|avx2|avx512 forces one. Asked once per process.
+//  1. The widest set that the processor has, unless FACETLESS_ISA=scalar|avx2|avx512 forces one. Asked once
+//     per process.
 //  2. Forcing a set that the processor lacks, or an unknown word, is an error that names the valid words.
 #pragma once
 

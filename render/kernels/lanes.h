@@ -1,9 +1,11 @@
 // Lanes: a vector of doubles and its masks, for kernels that are written once and built per instruction set.
 //
-//  1. Every operation rounds as IEEE 754 says and gives the same bits lane by lane on every target: fused operations
-//     are explicit and always fused, and nothing here depends on how a target orders NaN in min and max.
-//  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2 or AVX-512, or one lane of plain
-//     C++ with FACETLESS_SCALAR_KERNEL. Everything lives in a namespace of the target's, so that no two files define one symbol twice.
+//  1. Every operation rounds as IEEE 754 says and gives the same bits lane by lane on every target: fused
+//     operations are explicit and always fused, and nothing here depends on how a target orders NaN in min
+//     and max.
+//  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2 or AVX-512,
+//     or one lane of plain C++ with FACETLESS_SCALAR_KERNEL. Everything lives in a namespace of the target's,
+//     so that no two files define one symbol twice.
 #pragma once
 
 #include <cmath>

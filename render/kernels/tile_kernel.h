@@ -1,13 +1,18 @@
-// The tile kernel: for each sample of one screen tile, the nearest hit among the tile's leaves (or every hit).
+// The tile kernel: for each sample of one screen tile, the nearest hit among the tile's leaves (or every
+// hit).
 //
-//  1. Samples are taken in packets of 4×2. A packet's candidates are the set bits of (R_i | R_i+1) & (S_j | … | S_j+3), walked front to
-//     back; the walk ends at the first leaf that begins behind the hits of all lanes.
-//  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a miss or pin the root down to
-//     kSolverTolerance; then it is frozen. Lanes never influence each other, so all builds give the same bits.
-//  3. The kernel knows numbers only. Trimming and leaves without a certificate go through two plain functions.
+//  1. Samples are taken in packets of 4×2. A packet's candidates are the set bits of (R_i | R_i+1) & (S_j | …
+//     | S_j+3), walked front to back; the walk ends at the first leaf that begins behind the hits of all
+//     lanes.
+//  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a
+//     miss or pin the root down to kSolverTolerance; then it is frozen. Lanes never influence each other, so
+//     all builds give the same bits.
+//  3. The kernel knows numbers only. Trimming and leaves without a certificate go through two plain
+//     functions.
 //
-// A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V); with F = (X − x_R·W, Y − y_R·W)
-// formed first, Cramer's rule on F and its derivatives is the same step without the cancellation of 3×3 determinants.
+// A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V);
+// with F = (X − x_R·W, Y − y_R·W) formed first, Cramer's rule on F and its derivatives is the same step
+// without the cancellation of 3×3 determinants.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +22,8 @@
 namespace facetless {
 
 inline constexpr int kPacketWidth = 4, kPacketHeight = 2, kPacketLanes = kPacketWidth * kPacketHeight;
-// Newton steps before a lane is given up as unconverged. Law 5 of leaf.h halves the error bound at least, and then squares it: six suffice.
+// Newton steps before a lane is given up as unconverged. Law 5 of leaf.h halves the error bound at least, and
+// then squares it: six suffice.
 inline constexpr int kMaxIterations = 12;
 
 // Why a sample is not certified.

@@ -1,4 +1,5 @@
-// The body of the tile kernel, included once by each tile_kernel_<isa>.cpp after its target is set. See tile_kernel.h.
+// The body of the tile kernel, included once by each tile_kernel_<isa>.cpp after its target is set. See
+// tile_kernel.h.
 
 #include <cstdint>
 #include <limits>
@@ -115,7 +116,8 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
     const Lane residual = Select(a1 < a2, a2, a1) + rounding;
     const Lane from_here = residual * inverse_gap;
     const Lane from_next = Fma(newton_factor * from_here, from_here, floor);
-    // A chord step x − H contracts by kappa: it decides where an iterate is held at the border and Newton's bound stays large.
+    // A chord step x − H contracts by kappa: it decides where an iterate is held at the border and Newton's
+    // bound stays large.
     const Lane from_chord = Fma(residual, chord_factor, rounding);
 
     const Mask miss =

@@ -1,9 +1,9 @@
 // A triangle mesh in memory: what baseline/ traces and what comes from, and goes into, glTF binary.
 //
-//  1. Millimetres, Z up. Positions are float32 relative to their node's translation, which is double: a mesh far from
-//     the origin keeps its digits.
-//  2. One MeshPart per prototype, one MeshNode per placement of it. Triangles of a part are grouped by face; face_of_triangle is the index
-//     of the face within the part (0 for a foreign mesh that names none).
+//  1. Millimetres, Z up. Positions are float32 relative to their node's translation, which is double: a mesh
+//     far from the origin keeps its digits.
+//  2. One MeshPart per prototype, one MeshNode per placement of it. Triangles of a part are grouped by face;
+//     face_of_triangle is the index of the face within the part (0 for a foreign mesh that names none).
 #pragma once
 
 #include <array>
@@ -26,7 +26,8 @@ struct MeshPart {
 struct MeshNode {
   std::uint32_t part = 0;
   Placement placement;
-  std::uint32_t first_placed_face = 0;  // as Instance::first_placed_face of the model that the mesh belongs to
+  std::uint32_t first_placed_face =
+      0;  // as Instance::first_placed_face of the model that the mesh belongs to
 };
 
 struct Mesh {
@@ -35,8 +36,8 @@ struct Mesh {
   std::vector<std::string> faces_unmeshed;  // names of faces that gave no triangle
   double deflection_mm = 0;                 // 0: unknown (a foreign mesh)
   double angular_deg = 0;
-  double mesh_ms = 0;                       // time the tessellator took
-  bool from_model = false;                  // the faces are those of the model that it is compared with
+  double mesh_ms = 0;       // time the tessellator took
+  bool from_model = false;  // the faces are those of the model that it is compared with
 };
 
 }  // namespace facetless

@@ -10,8 +10,8 @@ constexpr double kHalfPi = 1.57079632679489661923;
 constexpr double kHalfPiRest = 6.123233995736766036e-17;  // π/2 − kHalfPi
 constexpr double kTanEighthPi = 0.41421356237309504880;
 
-// Minimax polynomials, found by the Remez exchange in 60 digits; all in z = x².
-// sin x = x + x·z·P(z), |x| <= 0.793: error 8e-21 of x.
+// Minimax polynomials, found by the Remez exchange in 60 digits; all in z = x². sin x = x + x·z·P(z), |x| <=
+// 0.793: error 8e-21 of x.
 constexpr double kSin[] = {-0.16666666666666666,   0.008333333333333331,   -0.00019841269841264572,
                            2.7557319218958595e-06, -2.505210610148728e-08, 1.605851105751305e-10,
                            -7.585496585090376e-13};

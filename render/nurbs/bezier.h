@@ -1,7 +1,8 @@
-// Tensor-product Bézier nets of several components, and their two elementary operations: halving and the change to
-// centred monomials.
+// Tensor-product Bézier nets of several components, and their two elementary operations: halving and the
+// change to centred monomials.
 //
-//  1. A net holds `components` planes of (degree_u+1)·(degree_v+1) coefficients, u-major: value[c][k·(degree_v+1) + l].
+//  1. A net holds `components` planes of (degree_u+1)·(degree_v+1) coefficients, u-major:
+//     value[c][k·(degree_v+1) + l].
 //  2. Halving is de Casteljau's at 1/2: both halves share the coefficients of the new border bit by bit.
 //  3. Everything here is plain multiplication and addition in a fixed order: the same bytes on every machine.
 #pragma once
@@ -26,11 +27,12 @@ struct BezierNet {
 
 enum class Direction : unsigned char { kU, kV };
 
-// Halves `net` at the middle of one direction into `low` and `high`, which have its degrees and storage of their own.
+// Halves `net` at the middle of one direction into `low` and `high`, which have its degrees and storage of
+// their own.
 void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high);
 
-// Row i of the matrix that takes the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i, where
-// s = 2t − 1 ∈ [−1,1]. Entries are integers times 2^−degree, hence exact.
+// Row i of the matrix that takes the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i,
+// where s = 2t − 1 ∈ [−1,1]. Entries are integers times 2^−degree, hence exact.
 using MonomialMatrix = std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1>;
 const MonomialMatrix& CenteredMonomialMatrix(int degree);
 

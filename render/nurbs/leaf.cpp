@@ -45,8 +45,8 @@ Bounds Bound(const double* monomials, int degree_u, int degree_v) {
   return b;
 }
 
-// ‖I − H'‖ to expect after halving in u (scale_u = 1/2) or in v: the monomial s^i·t^j shrinks by scale_u^i·scale_v^j, and the row
-// of C that belongs to the halved direction doubles.
+// ‖I − H'‖ to expect after halving in u (scale_u = 1/2) or in v: the monomial s^i·t^j shrinks by
+// scale_u^i·scale_v^j, and the row of C that belongs to the halved direction doubles.
 double KappaAfterHalving(const double* g1, const double* g2, const double* w, int degree_u, int degree_v,
                          double scale_u, double scale_v) {
   double row1 = 0, row2 = 0, slope = 0, factor_u = 1;
@@ -79,7 +79,8 @@ Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomi
   const int n = net.points();
   const int pu = net.degree_u, pv = net.degree_v, stride = net.stride();
 
-  // Shift to the pixel of the middle control points, so that what follows has the leaf's size and not the image's.
+  // Shift to the pixel of the middle control points, so that what follows has the leaf's size and not the
+  // image's.
   const int middle = (pu / 2) * stride + pv / 2;
   const double w_middle = rule.weight_varies ? net.value[kW][middle] : 1;
   if (!(w_middle > 0)) return {};

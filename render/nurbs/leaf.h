@@ -1,15 +1,18 @@
 // Leaf: a piece of a projected patch together with the proof that each ray meets it at most once.
 //
-// A leaf's own parameters are s, t ∈ [−1,1]. With `center` the pixel of (0,0), J the Jacobian of the pixel there and
-// C = J⁻¹, the ray through pixel r is b = C·(r − center), and the leaf keeps the centred monomials of
+// A leaf's own parameters are s, t ∈ [−1,1]. With `center` the pixel of (0,0), J the Jacobian of the pixel
+// there and C = J⁻¹, the ray through pixel r is b = C·(r − center), and the leaf keeps the centred monomials
+// of
 //   G = C·(X − center_x·W, Y − center_y·W)/W(0,0)   and   W/W(0,0),
-// so that H(s,t) = G − b·W vanishes exactly where the ray meets the surface, and its Jacobian is close to the identity.
+// so that H(s,t) = G − b·W vanishes exactly where the ray meets the surface, and its Jacobian is close to the
+// identity.
 //
-//  1. Over the enlarged leaf |s|, |t| ≤ kEnlarged and for every ray that can meet it, ‖I − H'‖∞ ≤ kappa < 1 and ‖H''‖∞ ≤ the Lipschitz
-//     constant behind newton_factor. Hence at most one root per ray.
+//  1. Over the enlarged leaf |s|, |t| ≤ kEnlarged and for every ray that can meet it, ‖I − H'‖∞ ≤ kappa < 1
+//     and ‖H''‖∞ ≤ the Lipschitz constant behind newton_factor. Hence at most one root per ray.
 //  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
-//  3. From x with residual ρ = ‖H(x)‖∞ + rounding, a root in the enlarged leaf lies within e = ρ·inverse_gap of x, and
-//     within newton_factor·e² of the Newton step from x, and within kappa·e of the chord step x − H(x). All include rounding (Law 4).
+//  3. From x with residual ρ = ‖H(x)‖∞ + rounding, a root in the enlarged leaf lies within e = ρ·inverse_gap
+//     of x, and within newton_factor·e² of the Newton step from x, and within kappa·e of the chord step x −
+//     H(x). All include rounding (Law 4).
 //  4. `rounding` bounds the error of evaluating H in double, conversion to monomials included.
 //  5. Newton from the start x = b converges: newton_factor times the start's error is below 1/2.
 #pragma once
@@ -25,7 +28,8 @@ namespace facetless {
 inline constexpr double kEnlarged = 1.0625;
 // The largest ‖I − H'‖ that a leaf may have.
 inline constexpr double kMaxKappa = 0.5;
-// Roots this far outside a leaf are its own too: neighbouring leaves overlap, so that no ray falls between them.
+// Roots this far outside a leaf are its own too: neighbouring leaves overlap, so that no ray falls between
+// them.
 inline constexpr double kBorderOverlap = 0x1p-30;
 // A root's error bound, in s and t, at which the iteration stops.
 inline constexpr double kSolverTolerance = 0x1p-42;
@@ -39,8 +43,8 @@ enum LeafFlag : std::uint16_t {
 };
 
 struct Leaf {
-  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: X, Y, W, Q in Bernstein form,
-  // X and Y relative to (center_x, center_y).
+  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: X, Y, W,
+  // Q in Bernstein form, X and Y relative to (center_x, center_y).
   const double* coefficients = nullptr;
   double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
   double c11 = 0, c12 = 0, c21 = 0, c22 = 0;  // C
@@ -71,13 +75,15 @@ struct DepthRule {
 
 struct Verdict {
   bool certified = false;
-  // Where not: the kappa to expect after halving in u or in v. Infinite where the Jacobian at the centre is singular.
+  // Where not: the kappa to expect after halving in u or in v. Infinite where the Jacobian at the centre is
+  // singular.
   double kappa_halved_u = INFINITY, kappa_halved_v = INFINITY;
 };
 
-// Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success fills everything of
-// `leaf` that follows from the net — but not coefficients, ranges, names — and writes leaf->planes()·points() monomials to
-// `monomials` (room for 4·points()). Fails where the bound of Law 1 or Law 5 does.
+// Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success fills
+// everything of `leaf` that follows from the net — but not coefficients, ranges, names — and writes
+// leaf->planes()·points() monomials to `monomials` (room for 4·points()). Fails where the bound of Law 1 or
+// Law 5 does.
 Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomials);
 
 }  // namespace facetless

@@ -6,12 +6,12 @@
 namespace facetless {
 namespace {
 
-// A chain of halvings no longer than this resolves 2^-32 of a patch in both directions; a piece that is still without a certificate
-// then is left to the subdivision solver, which is exact down to the last digit.
+// A chain of halvings no longer than this resolves 2^-32 of a patch in both directions; a piece that is still
+// without a certificate then is left to the subdivision solver, which is exact down to the last digit.
 constexpr int kMaxLevels = 64;
 
-// Slack of every screen box, in samples: covers the rounding of projected control points (2^-53 of 2^16 samples, grown by
-// halving and division) and the overlap of neighbouring leaves, with room to spare.
+// Slack of every screen box, in samples: covers the rounding of projected control points (2^-53 of 2^16
+// samples, grown by halving and division) and the overlap of neighbouring leaves, with room to spare.
 constexpr double kBoxSlack = 0x1p-20;
 
 constexpr std::size_t kArenaBlock = 1 << 15;  // doubles
@@ -56,8 +56,8 @@ struct ScreenBox {
 
 enum class Visibility : std::uint8_t { kHidden, kSeen };
 
-// Homogeneous half-space tests, valid whatever the sign of W: all control points on the wrong side of one plane of the
-// frustum mean that no ray of the window meets the patch in front of the near plane.
+// Homogeneous half-space tests, valid whatever the sign of W: all control points on the wrong side of one
+// plane of the frustum mean that no ray of the window meets the patch in front of the near plane.
 Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   bool left = true, right = true, above = true, below = true, behind = window.perspective;
   const int n = net.points();
@@ -125,7 +125,8 @@ Extent MeasureExtent(const BezierNet& net, const DepthRule& rule) {
 
 }  // namespace
 
-LeafSplitter::LeafSplitter(const SplitWindow& window, SplitBudget* budget) : window_(window), budget_(budget) {}
+LeafSplitter::LeafSplitter(const SplitWindow& window, SplitBudget* budget)
+    : window_(window), budget_(budget) {}
 LeafSplitter::~LeafSplitter() = default;
 
 LeafSplitter::Node* LeafSplitter::Level(int level, int side) {
@@ -162,7 +163,8 @@ void LeafSplitter::Visit(const Node& node) {
   int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
   if (box.in_front) {
     const double scale = window_.perspective ? std::max(box.near_depth, window_.near_depth) : 1;
-    // No leaf reaches farther past its border than an eighth of its size: kEnlarged − 1 on a side of 2, twice for its curvature.
+    // No leaf reaches farther past its border than an eighth of its size: kEnlarged − 1 on a side of 2, twice
+    // for its curvature.
     const double size = std::max(box.x_high - box.x_low, box.y_high - box.y_low);
     const double slack = kBoxSlack + std::min(patch_->extend_px / scale, size / 8);
     const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
@@ -233,7 +235,8 @@ void LeafSplitter::Visit(const Node& node) {
                                     std::memory_order_relaxed);
       return;
     }
-    // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there only the extent on the screen counts.
+    // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there only the extent
+    // on the screen counts.
     const Extent extent = MeasureExtent(net, patch_->rule);
     direction = extent.v > extent.u ? Direction::kV : Direction::kU;
     if (!certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {

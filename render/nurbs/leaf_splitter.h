@@ -1,8 +1,11 @@
-// LeafSplitter: cuts projected patches into leaves, keeping only what the view and the trimming leave of them.
+// LeafSplitter: cuts projected patches into leaves, keeping only what the view and the trimming leave of
+// them.
 //
-//  1. Every point of the patch that some sample ray meets, in front of the eye plane and inside the trimmed face, lies in a leaf
-//     that is returned. What is dropped is proven to be outside the window, behind the eye, between the sample centres, or trimmed away.
-//  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not be split further.
+//  1. Every point of the patch that some sample ray meets, in front of the eye plane and inside the trimmed
+//     face, lies in a leaf that is returned. What is dropped is proven to be outside the window, behind the
+//     eye, between the sample centres, or trimmed away.
+//  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
+//     be split further.
 //  3. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
 
@@ -18,9 +21,11 @@
 
 namespace facetless {
 
-// Sample centres in a leaf without a certificate: few enough that solving them one by one costs less than splitting on.
+// Sample centres in a leaf without a certificate: few enough that solving them one by one costs less than
+// splitting on.
 inline constexpr int kHardSamples = 4;
-// Sample centres in a leaf that the trimming cuts, above which splitting is cheaper than asking for each sample.
+// Sample centres in a leaf that the trimming cuts, above which splitting is cheaper than asking for each
+// sample.
 inline constexpr int kTrimmedSamples = 64;
 
 struct SplitWindow {
@@ -55,15 +60,17 @@ struct SplitPatch {
   const FaceTrim* trim = nullptr;
   RectClass trim_class = RectClass::kMixed;  // of the whole patch
   std::uint32_t placed_face = 0, patch = 0;
-  // How far, in samples (perspective: at a depth of 1 mm) and in each Bézier parameter, the patch may be continued past its
-  // borders (u low, u high, v low, v high) where the face ends there and its edges lie off the surface by a gap. 0: not at all.
+  // How far, in samples (perspective: at a depth of 1 mm) and in each Bézier parameter, the patch may be
+  // continued past its borders (u low, u high, v low, v high) where the face ends there and its edges lie off
+  // the surface by a gap. 0: not at all.
   double extend_px = 0;
   double extend[4] = {0, 0, 0, 0};
 };
 
 class LeafSplitter {
  public:
-  // `budget` must outlive the splitter. Once it is stopped, Split leaves out what is left: the caller gives the view up.
+  // `budget` must outlive the splitter. Once it is stopped, Split leaves out what is left: the caller gives
+  // the view up.
   LeafSplitter(const SplitWindow& window, SplitBudget* budget);
   ~LeafSplitter();
 

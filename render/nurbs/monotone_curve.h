@@ -2,9 +2,9 @@
 //
 //  1. A PlaneCurve is a view of degree + 1 points (w·u, w·v, w) with positive weights; it owns nothing.
 //  2. PointOn is off by at most EvaluationError in each coordinate; a turn smaller than that isn't found and
-//  doesn't matter.
+//     doesn't matter.
 //  3. SideOf never guesses: kLeft and kRight are proven, rounding included; kOn means nearer than the
-//  evaluation can tell.
+//     evaluation can tell.
 //  4. Deterministic: the same arguments give the same bits everywhere.
 #pragma once
 

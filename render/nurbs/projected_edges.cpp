@@ -7,10 +7,12 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
-// The nearest point's place within its segment is rounded to multiples of this. Iterations that start in different places agree to about
-// 1e-14; on an edge of 1000 pixels the foot moves by 1e-7 pixels and the side of the curve by the square of that.
+// The nearest point's place within its segment is rounded to multiples of this. Iterations that start in
+// different places agree to about 1e-14; on an edge of 1000 pixels the foot moves by 1e-7 pixels and the side
+// of the curve by the square of that.
 constexpr double kParameterGrid = 0x1p-32;
-// Gauss–Newton converges like the distance over the radius of curvature, which is far below one in an edge's band.
+// Gauss–Newton converges like the distance over the radius of curvature, which is far below one in an edge's
+// band.
 constexpr int kMaxSteps = 40;
 constexpr int kMaxHalvings = 8;
 
@@ -84,14 +86,15 @@ ProjectedEdges::ProjectedEdges(const Model& model, const Placement& placement, c
 
 namespace {
 
-// The side of the pixel, at the origin, of the line through `point` along `tangent`. On the line itself it is kNegative, for whoever
-// asks.
+// The side of the pixel, at the origin, of the line through `point` along `tangent`. On the line itself it is
+// kNegative, for whoever asks.
 Side SideOfLine(Vec2 point, Vec2 tangent) {
   if (!(Dot(tangent, tangent) > 0)) return Side::kUnknown;
   return Cross(point, tangent) > 0 ? Side::kPositive : Side::kNegative;  // = cross(tangent, −point)
 }
 
-// Both lines at a kink: the positive side is the intersection of two half planes where the curve turns towards it, else their union.
+// Both lines at a kink: the positive side is the intersection of two half planes where the curve turns
+// towards it, else their union.
 Side SideOfKink(Side in, Side out, double turn) {
   if (in == Side::kUnknown || out == Side::kUnknown) return in == Side::kUnknown ? out : in;
   if (turn > 0) return std::min(in, out);
@@ -201,15 +204,17 @@ Vec2 ProjectedEdges::TangentAt(std::uint32_t edge_index, double parameter, bool 
 }
 
 bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive) {
-  // Left of the p-curve in (u,v) is the positive side of its image if the map keeps the orientation; the edge may run against it.
+  // Left of the p-curve in (u,v) is the positive side of its image if the map keeps the orientation; the edge
+  // may run against it.
   const bool material_positive = (material_left == jacobian_positive) != coedge.reversed;
   return (side == Side::kPositive) == material_positive;
 }
 
 namespace {
 
-// Whether the ray passes the edge too far off for the p-curve and the edge to disagree on it: they are a gap apart at the most.
-// Twice the gap allows for how it was measured, the rest for the rounding of a projected edge, in samples.
+// Whether the ray passes the edge too far off for the p-curve and the edge to disagree on it: they are a gap
+// apart at the most. Twice the gap allows for how it was measured, the rest for the rounding of a projected
+// edge, in samples.
 bool OutOfReach(const Coedge& coedge, const EdgeSide& side, double mm_per_px) {
   constexpr double kRoundingPx = 0x1p-20;
   return side.distance_px > 2 * coedge.gap_mm / mm_per_px + kRoundingPx;

@@ -2,11 +2,11 @@
 //
 //  1. Derivatives are with respect to *native* parameters: an angle stays an angle, across all patches.
 //  2. Outside the grid the border patch is extrapolated. On the border of two patches the one with the larger
-//  index answers.
+//     index answers.
 //  3. Scalar, without allocation and without libm: the same bits on every machine. Not for the inner loop of
-//  the tracer.
+//     the tracer.
 //  4. Where a weight sum vanishes (only possible by extrapolation) the result isn't finite; the caller
-//  checks.
+//     checks.
 #pragma once
 
 #include <cstdint>

@@ -45,8 +45,8 @@ Bits2 One(Bits2 comparison) {
   return comparison ? Bits2{1, 1} : Bits2{0, 0};
 }
 
-// A corner is near if it lies within this many bands. The neighbour's band may be narrower, and the bands are boxes, whose
-// corners are 1.5 times as far as their sides.
+// A corner is near if it lies within this many bands. The neighbour's band may be narrower, and the bands are
+// boxes, whose corners are 1.5 times as far as their sides.
 constexpr double kCornerReach = 2;
 
 bool Spans(const TrimPiece& piece, double v) {
@@ -239,7 +239,8 @@ bool FaceTrim::MaterialLeft(std::uint32_t i) const {
   const TrimPiece& piece = pieces_.pieces[i];
   const MonotonePiece curve = pieces_.Monotone(i);
   Vec2 middle = PointOn(curve.curve, 0.5 * (curve.t_low + curve.t_high));
-  // Of a piece that rises by a rounding or two the middle may round to the upper end, where its neighbour counts already.
+  // Of a piece that rises by a rounding or two the middle may round to the upper end, where its neighbour
+  // counts already.
   if (!Spans(piece, middle.y)) middle.y = piece.low.y;
   const bool odd = OddExcept(middle, i);
   // Without this piece the count is that of its right side; on a horizontal one, by the half-open rule, that
@@ -477,8 +478,8 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
   answer.coedge = nearest.coedge;
   answer.edge_parameter = nearest.edge_parameter;
   answer.material_left = ends.material_left;
-  // At a corner the neighbour is asked as well: if its band holds the point, too, as along both sides of a narrow wedge, or if
-  // the corner is near.
+  // At a corner the neighbour is asked as well: if its band holds the point, too, as along both sides of a
+  // narrow wedge, or if the corner is near.
   const Contacts::Contact* next = contacts.Find(ends.next);
   const Contacts::Contact* previous = contacts.Find(ends.previous);
   const bool nearer_end =

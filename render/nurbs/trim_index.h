@@ -1,24 +1,20 @@
 // The trim index of one face: which part of the patch grid belongs to the face, in native parameters (u,v).
 //
 //  1. Inside is even-odd: a point is inside if the half-line from it towards +u crosses the loops an odd
-//  number of
-//     times. The sense of a loop doesn't matter, so wrongly oriented loops of real files still work; which
-//     side of each coedge holds material is derived from the same counting (TrimAnswer::material_left), not
-//     from the file.
+//     number of times. The sense of a loop doesn't matter, so wrongly oriented loops of real files still
+//     work; which side of each coedge holds material is derived from the same counting
+//     (TrimAnswer::material_left), not from the file.
 //  2. Pieces of a loop share bit-identical end points, and a crossing is counted by the half-open rule v_low
-//  <= v < v_high
-//     on them: every point off the curves has one well-defined answer, whatever the pieces' shapes.
+//     <= v < v_high on them: every point off the curves has one well-defined answer, whatever the pieces'
+//     shapes.
 //  3. Classify is conservative: kInside and kOutside are proven for the whole rectangle, its distance to
-//  every coedge
-//     exceeding that coedge's band. Query never contradicts it.
+//     every coedge exceeding that coedge's band. Query never contradicts it.
 //  4. A coedge's *band* is where the surface point may lie within Coedge::gap_mm (plus the rounding of a
-//  surface point)
-//     of the p-curve, measured on the surface. `band_scale` widens it: seen at the angle a to the normal, a
-//     gap of g mm covers g/cos a mm of the surface, so the caller passes 1/|N·D|, capped as it likes. 0 takes
-//     the bands away.
+//     surface point) of the p-curve, measured on the surface. `band_scale` widens it: seen at the angle a to
+//     the normal, a gap of g mm covers g/cos a mm of the surface, so the caller passes 1/|N·D|, capped as it
+//     likes. 0 takes the bands away.
 //  5. Immutable once built; queries are const, allocate nothing and may run in any number of threads. The
-//  same arguments
-//     give the same bits on every machine: no libm but sqrt.
+//     same arguments give the same bits on every machine: no libm but sqrt.
 //
 // Structure: each loop is a chain of pieces monotone in u and in v (render/nurbs/trim_pieces.h). A tree of
 // nodes with up to eight children over consecutive pieces stores the box and the two ends of every stretch of

@@ -10,8 +10,8 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// A hit of the tracer is off by about this many units in the last place of the surface's largest coordinate plus the model's
-// diagonal: the eye is about a diagonal away.
+// A hit of the tracer is off by about this many units in the last place of the surface's largest coordinate
+// plus the model's diagonal: the eye is about a diagonal away.
 constexpr double kPointUlps = 16;
 // The metric is sampled at the ends and the middle of a piece; it may exceed the samples in between, and the
 // p-curve lies up to one gap away from the edge itself.
@@ -20,9 +20,9 @@ constexpr double kBandSafety = 2;
 constexpr double kStripShare = 0.5;
 // … but next to an extremum the share stays the same however short the piece: stop after this many cuts.
 constexpr int kStripCuts = 2;
-// A piece is cut while the band at its widest is over kBandRatio times that at its narrowest and over kBandShare of the
-// grid: at kBandCut of its length from the widest end. Towards a pole the band grows like one over the distance, which takes a
-// cut per decade.
+// A piece is cut while the band at its widest is over kBandRatio times that at its narrowest and over
+// kBandShare of the grid: at kBandCut of its length from the widest end. Towards a pole the band grows like
+// one over the distance, which takes a cut per decade.
 constexpr double kBandRatio = 2, kBandShare = 1.0 / 64, kBandCut = 0.1;
 constexpr int kBandCuts = 20;
 
@@ -248,7 +248,8 @@ class Maker {
     return {out_.points.data() + curve_.first_point, static_cast<int>(curve_.degree)};
   }
 
-  // The point of curve_ at t between two ends of a monotone stretch: kept in their box, whatever the rounding.
+  // The point of curve_ at t between two ends of a monotone stretch: kept in their box, whatever the
+  // rounding.
   End Between(const End& a, const End& b, double t) const {
     const Vec2 p = PointOn(Current(), t);
     return EndAt(t, {std::clamp(p.x, std::min(a.point.x, b.point.x), std::max(a.point.x, b.point.x)),
@@ -318,7 +319,8 @@ class Maker {
     piece.forward = upwards;
     piece.coedge = source_.coedge;
     piece.slit = source_.slit;
-    // The strip, with what rounding and snapped ends may add. Turned round, the chord's other end is as good an origin.
+    // The strip, with what rounding and snapped ends may add. Turned round, the chord's other end is as good
+    // an origin.
     const Vec2 chord = high.point - low.point;
     const double slack = 4 * (std::fabs(chord.x) * curve_.error.y + std::fabs(chord.y) * curve_.error.x);
     const auto [least, most] = Strip(begin, end);

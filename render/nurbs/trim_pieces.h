@@ -1,16 +1,13 @@
 // From a face's loops to monotone pieces: what the trim index is built of.
 //
 //  1. Pieces stand in loop order; each starts with the very bits that the one before ends with, the last one
-//  of a loop
-//     ends with those of the first. Where two segments' ends differ by more than rounding, a straight piece
-//     joins them.
+//     of a loop ends with those of the first. Where two segments' ends differ by more than rounding, a
+//     straight piece joins them.
 //  2. A coedge's band is a half-width per piece: the largest along it, of (u,v) for a distance of gap_mm plus
-//  the rounding of a surface
-//     point. Where the surface degenerates it is as wide as the patch grid. Pieces along which it changes
-//     much are cut.
+//     the rounding of a surface point. Where the surface degenerates it is as wide as the patch grid. Pieces
+//     along which it changes much are cut.
 //  3. A slit, two coedges of one edge that run to and fro along one curve, bounds nothing: both get the same
-//  pieces, in opposite
-//     order, so that their crossings cancel bit by bit, and no band.
+//     pieces, in opposite order, so that their crossings cancel bit by bit, and no band.
 //  4. A degenerate edge and a border without an edge have no band, and no edge to ask.
 #pragma once
 

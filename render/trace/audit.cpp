@@ -42,7 +42,8 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
       const double border = 1 - 2 * kBorderOverlap;
       const bool on_border = std::fabs(crossing.hit.s) >= border || std::fabs(crossing.hit.t) >= border ||
                              (leaf.flags & kLeafHard);
-      // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by the range of a floor piece.
+      // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by
+      // the range of a floor piece.
       const double error = std::fabs(crossing.hit.depth) * 0x1p-44 +
                            std::fabs(crossing.hit.depth - leaf.near_depth) * 2 * kBorderOverlap;
       hits.push_back({crossing.sample, leaf.placed_face, crossing.hit.depth, error, on_border});

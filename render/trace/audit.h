@@ -1,11 +1,13 @@
 // The audit of a view: every crossing of every ray, not only the nearest.
 //
-//  1. A closed solid is crossed an even number of times by every ray. A ray that crosses some placed closed solid an odd number of times is an
-//     odd ray: light leaks there, or a face is counted twice.
-//  2. The same lines are traced once more from the opposite side, projected, split and solved anew. A ray whose crossings differ, in
-//     number or in depth by more than kReverseTolerance of the model's diagonal, is a reverse mismatch.
-//  3. Two leaves of one face that both own their common border find one root twice. Such twins are told by what they are — roots on the border
-//     of their leaves, or met without proof, on the same face — and by depths that agree to within the solver's own error.
+//  1. A closed solid is crossed an even number of times by every ray. A ray that crosses some placed closed
+//     solid an odd number of times is an odd ray: light leaks there, or a face is counted twice.
+//  2. The same lines are traced once more from the opposite side, projected, split and solved anew. A ray
+//     whose crossings differ, in number or in depth by more than kReverseTolerance of the model's diagonal,
+//     is a reverse mismatch.
+//  3. Two leaves of one face that both own their common border find one root twice. Such twins are told by
+//     what they are — roots on the border of their leaves, or met without proof, on the same face — and by
+//     depths that agree to within the solver's own error.
 #pragma once
 
 #include <cstdint>

@@ -11,16 +11,16 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPixels = 65536;
-// The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16
-// / sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
+// The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16 /
+// sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
 constexpr double kMinUpSine = 1e-6;
 // nearest depth that a perspective view shows, of the model's diagonal
 constexpr double kNearShare = 1e-9;
 // free border of a named view, of the image's width and height, on each side
 constexpr double kMargin = 0.05;
 constexpr double kNamedFovDeg = 40;
-// A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner
-// of the box.
+// A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner of
+// the box.
 constexpr double kStandOff = 0.1;
 
 // tan of half the field of view, the same on every processor: two doublings of the tangent of an eighth,

@@ -2,10 +2,10 @@
 //
 //  1. Right-handed: `forward` = target − eye normalised, `right` = forward × up, `down` = forward × right.
 //     Model axes are Z up.
-//  2. Pixel (column i, row j), row 0 on top, has its centre at (i + 0.5, j + 0.5). With k×m samples per
-//     pixel the sample grid is a camera of k·width × m·height pixels over the same window.
-//  3. Depth of a point is its distance from the eye plane along `forward`, in mm. Orthographic hits may
-//     have any depth (the eye plane does not clip); perspective ones are farther than near_mm.
+//  2. Pixel (column i, row j), row 0 on top, has its centre at (i + 0.5, j + 0.5). With k×m samples per pixel
+//     the sample grid is a camera of k·width × m·height pixels over the same window.
+//  3. Depth of a point is its distance from the eye plane along `forward`, in mm. Orthographic hits may have
+//     any depth (the eye plane does not clip); perspective ones are farther than near_mm.
 #pragma once
 
 #include <cstdint>
@@ -62,8 +62,8 @@ PixelPoint Project(const CameraFrame& frame, Vec3 point);
 const std::vector<std::string>& ViewNames();
 
 // A camera that looks at `bounds` and fits it with 5 % of margin: `front` looks along +Y, `right` along −X,
-// `top` along −Z (+Y up), `iso` from (1, −1, 1)/√3; see the table in docs/cameras.md. Error: kBadUsage
-// names the valid names.
+// `top` along −Z (+Y up), `iso` from (1, −1, 1)/√3; see the table in docs/cameras.md. Error: kBadUsage names
+// the valid names.
 Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection projection, int width_px,
                          int height_px);
 

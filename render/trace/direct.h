@@ -1,9 +1,9 @@
 // The direct renderer: from a model and a camera to samples, on the exact surfaces.
 //
-//  1. A Scene is what does not depend on the view (trimming structures, occurrence tables); it is immutable and may serve many
-//     calls at once. The Model must outlive it.
-//  2. TraceDirect projects, splits into leaves, numbers them in bitmaps and traces every pixel centre of the camera. Its samples are the
-//     same bytes for any number of threads and any instruction set.
+//  1. A Scene is what does not depend on the view (trimming structures, occurrence tables); it is immutable
+//     and may serve many calls at once. The Model must outlive it.
+//  2. TraceDirect projects, splits into leaves, numbers them in bitmaps and traces every pixel centre of the
+//     camera. Its samples are the same bytes for any number of threads and any instruction set.
 //  3. Nothing is silent: stats.certified + stats.converged + stats.unresolved = width·height.
 #pragma once
 
@@ -23,11 +23,11 @@ enum class Precision : std::uint8_t { kFast, kStandard, kCertified };
 
 struct DirectOptions {
   Precision precision = Precision::kStandard;
-  int threads = 0;                            // 0: all cores
-  bool uv = false;                            // fill samples.uv
-  bool audit = false;                         // count every crossing of every ray
+  int threads = 0;                                   // 0: all cores
+  bool uv = false;                                   // fill samples.uv
+  bool audit = false;                                // count every crossing of every ray
   std::uint64_t max_bytes = std::uint64_t{8} << 30;  // what the leaves of a view may take
-  const std::atomic<bool>* cancel = nullptr;  // polled; true ends the call with kCancelled
+  const std::atomic<bool>* cancel = nullptr;         // polled; true ends the call with kCancelled
 };
 
 struct DirectStats {
@@ -68,7 +68,8 @@ class Scene {
 // Errors: kBadUsage (camera), kLimitExceeded (more leaves than memory allows), kCancelled.
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options);
 
-// The instruction set that the kernels run on: FACETLESS_ISA=scalar|avx2|avx512 forces one (kBadUsage if the machine lacks it).
+// The instruction set that the kernels run on: FACETLESS_ISA=scalar|avx2|avx512 forces one (kBadUsage if the
+// machine lacks it).
 Result<std::string> ActiveIsa();
 
 }  // namespace facetless

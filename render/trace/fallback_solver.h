@@ -1,9 +1,9 @@
 // The fallback solver: all roots of one ray in a leaf that has no certificate, by subdivision.
 //
-//  1. Pieces whose coefficients of F keep one sign, beyond their rounding, are proven empty. Pieces that can be certified are solved and
-//     proven like any leaf. The rest is halved.
-//  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without proof (kDoubtSolver): a
-//     tangency, a pole, a cusp, met to that precision.
+//  1. Pieces whose coefficients of F keep one sign, beyond their rounding, are proven empty. Pieces that can
+//     be certified are solved and proven like any leaf. The rest is halved.
+//  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
+//     proof (kDoubtSolver): a tangency, a pole, a cusp, met to that precision.
 //  3. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
 #pragma once
 
@@ -30,8 +30,8 @@ class FallbackSolver {
  public:
   FallbackSolver();
   ~FallbackSolver();
-  // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those on a border of two
-  // pieces possibly twice. Returns kDoubtUnresolved or 0. Requires a leaf with kLeafHard.
+  // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
+  // on a border of two pieces possibly twice. Returns kDoubtUnresolved or 0. Requires a leaf with kLeafHard.
   std::uint8_t Solve(const Leaf& leaf, double x, double y, double limit, std::vector<FallbackRoot>* roots);
 
  private:

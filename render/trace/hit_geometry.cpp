@@ -88,7 +88,8 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
     fy = {0, a21 * h1s + a22 * h2s, a21 * h1t + a22 * h2t};
   }
 
-  // The pixel moves by F'/W; depth is Q/W, or W/Q in perspective, where the point is depth·(x, y, 1) in pixel units.
+  // The pixel moves by F'/W; depth is Q/W, or W/Q in perspective, where the point is depth·(x, y, 1) in pixel
+  // units.
   const double xs = fx.ds / w.f, xt = fx.dt / w.f, ys = fy.ds / w.f, yt = fy.dt / w.f;
   if (!perspective) {
     const double depth = q.f / w.f;
@@ -104,7 +105,8 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
           depth};
 }
 
-// Below this sine of the angle between the tangents, or ratio of their lengths, ds × dt is mostly rounding: half the digits are gone.
+// Below this sine of the angle between the tangents, or ratio of their lengths, ds × dt is mostly rounding:
+// half the digits are gone.
 constexpr double kSingular = 0x1p-26;
 
 }  // namespace

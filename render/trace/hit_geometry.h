@@ -15,8 +15,8 @@ struct HitGeometry {
   double cosine = 0;  // |normal · ray direction|
 };
 
-// Of the root (s, t) of the ray through (x, y) relative to the image centre. Where ds × dt vanishes (a pole, a collapsed edge) the normal
-// is the one-sided limit towards the leaf's middle.
+// Of the root (s, t) of the ray through (x, y) relative to the image centre. Where ds × dt vanishes (a pole,
+// a collapsed edge) the normal is the one-sided limit towards the leaf's middle.
 HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame);
 
 }  // namespace facetless

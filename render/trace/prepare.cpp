@@ -25,10 +25,11 @@ struct Worker {
 class Preparation {
  public:
   Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
-                                 const DirectOptions& options)
-      : scene_(scene), model_(*scene.model), frame_(frame), workers_([this] {
-          return Worker(window_, &budget_);
-        }) {
+              const DirectOptions& options)
+      : scene_(scene),
+        model_(*scene.model),
+        frame_(frame),
+        workers_([this] { return Worker(window_, &budget_); }) {
     window_.half_width = 0.5 * camera.width_px;
     window_.half_height = 0.5 * camera.height_px;
     window_.perspective = frame.projection == Projection::kPerspective;
@@ -41,7 +42,8 @@ class Preparation {
     tbb::parallel_for(std::size_t{0}, model_.instances.size(),
                       [this](std::size_t i) { VisitInstance(model_.instances[i]); });
     if (budget_.Exhausted()) {
-      return Error{ErrorCode::kLimitExceeded, "the view needs more leaves than fit into the memory allowed; use a smaller image"};
+      return Error{ErrorCode::kLimitExceeded,
+                   "the view needs more leaves than fit into the memory allowed; use a smaller image"};
     }
     if (budget_.Stopped()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
 
@@ -151,7 +153,8 @@ class Preparation {
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
   }
 
-  // Where the face ends with its patch grid, let leaves on that border reach across the gap to the neighbour's edge.
+  // Where the face ends with its patch grid, let leaves on that border reach across the gap to the
+  // neighbour's edge.
   void Extend(const Surface& surface, const FaceData& data, const Vec4* points, std::uint32_t i,
               std::uint32_t j, SplitPatch* split) const {
     if (!(data.extend_mm > 0)) return;
@@ -160,7 +163,8 @@ class Preparation {
       const Vec4& p = points[k * stride + l];
       return Vec3{p.x / p.w, p.y / p.w, p.z / p.w};
     };
-    // Slowest speed across each border, from the first row of differences there; a collapsed border has none to cross.
+    // Slowest speed across each border, from the first row of differences there; a collapsed border has none
+    // to cross.
     const auto across = [&](bool along_v, bool high) {
       double slowest = INFINITY;
       const int count = along_v ? pu : pv, degree = along_v ? pv : pu;

@@ -1,4 +1,5 @@
-// Preparation of one view: project every placed face that the window can hold, split it into leaves, list the leaves per tile.
+// Preparation of one view: project every placed face that the window can hold, split it into leaves, list the
+// leaves per tile.
 #pragma once
 
 #include <atomic>

@@ -1,9 +1,11 @@
 // Projection: the 4×4 matrix that takes homogeneous model points to a view's (X, Y, W, Q).
 //
-//  1. X/W is the sample column and Y/W the sample row, both relative to the image centre; W > 0 in front of the eye.
-//  2. Depth along the view direction is Q/W in orthographic views (W is the surface's own weight) and W/Q in perspective
-//     ones (Q is): perspective moves into the weight, the surface stays rational.
-//  3. Points are taken relative to the eye before anything is multiplied: a model far from the origin loses no digits here.
+//  1. X/W is the sample column and Y/W the sample row, both relative to the image centre; W > 0 in front of
+//     the eye.
+//  2. Depth along the view direction is Q/W in orthographic views (W is the surface's own weight) and W/Q in
+//     perspective ones (Q is): perspective moves into the weight, the surface stays rational.
+//  3. Points are taken relative to the eye before anything is multiplied: a model far from the origin loses
+//     no digits here.
 #pragma once
 
 #include "render/model/vec.h"

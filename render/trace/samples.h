@@ -1,4 +1,5 @@
-// What a tracer answers, one entry per pixel centre, row-major, row 0 on top. Both tracers fill the same buffers.
+// What a tracer answers, one entry per pixel centre, row-major, row 0 on top. Both tracers fill the same
+// buffers.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@ struct FaceData {
   FaceTrim trim;
   Box3 bounds;                     // of the control points, part coordinates
   std::vector<RectClass> patches;  // where each patch lies in the trimming, whatever the view
-  double extend_mm = 0;            // how far neighbours' edges may lie outside the patch grid: the largest gap
+  double extend_mm = 0;  // how far neighbours' edges may lie outside the patch grid: the largest gap
 };
 
 struct Scene::Data {

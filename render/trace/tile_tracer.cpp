@@ -8,11 +8,12 @@
 namespace facetless {
 namespace {
 
-// A gap seen at grazing incidence covers gap/cosine of the surface; beyond this factor the band would swallow the face.
+// A gap seen at grazing incidence covers gap/cosine of the surface; beyond this factor the band would swallow
+// the face.
 constexpr double kMaxBandScale = 64;
 
-// A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges the other side of the
-// seam may have left it to this one.
+// A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges
+// the other side of the seam may have left it to this one.
 double OntoPatch(double bezier, double half) {
   const double overlap = 2 * kBorderOverlap * half;
   if (bezier < 0 && bezier >= -overlap) return 0;

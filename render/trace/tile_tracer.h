@@ -1,6 +1,7 @@
 // TileTracer: runs the tile kernel over one prepared view, with trimming and the fallback solver behind it.
 //
-//  1. One per thread: it owns the bitmaps, the solver's stack and a tile's results. The view and the scene are shared and only read.
+//  1. One per thread: it owns the bitmaps, the solver's stack and a tile's results. The view and the scene
+//     are shared and only read.
 #pragma once
 
 #include <array>
@@ -59,7 +60,8 @@ class TileTracer {
  public:
   TileTracer(const TraceShared& shared, TileKernel kernel);
 
-  // The nearest hits of tile `index`, in the arrays below. With `crossings`, every hit of every ray is appended to it too.
+  // The nearest hits of tile `index`, in the arrays below. With `crossings`, every hit of every ray is
+  // appended to it too.
   void Trace(int index, std::vector<Crossing>* crossings);
 
   int column() const { return job_.column; }  // of the last tile

@@ -135,7 +135,8 @@ TEST(Leaf, HalvingIsPromisedToHelpInTheDirectionThatBends) {
   EXPECT_LT(verdict.kappa_halved_u, verdict.kappa_halved_v);
 }
 
-// A. Sisojevs' step W/M·(M_U, M_V) with the determinants of eq. 12 and 13, as an oracle for the homogeneous form.
+// A. Sisojevs' step W/M·(M_U, M_V) with the determinants of eq. 12 and 13, as an oracle for the homogeneous
+// form.
 struct ThesisStep {
   long double du, dv;
 };

@@ -21,7 +21,8 @@ Model ModelOf(const std::vector<PatchGrid>& grids);
 PatchGrid Sphere(Vec3 center, double radius);
 // u around the axis z, v around the tube, both 0 … 2π.
 PatchGrid Torus(Vec3 center, double major, double minor);
-// u around the axis z; v is the height 0 … height; radius from bottom to top. A top of 0 makes a cone with its apex.
+// u around the axis z; v is the height 0 … height; radius from bottom to top. A top of 0 makes a cone with
+// its apex.
 PatchGrid Frustum(Vec3 base, double bottom, double top, double height);
 // The rectangle origin + u·a + v·b, u, v ∈ [0,1].
 PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b);

@@ -21,7 +21,9 @@ Model ClosedSolid(Model model) {
 DirectStats AuditOf(const Model& model, const char* view, Projection projection, int size) {
   DirectOptions options;
   options.audit = true;
-  return TraceDirect(Scene(model), NamedView(view, model.bounds, projection, size, size).value(), options).value().stats;
+  return TraceDirect(Scene(model), NamedView(view, model.bounds, projection, size, size).value(), options)
+      .value()
+      .stats;
 }
 
 TEST(Audit, AClosedSphereHasNoOddRayFromAnySide) {

@@ -96,8 +96,9 @@ TEST(Direct, SphereFromEveryNamedView) {
 }
 
 TEST(Direct, PoleUnderThePixelCentre) {
-  // An odd image puts the pole of the top view exactly under the middle pixel, and a row of pixels exactly on the seam: without an edge
-  // there, the trimming can't prove on which side of the seam a hit lies, but it must not lose one.
+  // An odd image puts the pole of the top view exactly under the middle pixel, and a row of pixels exactly on
+  // the seam: without an edge there, the trimming can't prove on which side of the seam a hit lies, but it
+  // must not lose one.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   ExpectMatches(model, ViewOf(model, "top", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
                 201);
@@ -134,7 +135,8 @@ TEST(Direct, CylinderAlongAndAcrossItsAxis) {
 }
 
 TEST(Direct, TorusAgainstItsQuartic) {
-  // The depth is refined from the answer itself: a root of the torus' implicit form must lie within 1e-9 of it.
+  // The depth is refined from the answer itself: a root of the torus' implicit form must lie within 1e-9 of
+  // it.
   const double major = 10, minor = 3;
   const Model model = ModelOf({Torus({0, 0, 0}, major, minor)});
   const auto implicit = [=](Vec3 p) {
@@ -240,19 +242,22 @@ TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
   const Scene scene(model);
   DirectOptions small;
   small.max_bytes = 100000;
-  const Result<DirectResult> limited = TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), small);
+  const Result<DirectResult> limited =
+      TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), small);
   ASSERT_FALSE(limited.ok());
   EXPECT_EQ(limited.error().code, ErrorCode::kLimitExceeded);
   const std::atomic<bool> cancel{true};
   DirectOptions cancelled;
   cancelled.cancel = &cancel;
-  const Result<DirectResult> stopped = TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), cancelled);
+  const Result<DirectResult> stopped =
+      TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), cancelled);
   ASSERT_FALSE(stopped.ok());
   EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
 }
 
 TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
-  // A broken file claimed a gap of a fifth of the model's size; every leaf at the border then held half the image.
+  // A broken file claimed a gap of a fifth of the model's size; every leaf at the border then held half the
+  // image.
   Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   model.trim_points = {{0, -1.5, 1}, {6.25, -1.5, 1}, {6.25, 1.5, 1}, {0, 1.5, 1}, {0, -1.5, 1}};
   for (std::uint32_t i = 0; i < 4; ++i) model.trim_segments.push_back({1, i, 0, 1});
@@ -262,7 +267,8 @@ TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
   model.coedges = {coedge};
   model.loops = {{{0, 1}}};
   model.faces[0].loops = {0, 1};
-  const DirectStats stats = TraceDirect(Scene(model), ViewOf(model, "iso", Projection::kOrthographic), {}).value().stats;
+  const DirectStats stats =
+      TraceDirect(Scene(model), ViewOf(model, "iso", Projection::kOrthographic), {}).value().stats;
   EXPECT_GT(stats.hits, 1000u);
   EXPECT_LT(stats.leaves, 20000u);
 }
