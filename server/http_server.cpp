@@ -23,8 +23,6 @@ using Clock = std::chrono::steady_clock;
 // Text parts are options and identifiers.
 constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr std::size_t kMaxParts = 16;
-// What is still read of a body that is refused, so that the client gets to see the answer instead of a reset.
-constexpr std::uint64_t kMaxDrainedBytes = std::uint64_t{64} << 20;
 // Beyond the requests that run or wait: threads for uploads, pages and pictures.
 constexpr int kSpareThreads = 8;
 
@@ -90,7 +88,8 @@ class BodyReader {
                                 std::chrono::duration<double>(service.limits().timeout_s))) {}
   ~BodyReader() { CloseFile(); }
 
-  // A refused request's body is read and dropped, up to a limit.
+  // The rest of a refused request's body is read and dropped as long as the time lasts, so that the client
+  // gets to see the answer instead of a broken connection.
   void Refuse(HttpResponse response) { refusal_ = std::move(response); }
 
   bool Begin(const std::string& name, const std::string& file_name, const std::string& content_type) {
@@ -117,7 +116,7 @@ class BodyReader {
       return false;
     }
     if (!refusal_ && total_ > service_.limits().max_upload_bytes) Refuse(ProblemOfStatus(413));
-    if (refusal_) return (drained_ += size) <= kMaxDrainedBytes;
+    if (refusal_) return true;
     BodyPart& part = request_.parts.back();
     part.bytes += size;
     if (part.path.empty()) {
@@ -176,7 +175,7 @@ class BodyReader {
   std::optional<HttpResponse> refusal_;
   Sha256 sha_;
   int fd_ = -1;
-  std::uint64_t total_ = 0, drained_ = 0;
+  std::uint64_t total_ = 0;
 };
 
 HttpResponse HandlePost(Service& service, const httplib::Request& request,

@@ -281,7 +281,8 @@ HttpResponse Service::Artifact(const HttpRequest& request, const std::string& na
   HttpResponse response;
   response.headers = {{"ETag", tag},
                       {"Cache-Control", "public, max-age=31536000, immutable"},
-                      {"Content-Security-Policy", kArtifactPolicy}};
+                      {"Content-Security-Policy", kArtifactPolicy},
+                      {"Accept-Ranges", "none"}};
   if (Matches(request.Header("if-none-match"), tag)) {
     response.status = 304;
     return response;
