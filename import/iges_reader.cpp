@@ -36,6 +36,12 @@ bool IsFace(const IGESData_IGESEntity& entity) {
          std::find(kSurfaces.begin(), kSurfaces.end(), type) != kSurfaces.end();
 }
 
+// How IGES files name an entity: by the number of its first line in the directory.
+std::string Label(int directory_number) {
+  std::string label = "D";
+  return label.append(std::to_string(directory_number));
+}
+
 // Labels fill eight columns.
 std::string Trimmed(const std::string& label) {
   const std::size_t first = label.find_first_not_of(' ');
@@ -156,8 +162,7 @@ class IgesReader {
 
   FaceOrigin OriginOf(const Handle(IGESData_IGESEntity) & entity) {
     FaceOrigin origin;
-    origin.entity = "D";
-    origin.entity.append(std::to_string(reader_.IGESModel()->DNum(entity)));
+    origin.entity = Label(reader_.IGESModel()->DNum(entity));
     if (entity->HasShortLabel()) origin.name = Trimmed(entity->ShortLabel()->ToCString());
     CountBounds(entity, origin);
     return origin;

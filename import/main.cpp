@@ -122,11 +122,11 @@ void GiveUp(int) {
 }
 
 void SetDeadline(unsigned seconds, const Answer& answer) {
+  std::string message = "The import took longer than ";
+  message.append(std::to_string(seconds)).append(" s.");
   DeadlineAnswer() =
       nlohmann::json{{"ok", false},
-                     {"error",
-                      {{"code", ErrorCodeName(ErrorCode::kLimitExceeded)},
-                       {"message", "The import took longer than " + std::to_string(seconds) + " s."}}}}
+                     {"error", {{"code", ErrorCodeName(ErrorCode::kLimitExceeded)}, {"message", message}}}}
           .dump() +
       "\n";
   deadline_descriptor = answer.descriptor();

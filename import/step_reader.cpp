@@ -72,6 +72,13 @@ std::string FirstMessage(const Handle(Interface_Check) & check) {
   return {};
 }
 
+// OpenCASCADE's messages begin with blanks and end in stops, now and then.
+std::string Tidied(const std::string& message) {
+  const std::size_t first = message.find_first_not_of(" .");
+  return first == std::string::npos ? message
+                                    : message.substr(first, message.find_last_not_of(" .") - first + 1);
+}
+
 class StepReader {
  public:
   StepReader(const SourceFile& source, StageProgress progress) : source_(source), progress_(progress) {}
@@ -313,7 +320,7 @@ class StepReader {
       reason = FirstMessage(binder->CCheck());
     if (reason.empty()) reason = FirstMessage(process->Check(face->FaceGeometry()));
     if (reason.empty()) reason = FirstMessage(process->Check(face));
-    if (!reason.empty()) reason = "OpenCASCADE: " + reason.substr(reason.find_first_not_of(' '));
+    if (!reason.empty()) reason = "OpenCASCADE: " + Tidied(reason);
     return reason.empty() ? "OpenCASCADE made no face of it and gave no reason" : reason;
   }
 
