@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -40,8 +41,10 @@ bool LooksLikeAscii(Bytes bytes) {
 void KeepOnlyStl(Assimp::Importer& importer) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     const aiImporterDesc* description = importer.GetImporterInfo(i);
-    if (std::string_view(description->mFileExtensions) != "stl")
-      importer.UnregisterLoader(importer.GetImporter(i));
+    if (std::string_view(description->mFileExtensions) == "stl") continue;
+    // Who takes a loader out owns it.
+    const std::unique_ptr<Assimp::BaseImporter> loader(importer.GetImporter(i));
+    importer.UnregisterLoader(loader.get());
   }
 }
 
