@@ -272,11 +272,21 @@ void PartConverter::CheckAgainstFile(std::uint32_t index, const FaceLoops& loops
         {index, face.name, face.entity, "OpenCASCADE dropped one of its bounds"});
 }
 
-// Every edge with a curve has exactly two uses, of opposite sense as seen from outside the faces.
+// True if a bound or an edge that the file gives the face is missing.
+bool PartConverter::HasLosses(std::uint32_t face) const {
+  const auto of_face = [&](const Loss& loss) { return loss.face == face; };
+  const ImportInfo& info = model_.info;
+  return std::any_of(info.loops_lost.begin(), info.loops_lost.end(), of_face) ||
+         std::any_of(info.edges_lost.begin(), info.edges_lost.end(), of_face);
+}
+
+// Every edge with a curve has exactly two uses, of opposite sense as seen from outside the faces, and none is known to be missing: a hole
+// whose rim was lost on both sides would pass for closed.
 bool PartConverter::IsClosed(int group) const {
   std::unordered_map<std::uint32_t, std::pair<int, int>> uses;
   for (std::size_t i = 0; i < face_groups_.size(); ++i) {
     if (face_groups_[i] != group) continue;
+    if (HasLosses(first_face_ + static_cast<std::uint32_t>(i))) return false;
     const Face& face = model_.faces[first_face_ + i];
     for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
       const Range coedges = model_.loops[l].coedges;

@@ -56,6 +56,7 @@ class PartConverter {
   void WarnOfGaps(std::uint32_t face);
   void CheckAgainstFile(std::uint32_t face, const FaceLoops& loops);
   const FaceOrigin* OriginOf(const TopoDS_Face& face) const;
+  bool HasLosses(std::uint32_t face) const;
   bool IsClosed(int group) const;
 
   const CadDocument& document_;

@@ -118,6 +118,10 @@ TEST_P(BrokenFiles, GiveWhatCanBeSavedOrASentence) {
     EXPECT_EQ(loss.entity[0], '#');
     EXPECT_FALSE(loss.reason.empty());
   }
+  // What has lost a face, a bound or an edge is not closed.
+  if (broken.lost + model.info.loops_lost.size() + model.info.edges_lost.size() > 0) {
+    for (const Solid& solid : model.solids) EXPECT_FALSE(solid.closed);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
