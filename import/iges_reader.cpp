@@ -26,14 +26,20 @@ namespace facetless {
 namespace {
 
 constexpr int kPlane = 108, kBounded = 143, kTrimmed = 144, kBrepFace = 510;
+constexpr std::array kSurfaces{kPlane, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196};
+constexpr std::array kCurves{100, 102, 104, 106, 110, 112, 126, 130};
+constexpr std::array kLoops{141, 142, 508};
+
+template <std::size_t N>
+bool Contains(const std::array<int, N>& types, int type) {
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
 
 // Entities that stand for one face: trimmed and bounded surfaces, the face of a B-rep, and surfaces that nothing else uses.
 bool IsFace(const IGESData_IGESEntity& entity) {
   const int type = entity.TypeNumber();
   if (type == kTrimmed || type == kBounded || type == kBrepFace) return true;
-  constexpr std::array<int, 11> kSurfaces{kPlane, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196};
-  return entity.SubordinateStatus() == 0 &&
-         std::find(kSurfaces.begin(), kSurfaces.end(), type) != kSurfaces.end();
+  return entity.SubordinateStatus() == 0 && Contains(kSurfaces, type);
 }
 
 // How IGES files name an entity: by the number of its first line in the directory.
@@ -196,6 +202,12 @@ class IgesReader {
       if (!arrived_.contains(origin.entity))
         document_.info.faces_lost.push_back(
             {kNoIndex, origin.name, origin.entity, ReasonFor(process, entity)});
+    }
+    // A curve or a loop without data is lost even where OpenCASCADE makes a face without it.
+    for (const IgesEntity& entity : source_.iges.without_data) {
+      const Loss loss{kNoIndex, "", Label(entity.directory), "its data are missing or cut off"};
+      if (Contains(kLoops, entity.type)) document_.info.loops_lost.push_back(loss);
+      if (Contains(kCurves, entity.type)) document_.info.edges_lost.push_back(loss);
     }
   }
 

@@ -103,14 +103,17 @@ ParameterTexts CollectParameters(const Lines& lines) {
   return texts;
 }
 
-// Splits at delimiters outside Hollerith strings (nH…); up to the record's end.
-std::vector<std::string> Tokens(const std::string& text, const Delimiters& delimiters) {
+// Splits at delimiters outside Hollerith strings (nH…); up to the record's end, which *ended says whether it was there.
+std::vector<std::string> Tokens(const std::string& text, const Delimiters& delimiters,
+                                bool* ended = nullptr) {
+  if (ended) *ended = false;
   std::vector<std::string> tokens{""};
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == delimiters.parameter) {
       tokens.emplace_back();
     } else if (c == delimiters.record) {
+      if (ended) *ended = true;
       break;
     } else if (c == 'H' && !tokens.back().empty() &&
                std::all_of(tokens.back().begin(), tokens.back().end(),
@@ -243,7 +246,11 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
     entity.dependent =
         lines.directory[i][67] != '0' && std::isdigit(static_cast<unsigned char>(lines.directory[i][67]));
     facts.entities.push_back(entity);
-    if (const auto text = texts.of.find(entity.directory); text != texts.of.end()) {
+    const auto text = texts.of.find(entity.directory);
+    bool ended = false;
+    if (text != texts.of.end()) Tokens(text->second, delimiters, &ended);
+    if (!ended && entity.type != 0) facts.without_data.push_back(entity);
+    if (text != texts.of.end()) {
       if (ClaimsMoreThan(text->second.size(), entity.type, Tokens(text->second.substr(0, 256), delimiters)))
         return Error{ErrorCode::kFormatBroken, name + ": entity D" + std::to_string(entity.directory) +
                                                    " (type " + std::to_string(entity.type) +

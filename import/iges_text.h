@@ -18,7 +18,8 @@ struct IgesEntity {
 
 struct IgesFacts {
   std::vector<IgesEntity> entities;
-  bool cut_off = false;  // ends, or is damaged, before the last section
+  std::vector<IgesEntity> without_data;  // those of `entities` whose parameters are missing or do not end
+  bool cut_off = false;                  // ends, or is damaged, before the last section
 };
 
 // Reads the directory. Error: kFormatBroken (no directory or no parameters, or an entity that claims more values than the file has

@@ -113,6 +113,18 @@ TEST(SourceFile, IgesIntegersBecomeReals) {
   EXPECT_EQ(conversion.value().model.info.faces_declared, 1u);
 }
 
+TEST(SourceFile, IgesEntitiesWhoseDataAreCutOffAreNamed) {
+  const TemporaryFolder folder;
+  const std::string whole = Iges();
+  EXPECT_TRUE(Open(folder, "a.igs", whole).value().iges.without_data.empty());
+  const std::string cut = whole.substr(0, whole.find("0,3,0,2,3,1") + 5);
+  const IgesFacts facts = Open(folder, "b.igs", cut).value().iges;
+  EXPECT_TRUE(facts.cut_off);
+  ASSERT_EQ(facts.without_data.size(), 1u);
+  EXPECT_EQ(facts.without_data[0].directory, 1);
+  EXPECT_EQ(facts.without_data[0].type, 128);
+}
+
 TEST(SourceFile, ClaimsOfMorePointsThanTheFileHoldsAreRefused) {
   const TemporaryFolder folder;
   std::string bytes = Iges();
