@@ -123,6 +123,9 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
   options.Text(app, "projection", "orthographic (default) or perspective, of named views", "NAME");
   options.Number(app, "samples", "Samples per pixel of the colour image: 1, 4 (default), 9, 16, …", "N");
   options.Text(app, "precision", "fast, standard (default) or certified", "NAME");
+  options.Number(app, "newton-tolerance",
+                 "Share of a leaf at which the iteration stops, 1e-13 … 1e-3 (default: the precision's own)",
+                 "REL");
   options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
   options.Number(app, "timeout", "Seconds that everything after the import may take; 0 (default) is no limit",
                  "S");

@@ -215,6 +215,8 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"projection", WordParser("projection", {"orthographic", "perspective"}, &RunOptions::projection)},
       {"samples", ParseSamples},
       {"precision", WordParser("precision", {"fast", "standard", "certified"}, &RunOptions::precision)},
+      {"newton_tolerance", NumberParser("newton_tolerance", 1e-13, 1e-3,
+                                        [](RunOptions& o, double v) { o.newton_tolerance = v; })},
       {"threads", [](const Json& json,
                      RunOptions& o) { return Store(ParseInteger(json, "threads", 0, 1024), o.threads); }},
       {"timeout", NumberParser("timeout", 0, INFINITY, [](RunOptions& o, double v) { o.timeout_s = v; })},

@@ -13,6 +13,7 @@
 // projection      orthographic | perspective, of named views                     orthographic
 // samples         per pixel, 1 … 64, a near-square grid k × m (m ≤ 2k)            4
 // precision       fast | standard | certified                                    standard
+// newton_tolerance  share of a leaf at which Newton stops, 1e-13 … 1e-3         the precision's own
 // threads         0 (all cores) … 1024                                           0
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
@@ -59,6 +60,7 @@ struct RunOptions {
   Projection projection = Projection::kOrthographic;
   int samples = 4;
   Precision precision = Precision::kStandard;
+  double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
   double timeout_s = 0;
   bool audit = false, edges = false;

@@ -9,6 +9,7 @@
 #include "render/compare/report.h"
 #include "render/image/io.h"
 #include "render/model/model_file.h"
+#include "render/shade/certificate_map.h"
 #include "server/files.h"
 #include "server/interrupt.h"
 #include "server/report_html.h"
@@ -26,7 +27,9 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* ca
   view.threads = options.threads;
   view.edges = options.edges;
   view.background = options.background;
+  view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
+  view.depth_error = options.WantsAov("certificate");
   view.audit = options.audit;
   view.cancel = cancel;
   return view;
@@ -56,6 +59,7 @@ class ViewFiles {
     wanted.certificate = options.WantsAov("certificate");
     if (ok_.ok() && !options.aovs.empty())
       Done("aov", ".exr", WriteAovs(stem_ + ".aov.exr", samples, wanted));
+    if (wanted.certificate) Png("certificate", DrawCertificates(samples).image);
   }
   Result<Json> Take() && {
     if (!ok_) return ok_.error();

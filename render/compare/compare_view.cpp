@@ -21,7 +21,8 @@ double MillisecondsSince(Clock::time_point start) {
 std::uint64_t BufferBytes(const SampleBuffer& samples) {
   return samples.depth.size() * sizeof(double) + samples.normal.size() * sizeof(samples.normal[0]) +
          samples.face.size() * sizeof(std::uint32_t) + samples.uv.size() * sizeof(std::array<double, 2>) +
-         samples.certificate.size() * sizeof(Certificate);
+         samples.certificate.size() * sizeof(Certificate) + samples.doubt.size() +
+         samples.depth_error.size() * sizeof(float);
 }
 
 std::uint64_t FilmBytes(const SampleBuffer& samples) {
@@ -70,7 +71,9 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const V
   DirectOptions trace;
   trace.precision = options.precision;
   trace.threads = options.threads;
+  trace.newton_tolerance = options.newton_tolerance;
   trace.uv = options.uv;
+  trace.depth_error = options.depth_error;
   trace.audit = options.audit;
   trace.cancel = options.cancel;
   Result<DirectResult> traced = TraceDirect(scene, camera, trace);
@@ -86,7 +89,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const V
   CameraFrame color_frame = view.frame;
   if (options.samples > 1) {
     const Clock::time_point color_start = Clock::now();
-    trace.uv = trace.audit = false;
+    trace.uv = trace.depth_error = trace.audit = false;
     Result<DirectResult> color = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
     if (!color.ok()) return color.error();
     color_frame = color.value().frame;

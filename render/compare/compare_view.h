@@ -34,8 +34,10 @@ struct ViewOptions {
   int threads = 0;  // 0: all cores
   bool edges = false;
   Background background = Background::kStudio;
-  bool uv = false;     // fill the direct samples' uv
-  bool audit = false;  // fill stats.odd_rays and stats.reverse_mismatches
+  double newton_tolerance = 0;  // as DirectOptions
+  bool uv = false;              // fill the direct samples' uv
+  bool depth_error = false;     // fill the direct samples' depth_error
+  bool audit = false;           // fill stats.odd_rays and stats.reverse_mismatches
   ColorMetricOptions color;
   DifferencePictureOptions picture;
   const std::atomic<bool>* cancel = nullptr;

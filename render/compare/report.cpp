@@ -119,6 +119,12 @@ json ModelJson(const Model& model) {
           {"import_peak_bytes", info.peak_bytes}};
 }
 
+json DoubtsJson(const DirectStats& stats) {
+  json doubts = json::object();
+  for (std::size_t bit = 0; bit < kDoubtNames.size(); ++bit) doubts[kDoubtNames[bit]] = stats.doubts[bit];
+  return doubts;
+}
+
 json DirectJson(const DirectView& view) {
   const DirectStats& stats = view.stats;
   return {{"timing_ms",
@@ -140,6 +146,8 @@ json DirectJson(const DirectView& view) {
           {"converged", stats.converged},
           {"unresolved", stats.unresolved},
           {"certified_hits", stats.certified_hits},
+          {"doubts", DoubtsJson(stats)},
+          {"depth_error_mm_max", stats.depth_error_max},
           {"odd_rays", OrNull(stats.odd_rays)},
           {"reverse_mismatches", OrNull(stats.reverse_mismatches)},
           {"unseen_faces", UnseenJson(view)},

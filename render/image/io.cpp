@@ -145,7 +145,8 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
   if (Result<void> size = CheckSize(path, samples.width, samples.height, count, 1); !size.ok()) return size;
   if (aovs.uv && samples.uv.size() != count)
     return Error{ErrorCode::kBadUsage, path + ": the samples hold no uv; trace with uv"};
-  if (aovs.certificate && samples.certificate.size() != count)
+  if (aovs.certificate && (samples.certificate.size() != count || samples.doubt.size() != count ||
+                           samples.depth_error.size() != count))
     return Error{ErrorCode::kBadUsage, path + ": the samples hold no certificates"};
   if (aovs.curvature != nullptr && aovs.curvature->size() != count)
     return Error{ErrorCode::kSizeMismatch, path + ": curvature has another size than the samples"};
@@ -163,7 +164,11 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
   if (aovs.face) add("face.id", OIIO::TypeDesc::UINT32);
   if (aovs.uv)
     for (const char* name : {"uv.U", "uv.V"}) add(name, OIIO::TypeDesc::FLOAT);
-  if (aovs.certificate) add("certificate.C", OIIO::TypeDesc::UINT32);
+  if (aovs.certificate) {
+    add("certificate.C", OIIO::TypeDesc::UINT32);
+    add("certificate.doubt", OIIO::TypeDesc::UINT32);
+    add("certificate.error", OIIO::TypeDesc::FLOAT);
+  }
   if (aovs.curvature != nullptr) add("curvature.H", OIIO::TypeDesc::FLOAT);
   if (spec.nchannels == 0) return Error{ErrorCode::kBadUsage, path + ": no AOV is asked for"};
   spec.attribute("compression", "zip");
@@ -180,7 +185,11 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
     if (aovs.face) append_id(samples.face[i]);
     if (aovs.uv)
       for (double parameter : samples.uv[i]) append(static_cast<float>(parameter));
-    if (aovs.certificate) append_id(static_cast<std::uint32_t>(samples.certificate[i]));
+    if (aovs.certificate) {
+      append_id(static_cast<std::uint32_t>(samples.certificate[i]));
+      append_id(samples.doubt[i]);
+      append(samples.depth_error[i]);
+    }
     if (aovs.curvature != nullptr) append((*aovs.curvature)[i]);
   }
   return WriteImage(path, "openexr", spec, OIIO::TypeDesc::UNKNOWN, packed.data());

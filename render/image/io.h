@@ -38,8 +38,9 @@ struct AovSelection {
   const std::vector<float>* curvature = nullptr;  // mean curvature, 1/mm, if somebody computed it
 };
 // Channels: depth.Z (float32 of the depth), normal.X/Y/Z, face.id (uint32; 4294967295: none), uv.U/V,
-// certificate.C (uint32: 0 certified, 1 converged, 2 unresolved), curvature.H. kBadUsage if an AOV is asked
-// for that the samples don't hold.
+// certificate.C (uint32: 0 certified, 1 converged, 2 unresolved), certificate.doubt (uint32: bits of
+// render/kernels/doubt.h) and certificate.error (float32: bound of the depth's error, mm), curvature.H.
+// kBadUsage if an AOV is asked for that the samples don't hold.
 Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, const AovSelection& aovs);
 
 }  // namespace facetless

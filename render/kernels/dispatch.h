@@ -15,7 +15,8 @@ namespace facetless {
 
 struct Kernels {
   std::string isa;
-  TileKernel trace_tile = nullptr;
+  TileKernel trace_tile = nullptr;        // in double
+  TileKernel trace_tile_float = nullptr;  // in single precision, for leaves with coefficients32
 };
 
 // Errors: kBadUsage.

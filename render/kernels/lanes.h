@@ -1,11 +1,13 @@
-// Lanes: a vector of doubles and its masks, for kernels that are written once and built per instruction set.
+// Lanes: a vector of Reals and its masks, for kernels that are written once and built per instruction set and
+// precision.
 //
 //  1. Every operation rounds as IEEE 754 says and gives the same bits lane by lane on every target: fused
 //     operations are explicit and always fused, and nothing here depends on how a target orders NaN in min
 //     and max.
 //  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2 or AVX-512,
-//     or one lane of plain C++ with FACETLESS_SCALAR_KERNEL. Everything lives in a namespace of the target's,
-//     so that no two files define one symbol twice.
+//     or one lane of plain C++ with FACETLESS_SCALAR_KERNEL. A Real is a double, or a float with
+//     FACETLESS_FLOAT_KERNEL. Everything lives in a namespace of the target's, so that no two files define one
+//     symbol twice.
 #pragma once
 
 #include <cmath>
@@ -14,26 +16,34 @@
 #include <hwy/highway.h>
 #endif
 
+#if defined(FACETLESS_FLOAT_KERNEL)
+#define FACETLESS_KERNEL(target) kernel_##target##_float
+#else
+#define FACETLESS_KERNEL(target) kernel_##target
+#endif
+
 #if defined(FACETLESS_SCALAR_KERNEL)
-#define FACETLESS_KERNEL_NAMESPACE kernel_scalar
+#define FACETLESS_KERNEL_NAMESPACE FACETLESS_KERNEL(scalar)
 namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 
+#if defined(FACETLESS_FLOAT_KERNEL)
+using Real = float;
+#else
+using Real = double;
+#endif
 inline constexpr int kLanes = 1;
 
 struct Mask {
   bool raw = false;
 };
 struct Lane {
-  double raw = 0;
+  Real raw = 0;
 };
-inline Lane Load(const double* p) {
-  return {*p};
-}
-inline void Store(Lane v, double* p) {
+inline void Store(Lane v, Real* p) {
   *p = v.raw;
 }
 inline Lane Set(double x) {
-  return {x};
+  return {static_cast<Real>(x)};
 }
 inline Lane operator+(Lane a, Lane b) {
   return {a.raw + b.raw};
@@ -55,6 +65,10 @@ inline Lane Fnma(Lane a, Lane b, Lane c) {
 }  // c − a·b
 inline Lane Abs(Lane a) {
   return {std::fabs(a.raw)};
+}
+// a·(x − x0) + b·(y − y0), formed in double.
+inline Lane Local(const double* x, double x0, double a, const double* y, double y0, double b) {
+  return {static_cast<Real>(std::fma(b, *y - y0, a * (*x - x0)))};
 }
 inline Mask operator<(Lane a, Lane b) {
   return {a.raw < b.raw};
@@ -86,16 +100,22 @@ inline bool None(Mask m) {
 
 #else
 #if HWY_STATIC_TARGET == HWY_AVX2
-#define FACETLESS_KERNEL_NAMESPACE kernel_avx2
+#define FACETLESS_KERNEL_NAMESPACE FACETLESS_KERNEL(avx2)
 #elif HWY_STATIC_TARGET <= HWY_AVX3
-#define FACETLESS_KERNEL_NAMESPACE kernel_avx512
+#define FACETLESS_KERNEL_NAMESPACE FACETLESS_KERNEL(avx512)
 #else
 #error "a vector kernel needs a target with fused operations"
 #endif
 namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#if defined(FACETLESS_FLOAT_KERNEL)
+using Real = float;
+using Tag = hn::CappedTag<float, 8>;  // a packet
+#else
+using Real = double;
 using Tag = hn::ScalableTag<double>;
+#endif
 inline constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));
 
 struct Mask {
@@ -104,14 +124,11 @@ struct Mask {
 struct Lane {
   hn::Vec<Tag> raw;
 };
-HWY_INLINE Lane Load(const double* p) {
-  return {hn::LoadU(Tag(), p)};
-}
-HWY_INLINE void Store(Lane v, double* p) {
+HWY_INLINE void Store(Lane v, Real* p) {
   hn::StoreU(v.raw, Tag(), p);
 }
 HWY_INLINE Lane Set(double x) {
-  return {hn::Set(Tag(), x)};
+  return {hn::Set(Tag(), static_cast<Real>(x))};
 }
 HWY_INLINE Lane operator+(Lane a, Lane b) {
   return {hn::Add(a.raw, b.raw)};
@@ -133,6 +150,24 @@ HWY_INLINE Lane Fnma(Lane a, Lane b, Lane c) {
 }
 HWY_INLINE Lane Abs(Lane a) {
   return {hn::Abs(a.raw)};
+}
+using WideTag = hn::ScalableTag<double>;
+HWY_INLINE hn::Vec<WideTag> LocalWide(const double* x, double x0, double a, const double* y, double y0,
+                                      double b) {
+  const WideTag d;
+  const auto dx = hn::Sub(hn::LoadU(d, x), hn::Set(d, x0)), dy = hn::Sub(hn::LoadU(d, y), hn::Set(d, y0));
+  return hn::MulAdd(hn::Set(d, b), dy, hn::Mul(hn::Set(d, a), dx));
+}
+HWY_INLINE Lane Local(const double* x, double x0, double a, const double* y, double y0, double b) {
+#if !defined(FACETLESS_FLOAT_KERNEL)
+  return {LocalWide(x, x0, a, y, y0, b)};
+#elif HWY_STATIC_TARGET == HWY_AVX2
+  const hn::Rebind<float, WideTag> half;
+  return {hn::Combine(Tag(), hn::DemoteTo(half, LocalWide(x + 4, x0, a, y + 4, y0, b)),
+                      hn::DemoteTo(half, LocalWide(x, x0, a, y, y0, b)))};
+#else
+  return {hn::DemoteTo(Tag(), LocalWide(x, x0, a, y, y0, b))};
+#endif
 }
 HWY_INLINE Mask operator<(Lane a, Lane b) {
   return {hn::Lt(a.raw, b.raw)};

@@ -9,6 +9,10 @@
 //     all builds give the same bits.
 //  3. The kernel knows numbers only. Trimming and leaves without a certificate go through two plain
 //     functions.
+//  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
+//     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds to
+//     the leaf's depth in double.
+//  5. A doubt counts from the depth at which it arose: what a nearer hit hides is no doubt.
 //
 // A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V);
 // with F = (X − x_R·W, Y − y_R·W) formed first, Cramer's rule on F and its derivatives is the same step
@@ -17,6 +21,7 @@
 
 #include <cstdint>
 
+#include "render/kernels/doubt.h"
 #include "render/nurbs/leaf.h"
 
 namespace facetless {
@@ -26,15 +31,9 @@ inline constexpr int kPacketWidth = 4, kPacketHeight = 2, kPacketLanes = kPacket
 // then squares it: six suffice.
 inline constexpr int kMaxIterations = 12;
 
-// Why a sample is not certified.
-enum Doubt : std::uint8_t {
-  kDoubtSolver = 1,      // a root found without proof, or a lane that did not converge
-  kDoubtTrim = 2,        // a trim curve lies within the error of the hit
-  kDoubtUnresolved = 4,  // neither hit nor miss
-};
-
 struct TileHit {
   double depth, s, t;
+  double error;  // of the depth, mm; infinite where there is no bound
 };
 
 struct TileCounters {
@@ -55,14 +54,17 @@ struct TileJob {
   int column = 0, row = 0;    // first sample
   int columns = 0, rows = 0;  // samples inside the image
   double half_width = 0, half_height = 0;
-  double near_depth = 0;  // hits must lie beyond; −inf in orthographic views
+  double near_depth = 0;      // hits must lie beyond; −inf in orthographic views
+  bool coincidences = false;  // look for hits of other faces within the error of the nearest hit's depth
 
   // Whether the hit at (s, t) of a leaf with kLeafTrimmed belongs to the face; adds to *doubt.
   bool (*keep)(void* context, const Leaf& leaf, double s, double t, double x, double y,
                std::uint8_t* doubt) = nullptr;
-  // The hits of a hard leaf nearer than `limit`, trimming included: calls back `found`. Returns doubts.
+  // The roots of a hard leaf nearer than `limit`: calls back `found` for each, `kept` if the trimming keeps it.
+  // Returns the doubts that belong to no root.
   std::uint8_t (*solve_hard)(void* context, const Leaf& leaf, double x, double y, double limit, void* sink,
-                             void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt)) = nullptr;
+                             void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
+                                           bool kept)) = nullptr;
   // Set to get every hit instead of the nearest: sample = row·tile_size + column within the tile.
   void (*every_hit)(void* context, int sample, std::uint32_t leaf, const TileHit& hit,
                     std::uint8_t doubt) = nullptr;
@@ -70,6 +72,7 @@ struct TileJob {
 
   // tile_size² entries each, row by row. `leaf` is kNoIndex for a miss.
   double* depth = nullptr;
+  double* error = nullptr;
   double* s = nullptr;
   double* t = nullptr;
   std::uint32_t* leaf = nullptr;
@@ -86,10 +89,19 @@ void TraceTile(const TileJob& job);
 // One sample against one certified leaf, without trimming: what each lane of the tile kernel does.
 SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
 }  // namespace kernel_scalar
+namespace kernel_scalar_float {
+void TraceTile(const TileJob& job);
+}
 namespace kernel_avx2 {
 void TraceTile(const TileJob& job);
 }
+namespace kernel_avx2_float {
+void TraceTile(const TileJob& job);
+}
 namespace kernel_avx512 {
+void TraceTile(const TileJob& job);
+}
+namespace kernel_avx512_float {
 void TraceTile(const TileJob& job);
 }
 

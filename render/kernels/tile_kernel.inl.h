@@ -20,12 +20,12 @@ struct Jet {
 };
 
 template <int P, int Q>
-inline Jet Evaluate(const double* c, int p, int q, Lane s, Lane t) {
+inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
   const int degree_u = P >= 0 ? P : p, degree_v = Q >= 0 ? Q : q;
   Jet jet{Set(0), Set(0), Set(0)};
   for (int i = degree_u; i >= 0; --i) {
     // Horner along v of row i, with its derivative, …
-    const double* row = c + i * (degree_v + 1);
+    const Real* row = c + i * (degree_v + 1);
     Lane value = Set(row[degree_v]), slope = Set(0);
     for (int j = degree_v - 1; j >= 0; --j) {
       slope = Fma(slope, t, value);
@@ -39,17 +39,27 @@ inline Jet Evaluate(const double* c, int p, int q, Lane s, Lane t) {
   return jet;
 }
 
+// A polynomial's value without its constant term.
 template <int P, int Q>
-inline Lane Value(const double* c, int p, int q, Lane s, Lane t) {
+inline Lane Rest(const Real* c, int p, int q, Lane s, Lane t) {
   const int degree_u = P >= 0 ? P : p, degree_v = Q >= 0 ? Q : q;
   Lane f = Set(0);
   for (int i = degree_u; i >= 0; --i) {
-    const double* row = c + i * (degree_v + 1);
+    const Real* row = c + i * (degree_v + 1);
     Lane value = Set(row[degree_v]);
-    for (int j = degree_v - 1; j >= 0; --j) value = Fma(value, t, Set(row[j]));
+    for (int j = degree_v - 1; j > 0; --j) value = Fma(value, t, Set(row[j]));
+    if (degree_v > 0) value = i == 0 ? value * t : Fma(value, t, Set(row[0]));
     f = Fma(f, s, value);
   }
   return f;
+}
+
+inline const Real* Coefficients(const Leaf& leaf) {
+#if defined(FACETLESS_FLOAT_KERNEL)
+  return leaf.coefficients32;
+#else
+  return leaf.coefficients;
+#endif
 }
 
 inline Lane Clamp(Lane x, double limit) {
@@ -64,33 +74,33 @@ inline Mask Outside(const Leaf& leaf, Lane s, Lane t, Lane error) {
 }
 
 struct Solution {
-  Lane s, t, depth;
+  Lane s, t, depth;  // depth: relative to the leaf's depth_scale, see DepthOf
   unsigned hit = 0, unconverged = 0;
   unsigned started = 0, iterations = 0;
 };
 
 template <int P, int Q, bool kWeightVaries>
-inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
+inline Solution Solve(const Leaf& leaf, const double* x, const double* y, Mask lanes) {
   const int p = leaf.degree_u, q = leaf.degree_v;
   const int n = (p + 1) * (q + 1);
-  const double* g1 = leaf.coefficients;
-  const double* g2 = g1 + n;
-  const double* w = g2 + n;
+  const Real* g1 = Coefficients(leaf);
+  const Real* g2 = g1 + n;
+  const Real* w = g2 + n;
 
   // Turn the pixel into the leaf's own measure: b = C·(r − center). Far outside: proven miss (leaf.h, Law 2).
-  const Lane dx = x - Set(leaf.center_x), dy = y - Set(leaf.center_y);
-  const Lane b1 = Fma(Set(leaf.c12), dy, Set(leaf.c11) * dx);
-  const Lane b2 = Fma(Set(leaf.c22), dy, Set(leaf.c21) * dx);
+  const Lane b1 = Local(x, leaf.center_x, leaf.c11, y, leaf.center_y, leaf.c12);
+  const Lane b2 = Local(x, leaf.center_x, leaf.c21, y, leaf.center_y, leaf.c22);
   const Lane limit = Set(leaf.b_limit);
   Mask active = lanes & (Abs(b1) <= limit) & (Abs(b2) <= limit);
 
-  Solution solution{Set(0), Set(0), Set(kInfinity)};
+  Solution solution{Set(0), Set(0), Set(0)};
   solution.started = static_cast<unsigned>(__builtin_popcount(ToBits(active)));
   const Lane inverse_gap = Set(leaf.inverse_gap), newton_factor = Set(leaf.newton_factor),
              rounding = Set(leaf.rounding);
   const Lane chord_factor = inverse_gap - Set(1);  // kappa/(1 − kappa)
   const Lane floor = rounding * inverse_gap;
-  const Lane tolerance = Set(kSolverTolerance) + floor + floor;
+  const Lane tolerance = Set(leaf.root_error);
+  const Lane enlarged = Set(kEnlarged);
   Lane s = Clamp(b1, kEnlarged), t = Clamp(b2, kEnlarged);
   Mask hit = FromBits(0);
   for (int iteration = 0; iteration < kMaxIterations && !None(active); ++iteration) {
@@ -122,7 +132,9 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
 
     const Mask miss =
         Outside(leaf, next_s, next_t, from_next) | Outside(leaf, s - h1.f, t - h2.f, from_chord);
-    const Mask done = from_next <= tolerance;
+    // The root exists where its ball lies in the enlarged leaf.
+    const Mask exists = (Abs(s) + from_here <= enlarged) & (Abs(t) + from_here <= enlarged);
+    const Mask done = (from_next <= tolerance) & exists;
     const Mask inside = (Set(leaf.s_low) <= next_s) & (next_s <= Set(leaf.s_high)) &
                         (Set(leaf.t_low) <= next_t) & (next_t <= Set(leaf.t_high));
     const Mask found = active & done & inside;
@@ -137,21 +149,26 @@ inline Solution Solve(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
   solution.hit = ToBits(hit);
   if (solution.hit == 0) return solution;
 
-  // Depth: one division, whatever the projection.
-  const double* next = w + (kWeightVaries ? n : 0);
-  const Lane weight = kWeightVaries ? Value<P, Q>(w, p, q, solution.s, solution.t) : Set(1);
-  const Lane depth = (leaf.flags & kLeafDepthVaries) ? Value<P, Q>(next, p, q, solution.s, solution.t)
-                                                     : Set(leaf.depth_constant);
+  // Depth: Q/W, or W/Q − 1 = (w − q)/(1 + q) of the parts that vary.
+  const Real* next = w + (kWeightVaries ? n : 0);
+  const Lane weight = kWeightVaries ? Rest<P, Q>(w, p, q, solution.s, solution.t) : Set(0);
+  const bool depth_varies = (leaf.flags & kLeafDepthVaries) != 0;
+  const Lane depth = depth_varies ? Rest<P, Q>(next, p, q, solution.s, solution.t) : Set(0);
   if (leaf.flags & kLeafPerspective) {
-    solution.depth = Set(leaf.depth_scale) * weight / depth;
-  } else {
-    solution.depth = Set(leaf.depth_scale) + depth / weight;
+    solution.depth = (weight - depth) / (Set(1) + depth);
+  } else if (depth_varies) {
+    solution.depth = (depth + Set(next[0])) / (Set(1) + weight);
   }
   return solution;
 }
 
+inline double DepthOf(const Leaf& leaf, Real relative) {
+  const double depth = relative;
+  return leaf.depth_scale + ((leaf.flags & kLeafPerspective) ? leaf.depth_scale * depth : depth);
+}
+
 template <bool kWeightVaries>
-inline Solution SolveByDegree(const Leaf& leaf, Lane x, Lane y, Mask lanes) {
+inline Solution SolveByDegree(const Leaf& leaf, const double* x, const double* y, Mask lanes) {
   switch (leaf.degree_u * 8 + leaf.degree_v) {
     case 1 * 8 + 1:
       return Solve<1, 1, kWeightVaries>(leaf, x, y, lanes);
@@ -184,8 +201,8 @@ class Packet {
       const int i = row + lane / kPacketWidth, j = column + lane % kPacketWidth;
       x_[lane] = job.column + j + 0.5 - job.half_width;
       y_[lane] = job.row + i + 0.5 - job.half_height;
-      depth_[lane] = kInfinity;
-      s_[lane] = t_[lane] = 0;
+      depth_[lane] = doubt_depth_[lane] = kInfinity;
+      s_[lane] = t_[lane] = error_[lane] = 0;
       leaf_[lane] = kMiss;
       doubt_[lane] = 0;
       if (i < job.rows && j < job.columns) valid_ |= 1u << lane;
@@ -215,16 +232,26 @@ class Packet {
       if (!(valid_ >> lane & 1)) continue;
       const int i = SampleOf(lane);
       job_.depth[i] = depth_[lane];
+      job_.error[i] = error_[lane];
       job_.s[i] = s_[lane];
       job_.t[i] = t_[lane];
       job_.leaf[i] = leaf_[lane];
-      job_.doubt[i] = doubt_[lane];
+      job_.doubt[i] = doubt_depth_[lane] <= Reach(lane) ? doubt_[lane] : 0;
     }
   }
 
  private:
   int SampleOf(int lane) const {
     return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
+  }
+
+  // Nothing beyond this depth matters to a lane.
+  double Reach(int lane) const { return depth_[lane] + error_[lane]; }
+
+  void AddDoubt(int lane, std::uint8_t doubt, double depth) {
+    if (doubt == 0) return;
+    doubt_[lane] |= doubt;
+    if (depth < doubt_depth_[lane]) doubt_depth_[lane] = depth;
   }
 
   // The lanes whose sample lies in the leaf's box and that it could still serve.
@@ -234,7 +261,7 @@ class Packet {
       const int row = job_.row + row_ + lane / kPacketWidth,
                 column = job_.column + column_ + lane % kPacketWidth;
       const bool in = row >= leaf.row_begin && row < leaf.row_end && column >= leaf.col_begin &&
-                      column < leaf.col_end && (job_.every_hit || leaf.near_depth <= depth_[lane]);
+                      column < leaf.col_end && (job_.every_hit || leaf.near_depth <= Reach(lane));
       mask |= unsigned(in) << lane;
     }
     return mask & valid_;
@@ -251,35 +278,41 @@ class Packet {
     for (int first = 0; first < kPacketLanes; first += kLanes) {
       const unsigned group = lanes >> first & ((1u << kLanes) - 1);
       if (group == 0) continue;
-      const Lane x = Load(x_ + first), y = Load(y_ + first);
+      const double* x = x_ + first;
+      const double* y = y_ + first;
       const Solution solution = (leaf.flags & kLeafWeightVaries)
                                     ? SolveByDegree<true>(leaf, x, y, FromBits(group))
                                     : SolveByDegree<false>(leaf, x, y, FromBits(group));
       job_.counters->solves += solution.started;
       job_.counters->iterations += solution.iterations;
       for (unsigned rest = solution.unconverged; rest; rest &= rest - 1)
-        doubt_[first + __builtin_ctz(rest)] |= kDoubtUnresolved;
+        AddDoubt(first + __builtin_ctz(rest), kDoubtUnresolved, leaf.near_depth);
       if (solution.hit == 0) continue;
-      double s[kLanes], t[kLanes], depth[kLanes];
+      Real s[kLanes], t[kLanes], depth[kLanes];
       Store(solution.s, s);
       Store(solution.t, t);
       Store(solution.depth, depth);
       for (unsigned rest = solution.hit; rest; rest &= rest - 1) {
         const int k = __builtin_ctz(rest);
-        Take(leaf, index, first + k, {depth[k], s[k], t[k]});
+        Take(leaf, index, first + k, {DepthOf(leaf, depth[k]), s[k], t[k], leaf.depth_error});
       }
     }
     UpdateFarthest();
   }
 
+  // Whether a hit may be the nearest, or coincide with it.
+  bool Matters(int lane, const TileHit& hit) const {
+    return job_.coincidences ? hit.depth - hit.error <= Reach(lane) : hit.depth < depth_[lane];
+  }
+
   // A root in a certified leaf: trimming, then the depth test.
   void Take(const Leaf& leaf, std::uint32_t index, int lane, const TileHit& hit) {
-    if (!(hit.depth > job_.near_depth) || (!job_.every_hit && !(hit.depth < depth_[lane]))) return;
+    if (!(hit.depth > job_.near_depth) || (!job_.every_hit && !Matters(lane, hit))) return;
     std::uint8_t doubt = 0;
     if (leaf.flags & kLeafTrimmed) {
       ++job_.counters->trim_tests;
       const bool keep = job_.keep(job_.context, leaf, hit.s, hit.t, x_[lane], y_[lane], &doubt);
-      doubt_[lane] |= doubt;
+      AddDoubt(lane, doubt, hit.depth - hit.error);
       if (!keep) return;
     }
     Keep(index, lane, hit, doubt);
@@ -287,8 +320,13 @@ class Packet {
 
   void Keep(std::uint32_t index, int lane, const TileHit& hit, std::uint8_t doubt) {
     if (job_.every_hit) job_.every_hit(job_.context, SampleOf(lane), index, hit, doubt);
+    if (job_.coincidences && leaf_[lane] != kMiss && hit.depth - hit.error <= Reach(lane) &&
+        depth_[lane] - error_[lane] <= hit.depth + hit.error &&
+        job_.leaves[leaf_[lane]].placed_face != job_.leaves[index].placed_face)
+      AddDoubt(lane, kDoubtCoincident, std::fmin(hit.depth - hit.error, depth_[lane] - error_[lane]));
     if (!(hit.depth < depth_[lane])) return;
     depth_[lane] = hit.depth;
+    error_[lane] = hit.error;
     s_[lane] = hit.s;
     t_[lane] = hit.t;
     leaf_[lane] = index;
@@ -304,12 +342,14 @@ class Packet {
       const int lane = __builtin_ctz(rest);
       ++job_.counters->fallbacks;
       Sink sink{this, index, lane};
-      doubt_[lane] |=
-          job_.solve_hard(job_.context, leaf, x_[lane], y_[lane], job_.every_hit ? kInfinity : depth_[lane],
-                          &sink, [](void* to, const TileHit& hit, std::uint8_t doubt) {
-                            Sink* sink = static_cast<Sink*>(to);
-                            sink->packet->Keep(sink->index, sink->lane, hit, doubt);
+      const std::uint8_t doubt =
+          job_.solve_hard(job_.context, leaf, x_[lane], y_[lane], job_.every_hit ? kInfinity : Reach(lane),
+                          &sink, [](void* to, const TileHit& hit, std::uint8_t root_doubt, bool kept) {
+                            Sink* found = static_cast<Sink*>(to);
+                            found->packet->AddDoubt(found->lane, root_doubt, hit.depth - hit.error);
+                            if (kept) found->packet->Keep(found->index, found->lane, hit, root_doubt);
                           });
+      AddDoubt(lane, doubt, leaf.near_depth);
     }
     UpdateFarthest();
   }
@@ -317,7 +357,7 @@ class Packet {
   void UpdateFarthest() {
     double farthest = -kInfinity;
     for (int lane = 0; lane < kPacketLanes; ++lane) {
-      if ((valid_ >> lane & 1) && depth_[lane] > farthest) farthest = depth_[lane];
+      if ((valid_ >> lane & 1) && Reach(lane) > farthest) farthest = Reach(lane);
     }
     farthest_ = farthest;
   }
@@ -327,6 +367,8 @@ class Packet {
   unsigned valid_ = 0;
   double farthest_ = kInfinity;
   double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes], t_[kPacketLanes];
+  double error_[kPacketLanes];        // of the depth
+  double doubt_depth_[kPacketLanes];  // no doubt arose nearer
   std::uint32_t leaf_[kPacketLanes];
   std::uint8_t doubt_[kPacketLanes];
 };
@@ -343,17 +385,14 @@ void TraceTile(const TileJob& job) {
   }
 }
 
-#if defined(FACETLESS_SCALAR_KERNEL)
+#if defined(FACETLESS_SCALAR_KERNEL) && !defined(FACETLESS_FLOAT_KERNEL)
 SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
   const Mask lane = FromBits(1);
-  const Solution solution = (leaf.flags & kLeafWeightVaries)
-                                ? SolveByDegree<true>(leaf, Set(x), Set(y), lane)
-                                : SolveByDegree<false>(leaf, Set(x), Set(y), lane);
+  const Solution solution = (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, &x, &y, lane)
+                                                             : SolveByDegree<false>(leaf, &x, &y, lane);
   if (solution.unconverged) return SampleRoot::kUnconverged;
   if (!solution.hit) return SampleRoot::kMiss;
-  Store(solution.depth, &hit->depth);
-  Store(solution.s, &hit->s);
-  Store(solution.t, &hit->t);
+  *hit = {DepthOf(leaf, solution.depth.raw), solution.s.raw, solution.t.raw, leaf.depth_error};
   return SampleRoot::kHit;
 }
 #endif

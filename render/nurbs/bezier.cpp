@@ -1,5 +1,6 @@
 #include "render/nurbs/bezier.h"
 
+#include <cmath>
 #include <memory>
 
 namespace facetless {
@@ -53,8 +54,20 @@ MonomialMatrix MakeMonomialMatrix(int degree) {
 
 }  // namespace
 
+double MaxAbs(const double* values, int count) {
+  double largest = 0;
+  for (int i = 0; i < count; ++i) {
+    const double a = std::fabs(values[i]);
+    largest = a <= largest ? largest : a;  // NaN stays
+  }
+  return largest;
+}
+
 void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high) {
+  // Each of a halving's `degree` averages rounds once, at no more than the net's size.
+  const double rounding = 0x1p-53 * (direction == Direction::kU ? net.degree_u : net.degree_v);
   for (int c = 0; c < kNetComponents; ++c) {
+    low->error[c] = high->error[c] = net.error[c] + rounding * MaxAbs(net.value[c], net.points());
     if (direction == Direction::kU) {
       HalveU(net.value[c], net.degree_u, net.stride(), low->value[c], high->value[c]);
     } else {

@@ -5,6 +5,8 @@
 //     value[c][k·(degree_v+1) + l].
 //  2. Halving is de Casteljau's at 1/2: both halves share the coefficients of the new border bit by bit.
 //  3. Everything here is plain multiplication and addition in a fixed order: the same bytes on every machine.
+//  4. `error[c]` bounds how far each coefficient of component c lies from that of the exact surface: whoever
+//     fills a net states it, and halving adds its own rounding.
 #pragma once
 
 #include <array>
@@ -21,14 +23,18 @@ enum NetComponent : int { kX = 0, kY = 1, kW = 2, kQ = 3, kNetComponents = 4 };
 struct BezierNet {
   int degree_u = 1, degree_v = 1;
   double* value[kNetComponents] = {};  // storage belongs to the caller
+  double error[kNetComponents] = {};
   int points() const { return (degree_u + 1) * (degree_v + 1); }
   int stride() const { return degree_v + 1; }
 };
 
 enum class Direction : unsigned char { kU, kV };
 
+// The largest magnitude; NaN if there is one after it.
+double MaxAbs(const double* values, int count);
+
 // Halves `net` at the middle of one direction into `low` and `high`, which have its degrees and storage of
-// their own.
+// their own, and their errors.
 void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high);
 
 // Row i of the matrix that takes the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i,

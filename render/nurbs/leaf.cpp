@@ -64,18 +64,75 @@ double KappaAfterHalving(const double* g1, const double* g2, const double* w, in
   return std::fmax(row1, row2) + slope;
 }
 
-double MaxAbs(const double* values, int count) {
-  double largest = 0;
-  for (int i = 0; i < count; ++i) {
-    const double a = std::fabs(values[i]);
-    if (!(a <= largest)) largest = a;
+// A bound of |f| and of |∂s f| + |∂t f| over the enlarged leaf, constant and linear terms included.
+struct Range {
+  double rest, slope;  // rest: of f without its constant term
+};
+Range RangeOf(const double* monomials, int degree_u, int degree_v) {
+  const Bounds b = Bound(monomials, degree_u, degree_v);
+  return {b.value, b.ds + b.dt + std::fabs(monomials[degree_v + 1]) + std::fabs(monomials[1])};
+}
+
+// Forms the planes that the depth needs and its bounds (Law 6). False where Q may vanish.
+bool CertifyDepth(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, double w0,
+                  double w_low, Range w, Leaf* leaf, double* monomials) {
+  const int n = net.points(), pu = net.degree_u, pv = net.degree_v;
+  const int middle = (pu / 2) * net.stride() + pv / 2;
+  const double growth = EnlargedPowers()[pu + pv];
+  // Conversion and Horner lose a few units per degree.
+  const double units = 4 * (pu + pv + 2) * arithmetic.epsilon;
+  double slope = 0, evaluation = 0, far = 0, divisor = 0;
+  if (rule.perspective) {
+    Range q{0, 0};
+    double q0 = net.value[kQ][0];
+    if (rule.depth_varies) {
+      ToCenteredMonomials(net.value[kQ], pu, pv, monomials);
+      q0 = monomials[0];
+      for (int i = 0; i < n; ++i) monomials[i] /= q0;
+      q = RangeOf(monomials, pu, pv);
+    }
+    const double q_low = 1 - q.rest;
+    if (!(q0 > 0 && q_low > 0)) return false;
+    // depth = scale + scale·(w − q)/(1 + q), w and q without their constant terms.
+    leaf->depth_scale = w0 / q0;
+    const double range = w.rest + q.rest;
+    slope = leaf->depth_scale * ((w.slope + q.slope) / q_low + range * q.slope / (q_low * q_low));
+    evaluation = leaf->depth_scale * (units * range / q_low * (1 + 1 / q_low) + 4 * kEpsilon);
+    far = leaf->depth_scale * (1 + range / q_low);
+    divisor = q0 * q_low / growth;
+  } else {
+    // Relative to the depth of the middle, for the digits.
+    leaf->depth_scale = net.value[kQ][middle] / (rule.weight_varies ? net.value[kW][middle] : 1);
+    double q_size = 0;
+    if (rule.depth_varies) {
+      double q[kMaxNetPoints];
+      for (int i = 0; i < n; ++i)
+        q[i] = net.value[kQ][i] - leaf->depth_scale * (rule.weight_varies ? net.value[kW][i] : 1);
+      ToCenteredMonomials(q, pu, pv, monomials);
+      for (int i = 0; i < n; ++i) monomials[i] /= w0;
+      const Range range = RangeOf(monomials, pu, pv);
+      q_size = std::fabs(monomials[0]) + range.rest;
+      slope = range.slope / w_low + q_size * w.slope / (w_low * w_low);
+    }
+    evaluation = units * q_size / w_low * (1 + 1 / w_low) +
+                 4 * kEpsilon * (std::fabs(leaf->depth_scale) + q_size / w_low);
+    far = std::fabs(leaf->depth_scale) + q_size / w_low;
+    divisor = w0 * w_low / growth;
   }
-  return largest;
+  leaf->depth_error = slope * leaf->root_error + evaluation + NetDepthError(net, rule, far, divisor);
+  return true;
 }
 
 }  // namespace
 
-Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomials) {
+double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor) {
+  const double own = rule.perspective ? net.error[kW] : net.error[kQ];
+  const double of_divisor = rule.perspective ? net.error[kQ] : net.error[kW];
+  return (own + far * of_divisor) / divisor;
+}
+
+Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, Leaf* leaf,
+                double* monomials) {
   const int n = net.points();
   const int pu = net.degree_u, pv = net.degree_v, stride = net.stride();
 
@@ -164,49 +221,39 @@ Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomi
     slope = bw.ds + bw.dt + std::fabs(monomials[2 * n + stride]) + std::fabs(monomials[2 * n + 1]);
   }
   const double b_limit = (1 + kappa_g) * kEnlarged / w_low;
-  const double kappa = kappa_g + b_limit * slope;
+  double kappa = kappa_g + b_limit * slope;
   if (!(kappa <= kMaxKappa)) return fail();
+  // The kernel's H differs from the surface's by its rounding: conversion loses a few units per degree of the
+  // net's size, evaluation a few of G's, and the net's own error counts in full.
+  const double growth =
+      std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
+  const double magnitude = std::fabs(shift_x) + std::fabs(shift_y);
+  const double net_error =
+      EnlargedPowers()[pu + pv] *
+      (std::fmax(net.error[kX], net.error[kY]) + (magnitude + size / w0) * net.error[kW]) / w0;
+  leaf->rounding = arithmetic.epsilon * 4 * (pu + pv + 2) * (b_limit + 1) +
+                   scale * (kEpsilon * (growth * (pu + pv) * size / w0 + 4 * magnitude) + net_error);
+  // So does its derivative, by Markov's inequality.
+  const double degree = std::fmax(pu, pv);
+  const double kappa_net = 2 * degree * degree * leaf->rounding;
+  kappa += kappa_net;
+  if (!(kappa_net <= 0.0625)) return {};
   const double lipschitz = std::fmax(b1.second, b2.second) + b_limit * bw.second;
   const double inverse_gap = 1 / (1 - kappa);
   const double newton_factor = 0.5 * lipschitz * inverse_gap;
   // The start x = b is off by at most kappa·kEnlarged (H(0) = −b).
   if (!(newton_factor * kappa * kEnlarged < 0.5)) return fail();
 
-  // Rounding of H: conversion loses a few units per degree of the net's size, evaluation a few of G's.
-  const double growth =
-      std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
-  const double magnitude = std::fabs(shift_x) + std::fabs(shift_y);
-  leaf->rounding = kEpsilon * (4 * (pu + pv + 2) * (b_limit + 1) + growth * (pu + pv) * scale * size / w0 +
-                               4 * scale * magnitude);
-  leaf->b_limit = b_limit * (1 + 8 * kEpsilon) + leaf->rounding;
+  leaf->b_limit = b_limit * (1 + 8 * arithmetic.epsilon) + leaf->rounding;
   leaf->inverse_gap = inverse_gap;
   leaf->newton_factor = newton_factor;
 
-  // Depth.
+  leaf->root_error = arithmetic.tolerance + 2 * leaf->rounding * inverse_gap;
+  if (!(leaf->root_error <= kMaxRootError)) return {};
   leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) |
                                            (rule.perspective ? kLeafPerspective : 0) |
                                            (rule.depth_varies ? kLeafDepthVaries : 0));
-  if (rule.depth_varies) {
-    if (rule.perspective) {
-      ToCenteredMonomials(net.value[kQ], pu, pv, next);
-    } else {
-      // Relative to the depth of the middle, again for the digits.
-      double q[kMaxNetPoints];
-      leaf->depth_scale = net.value[kQ][middle] / w_middle;
-      for (int i = 0; i < n; ++i) {
-        q[i] = net.value[kQ][i] - leaf->depth_scale * (rule.weight_varies ? net.value[kW][i] : 1);
-      }
-      ToCenteredMonomials(q, pu, pv, next);
-      for (int i = 0; i < n; ++i) next[i] /= w0;
-    }
-  }
-  if (rule.perspective) {
-    leaf->depth_scale = w0;
-    leaf->depth_constant = net.value[kQ][0];
-  } else if (!rule.depth_varies) {
-    leaf->depth_scale = net.value[kQ][0];
-    leaf->depth_constant = 0;
-  }
+  if (!CertifyDepth(net, rule, arithmetic, w0, w_low, {bw.value, slope}, leaf, next)) return fail();
   leaf->degree_u = static_cast<std::uint8_t>(pu);
   leaf->degree_v = static_cast<std::uint8_t>(pv);
   return {true, 0, 0};

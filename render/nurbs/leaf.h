@@ -12,9 +12,13 @@
 //  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
 //  3. From x with residual ρ = ‖H(x)‖∞ + rounding, a root in the enlarged leaf lies within e = ρ·inverse_gap
 //     of x, and within newton_factor·e² of the Newton step from x, and within kappa·e of the chord step x −
-//     H(x). All include rounding (Law 4).
-//  4. `rounding` bounds the error of evaluating H in double, conversion to monomials included.
+//     H(x). All include rounding (Law 4). If the ball of radius e about x lies in the enlarged leaf, the root
+//     exists: x ↦ x − H(x) maps the ball into itself.
+//  4. `rounding` bounds the error of evaluating H as the kernel does it, against the exact surface: the net's
+//     own error, conversion to monomials, and the kernel's arithmetic.
 //  5. Newton from the start x = b converges: newton_factor times the start's error is below 1/2.
+//  6. The iteration stops where the root is known to root_error in s and t; the depth there is known to
+//     depth_error. Both bounds hold for every root in the leaf.
 #pragma once
 
 #include <cmath>
@@ -28,31 +32,42 @@ namespace facetless {
 inline constexpr double kEnlarged = 1.0625;
 // The largest ‖I − H'‖ that a leaf may have.
 inline constexpr double kMaxKappa = 0.5;
-// Roots this far outside a leaf are its own too: neighbouring leaves overlap, so that no ray falls between
-// them.
+// Roots this far outside a leaf are its own too, or as far as four errors of a root: neighbouring leaves
+// overlap, so that no ray falls between them.
 inline constexpr double kBorderOverlap = 0x1p-30;
-// A root's error bound, in s and t, at which the iteration stops.
-inline constexpr double kSolverTolerance = 0x1p-42;
+// A leaf whose roots cannot be told from its neighbours' has no certificate.
+inline constexpr double kMaxRootError = 0x1p-9;
+
+// What the kernel that will solve a leaf can do.
+struct KernelArithmetic {
+  double epsilon = 0x1p-53;    // its unit roundoff
+  double tolerance = 0x1p-42;  // a root's error bound, in s and t and without rounding, at which it stops
+};
+inline constexpr KernelArithmetic kDoubleArithmetic{};
+inline constexpr KernelArithmetic kFloatArithmetic{0x1p-24, 0x1p-17};
 
 enum LeafFlag : std::uint16_t {
   kLeafWeightVaries = 1,  // W is not constant: H depends on b
-  kLeafPerspective = 2,   // depth = depth_scale·W/Q, else depth = depth_scale + Q/W
+  kLeafPerspective = 2,   // depth = depth_scale·W/Q with Q(0,0) = 1, else depth = depth_scale + Q/W
   kLeafDepthVaries = 4,   // Q is not constant
   kLeafTrimmed = 8,       // a hit must be asked of the face's trim index
-  kLeafHard = 16,  // no certificate: coefficients are the Bézier net itself, for the subdivision solver
+  kLeafHard = 16,  // no certificate: coefficients are the Bézier net itself, for the subdivision solver, and
+                   // c11, c12, c21, c22 the errors of its X, Y, W, Q
 };
 
 struct Leaf {
   // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: X, Y, W,
   // Q in Bernstein form, X and Y relative to (center_x, center_y).
   const double* coefficients = nullptr;
+  const float* coefficients32 = nullptr;      // instead of the others, for a kernel in single precision
   double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
   double c11 = 0, c12 = 0, c21 = 0, c22 = 0;  // C
-  double b_limit = 0, inverse_gap = 0, newton_factor = 0, rounding = 0;
+  double b_limit = 0, inverse_gap = 0, newton_factor = 0, rounding = 0, root_error = 0;
   double s_low = -1 - kBorderOverlap, s_high = 1 + kBorderOverlap;  // accepted roots
   double t_low = -1 - kBorderOverlap, t_high = 1 + kBorderOverlap;
-  double depth_scale = 0, depth_constant = 0;                   // depth_constant: Q where it does not vary
+  double depth_scale = 0;
   double near_depth = 0;                                        // no point of the leaf is nearer
+  double depth_error = 0;                                       // mm
   double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;  // of the patch's Bézier parameters in [0,1]
   std::int32_t col_begin = 0, col_end = 0, row_begin = 0,
                row_end = 0;  // half-open range of sample columns and rows
@@ -60,6 +75,7 @@ struct Leaf {
   std::uint8_t degree_u = 1, degree_v = 1;
   std::uint16_t flags = 0;
 
+  double overlap() const { return std::fmax(kBorderOverlap, 4 * root_error); }
   int points() const { return (degree_u + 1) * (degree_v + 1); }
   int planes() const {
     if (flags & kLeafHard) return kNetComponents;
@@ -83,7 +99,12 @@ struct Verdict {
 // Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success fills
 // everything of `leaf` that follows from the net — but not coefficients, ranges, names — and writes
 // leaf->planes()·points() monomials to `monomials` (room for 4·points()). Fails where the bound of Law 1 or
-// Law 5 does.
-Verdict Certify(const BezierNet& net, DepthRule rule, Leaf* leaf, double* monomials);
+// Law 5 does, or where errors leave no root to tell apart.
+Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, Leaf* leaf,
+                double* monomials);
+
+// How far the depth of a point is off for the net's error alone, depths being at most `far` in magnitude and
+// the divisor (Q in perspective, else W) at least `divisor`.
+double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor);
 
 }  // namespace facetless

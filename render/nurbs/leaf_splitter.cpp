@@ -10,9 +10,13 @@ namespace {
 // without a certificate then is left to the subdivision solver, which is exact down to the last digit.
 constexpr int kMaxLevels = 64;
 
-// Slack of every screen box, in samples: covers the rounding of projected control points (2^-53 of 2^16
-// samples, grown by halving and division) and the overlap of neighbouring leaves, with room to spare.
+// Slack of every screen box, in samples, besides the net's own error: covers the rounding of a division and
+// the overlap of neighbouring leaves.
 constexpr double kBoxSlack = 0x1p-20;
+
+// Room between the reach of a leaf past its border and the end of what its bounds cover, for the ball in which
+// a root is proven to exist.
+constexpr double kReach = (kEnlarged - 1) * 0.9375;
 
 constexpr std::size_t kArenaBlock = 1 << 15;  // doubles
 
@@ -51,6 +55,7 @@ namespace {
 struct ScreenBox {
   double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
   double near_depth = INFINITY;
+  double error = 0;      // of its sides, in samples
   bool in_front = true;  // every control point has W > 0: the box is valid
 };
 
@@ -61,15 +66,17 @@ enum class Visibility : std::uint8_t { kHidden, kSeen };
 Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   bool left = true, right = true, above = true, below = true, behind = window.perspective;
   const int n = net.points();
+  const double slack_x = net.error[kX] + window.half_width * net.error[kW],
+               slack_y = net.error[kY] + window.half_height * net.error[kW];
   for (int i = 0; i < n; ++i) {
     const double x = net.value[kX][i], y = net.value[kY][i], w = net.value[kW][i];
-    const double limit_x = (window.half_width + kBoxSlack) * w,
-                 limit_y = (window.half_height + kBoxSlack) * w;
+    const double limit_x = (window.half_width + kBoxSlack) * w + slack_x,
+                 limit_y = (window.half_height + kBoxSlack) * w + slack_y;
     left = left && x < -limit_x;
     right = right && x > limit_x;
     above = above && y < -limit_y;
     below = below && y > limit_y;
-    behind = behind && w <= window.near_depth * net.value[kQ][i];
+    behind = behind && w + net.error[kW] <= window.near_depth * net.value[kQ][i];
   }
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
@@ -77,9 +84,10 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
 ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRule& rule) {
   ScreenBox box;
   const int n = net.points();
+  double w_low = INFINITY, q_low = INFINITY, far = 0;
   for (int i = 0; i < n; ++i) {
     const double w = net.value[kW][i];
-    if (!(w > 0)) {
+    if (!(w > net.error[kW])) {
       box.in_front = false;
       return box;
     }
@@ -91,7 +99,14 @@ ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRu
     box.y_low = std::min(box.y_low, y);
     box.y_high = std::max(box.y_high, y);
     box.near_depth = std::min(box.near_depth, depth);
+    w_low = std::min(w_low, w);
+    q_low = std::min(q_low, net.value[kQ][i]);
+    far = std::max(far, std::fabs(depth));
   }
+  // Errors: of the pixel, by the window's size at most, and of the depth.
+  const double half = std::max(window.half_width, window.half_height);
+  box.error = (std::max(net.error[kX], net.error[kY]) + half * net.error[kW]) / w_low;
+  box.near_depth -= NetDepthError(net, rule, far, window.perspective ? q_low : w_low) + far * 0x1p-50;
   return box;
 }
 
@@ -166,7 +181,7 @@ void LeafSplitter::Visit(const Node& node) {
     // No leaf reaches farther past its border than an eighth of its size: kEnlarged − 1 on a side of 2, twice
     // for its curvature.
     const double size = std::max(box.x_high - box.x_low, box.y_high - box.y_low);
-    const double slack = kBoxSlack + std::min(patch_->extend_px / scale, size / 8);
+    const double slack = kBoxSlack + box.error + std::min(patch_->extend_px / scale, size / 8);
     const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
     const auto last = [](double high, double half) {
       return std::min(2 * half, std::floor(high + half - 0.5) + 1);
@@ -196,7 +211,7 @@ void LeafSplitter::Visit(const Node& node) {
   if (box.in_front) {
     Leaf leaf;
     double monomials[kNetComponents * kMaxNetPoints];
-    const Verdict verdict = Certify(net, patch_->rule, &leaf, monomials);
+    const Verdict verdict = Certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
     const bool certified = verdict.certified;
     const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
     const bool hard = !certified && (samples <= kHardSamples || last_level);
@@ -209,10 +224,12 @@ void LeafSplitter::Visit(const Node& node) {
                                        (patch_->rule.depth_varies ? kLeafDepthVaries : 0));
         leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
         leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
+        leaf.c11 = net.error[kX], leaf.c12 = net.error[kY];
+        leaf.c21 = net.error[kW], leaf.c22 = net.error[kQ];
         for (int c = 0; c < kNetComponents; ++c)
           std::copy_n(net.value[c], net.points(), monomials + c * net.points());
       }
-      leaf.near_depth = box.near_depth - std::fabs(box.near_depth) * 0x1p-48;
+      leaf.near_depth = box.near_depth - leaf.depth_error;
       leaf.col_begin = col_begin, leaf.col_end = col_end;
       leaf.row_begin = row_begin, leaf.row_end = row_end;
       leaf.u_mid = node.u_mid, leaf.u_half = node.u_half;
@@ -221,15 +238,23 @@ void LeafSplitter::Visit(const Node& node) {
       leaf.patch = patch_->patch;
       if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
       // Let the leaf reach past a border of the face as far as the neighbour's edge may lie from it.
-      const double reach = kEnlarged - 1;
-      if (node.u_mid - node.u_half == 0) leaf.s_low -= std::min(reach, patch_->extend[0] / node.u_half);
-      if (node.u_mid + node.u_half == 1) leaf.s_high += std::min(reach, patch_->extend[1] / node.u_half);
-      if (node.v_mid - node.v_half == 0) leaf.t_low -= std::min(reach, patch_->extend[2] / node.v_half);
-      if (node.v_mid + node.v_half == 1) leaf.t_high += std::min(reach, patch_->extend[3] / node.v_half);
+      const auto border = [&](bool ends_there, double extend, double half) {
+        return 1 + leaf.overlap() + (ends_there ? std::min(kReach, extend / half) : 0);
+      };
+      leaf.s_low = -border(node.u_mid - node.u_half == 0, patch_->extend[0], node.u_half);
+      leaf.s_high = border(node.u_mid + node.u_half == 1, patch_->extend[1], node.u_half);
+      leaf.t_low = -border(node.v_mid - node.v_half == 0, patch_->extend[2], node.v_half);
+      leaf.t_high = border(node.v_mid + node.v_half == 1, patch_->extend[3], node.v_half);
       const std::size_t count = static_cast<std::size_t>(leaf.planes()) * net.points();
-      double* coefficients = arena_->Allocate(count);
-      std::copy_n(monomials, count, coefficients);
-      leaf.coefficients = coefficients;
+      if (!hard && window_.arithmetic.epsilon == kFloatArithmetic.epsilon) {
+        float* coefficients = arena_->AllocateFloats(count);
+        for (std::size_t i = 0; i < count; ++i) coefficients[i] = static_cast<float>(monomials[i]);
+        leaf.coefficients32 = coefficients;
+      } else {
+        double* coefficients = arena_->Allocate(count);
+        std::copy_n(monomials, count, coefficients);
+        leaf.coefficients = coefficients;
+      }
       leaves_->push_back(leaf);
       budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double)),
                                     std::memory_order_relaxed);

@@ -32,6 +32,7 @@ struct SplitWindow {
   double half_width = 0, half_height = 0;  // of the image, in samples: X/W runs over ±half_width
   double near_depth = 0;                   // perspective: what has W ≤ near_depth·Q is not seen
   bool perspective = false;
+  KernelArithmetic arithmetic;  // of the kernel that will solve the leaves
 };
 
 // What all splitters of one view share: a stop sign, and the memory that their leaves may take together.
@@ -47,6 +48,7 @@ struct SplitBudget {
 class CoefficientArena {
  public:
   double* Allocate(std::size_t count);
+  float* AllocateFloats(std::size_t count) { return reinterpret_cast<float*>(Allocate((count + 1) / 2)); }
   std::size_t bytes() const { return bytes_; }
 
  private:

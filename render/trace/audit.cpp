@@ -25,7 +25,7 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
                          const CameraFrame& frame, TileKernel kernel) {
   const TraceShared shared(scene, view, camera, frame);
   struct Worker {
-    Worker(const TraceShared& s, TileKernel k) : tracer(s, k) {}
+    Worker(const TraceShared& s, TileKernel k) : tracer(s, k, /*certify=*/false) {}
     TileTracer tracer;
     std::vector<Crossing> crossings;
   };
@@ -39,13 +39,13 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
   for (const Worker& worker : workers) {
     for (const Crossing& crossing : worker.crossings) {
       const Leaf& leaf = view.tiles->leaves()[crossing.leaf];
-      const double border = 1 - 2 * kBorderOverlap;
+      const double border = 1 - 2 * leaf.overlap();
       const bool on_border = std::fabs(crossing.hit.s) >= border || std::fabs(crossing.hit.t) >= border ||
                              (leaf.flags & kLeafHard);
       // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by
       // the range of a floor piece.
       const double error = std::fabs(crossing.hit.depth) * 0x1p-44 +
-                           std::fabs(crossing.hit.depth - leaf.near_depth) * 2 * kBorderOverlap;
+                           std::fabs(crossing.hit.depth - leaf.near_depth) * 2 * leaf.overlap();
       hits.push_back({crossing.sample, leaf.placed_face, crossing.hit.depth, error, on_border});
     }
   }

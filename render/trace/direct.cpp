@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -31,7 +32,15 @@ Certificate CertificateOf(std::uint8_t doubt) {
 // Counts of one thread; its own cache lines.
 struct alignas(64) Tally {
   std::uint64_t hits = 0, certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
+  std::array<std::uint64_t, kDoubtNames.size()> doubts{};
+  double depth_error_max = 0;
 };
+
+// A bound as a float.
+float RoundedUp(double x) {
+  const float f = static_cast<float>(x);
+  return f >= x ? f : std::nextafter(f, INFINITY);
+}
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
@@ -42,6 +51,8 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       const std::size_t out = std::size_t(row) * samples->width + column;
       const Certificate certificate = CertificateOf(tile.doubt[k]);
       samples->certificate[out] = certificate;
+      samples->doubt[out] = tile.doubt[k];
+      for (std::size_t bit = 0; tile.doubt[k] >> bit; ++bit) tally->doubts[bit] += tile.doubt[k] >> bit & 1;
       tally->certified += certificate == Certificate::kCertified;
       tally->converged += certificate == Certificate::kConverged;
       tally->unresolved += certificate == Certificate::kUnresolved;
@@ -61,7 +72,10 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
         samples->uv[out] = {at.u_map->ToNative(at.u), at.v_map->ToNative(at.v)};
       }
       ++tally->hits;
-      tally->certified_hits += certificate == Certificate::kCertified;
+      if (!samples->depth_error.empty()) samples->depth_error[out] = RoundedUp(tile.error[k]);
+      if (certificate != Certificate::kCertified) continue;
+      ++tally->certified_hits;
+      tally->depth_error_max = std::max(tally->depth_error_max, tile.error[k]);
     }
   }
 }
@@ -77,6 +91,9 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   const Result<Kernels>& kernels = ActiveKernels();
   if (!kernels.ok()) return kernels.error();
   result.stats.isa = kernels.value().isa;
+  const TileKernel kernel =
+      options.precision == Precision::kFast ? kernels.value().trace_tile_float : kernels.value().trace_tile;
+  const bool certify = options.precision == Precision::kCertified;
 
   // Project, split, list per tile.
   Result<PreparedView> prepared = PrepareView(scene.data(), camera, result.frame, options);
@@ -90,9 +107,10 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   SampleBuffer& samples = result.samples;
   samples.Resize(camera.width_px, camera.height_px);
   samples.certificate.assign(samples.size(), Certificate::kCertified);
+  samples.doubt.assign(samples.size(), 0);
+  if (options.depth_error) samples.depth_error.assign(samples.size(), 0);
   if (options.uv) samples.uv.assign(samples.size(), {0, 0});
-  tbb::enumerable_thread_specific<TileTracer> tracers(
-      [&] { return TileTracer(shared, kernels.value().trace_tile); });
+  tbb::enumerable_thread_specific<TileTracer> tracers([&] { return TileTracer(shared, kernel, certify); });
   tbb::enumerable_thread_specific<Tally> tallies;
   tbb::parallel_for(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
     if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
@@ -113,6 +131,8 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     stats.converged += tally.converged;
     stats.unresolved += tally.unresolved;
     stats.certified_hits += tally.certified_hits;
+    for (std::size_t bit = 0; bit < tally.doubts.size(); ++bit) stats.doubts[bit] += tally.doubts[bit];
+    stats.depth_error_max = std::max(stats.depth_error_max, tally.depth_error_max);
   }
   for (const TileTracer& tracer : tracers) {
     stats.candidates += tracer.counters.candidates;
@@ -130,8 +150,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
 
   // Count every crossing, where asked to.
   if (options.audit) {
-    Result<AuditResult> audit =
-        Audit(scene.data(), view, camera, result.frame, kernels.value().trace_tile, options);
+    Result<AuditResult> audit = Audit(scene.data(), view, camera, result.frame, kernel, options);
     if (!audit.ok()) return audit.error();
     if (audit.value().has_closed_solid) stats.odd_rays = audit.value().odd_samples.size();
     stats.reverse_mismatches = audit.value().mismatched_samples.size();

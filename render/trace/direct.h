@@ -7,25 +7,36 @@
 //  3. Nothing is silent: stats.certified + stats.converged + stats.unresolved = width·height.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "render/kernels/doubt.h"
 #include "render/model/model.h"
 #include "render/trace/camera.h"
 #include "render/trace/samples.h"
 
 namespace facetless {
 
-enum class Precision : std::uint8_t { kFast, kStandard, kCertified };
+// What a sample's certificate stands on.
+enum class Precision : std::uint8_t {
+  kFast,       // kernels in single precision, in each leaf's own frame; bounds include their rounding
+  kStandard,   // double precision
+  kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth, and
+               // the side of a shared edge beyond the error of the edge's projection
+};
 
 struct DirectOptions {
   Precision precision = Precision::kStandard;
-  int threads = 0;                                   // 0: all cores
-  bool uv = false;                                   // fill samples.uv
-  bool audit = false;                                // count every crossing of every ray
+  double newton_tolerance = 0;  // a root's error bound, as a share of half its leaf, at which the iteration
+                                // stops; 0: the precision's own (2^-42, fast 2^-17)
+  int threads = 0;              // 0: all cores
+  bool uv = false;              // fill samples.uv
+  bool depth_error = false;     // fill samples.depth_error
+  bool audit = false;           // count every crossing of every ray
   std::uint64_t max_bytes = std::uint64_t{8} << 30;  // what the leaves of a view may take
   const std::atomic<bool>* cancel = nullptr;         // polled; true ends the call with kCancelled
 };
@@ -35,6 +46,8 @@ struct DirectStats {
   std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
+  std::array<std::uint64_t, kDoubtNames.size()> doubts{};  // samples with each bit of Doubt
+  double depth_error_max = 0;                              // mm, of the certified hits
   std::optional<std::uint64_t> odd_rays;            // audit only; null where the model has no closed solid
   std::optional<std::uint64_t> reverse_mismatches;  // audit only
   std::vector<std::uint32_t> odd_samples, mismatched_samples;  // audit only: row·width + column of those rays

@@ -6,8 +6,8 @@
 namespace facetless {
 namespace {
 
-// Halving a net n times rounds n times; 128 units cover the deepest chain and the forming of F.
-constexpr double kRounding = 128 * 0x1p-53;
+// Forming F: a product and a difference.
+constexpr double kRounding = 2 * 0x1p-53;
 
 }  // namespace
 
@@ -32,13 +32,12 @@ namespace {
 
 // The range of F = X − x·W and Y − y·W over a piece.
 struct Residual {
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, magnitude[2] = {0, 0};
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, error[2] = {0, 0};
   double extent_u = 0, extent_v = 0;
 
   bool Empty() const {
     for (int c = 0; c < 2; ++c) {
-      const double slack = kRounding * magnitude[c];
-      if (low[c] > slack || high[c] < -slack) return true;
+      if (low[c] > error[c] || high[c] < -error[c]) return true;
     }
     return false;
   }
@@ -52,13 +51,15 @@ Residual Measure(const BezierNet& net, double x, double y) {
   for (int c = 0; c < 2; ++c) {
     const double* value = net.value[c == 0 ? kX : kY];
     const double pixel = c == 0 ? x : y;
+    double magnitude = 0;
     for (int i = 0; i < net.points(); ++i) {
       f[i] = value[i] - pixel * net.value[kW][i];
       residual.low[c] = std::min(residual.low[c], f[i]);
       residual.high[c] = std::max(residual.high[c], f[i]);
-      residual.magnitude[c] =
-          std::max(residual.magnitude[c], std::fabs(value[i]) + std::fabs(pixel * net.value[kW][i]));
+      magnitude = std::max(magnitude, std::fabs(value[i]) + std::fabs(pixel * net.value[kW][i]));
     }
+    residual.error[c] =
+        net.error[c == 0 ? kX : kY] + std::fabs(pixel) * net.error[kW] + kRounding * magnitude;
     for (int k = 0; k <= net.degree_u; ++k) {
       for (int l = 0; l <= net.degree_v; ++l) {
         const int i = k * stride + l;
@@ -72,8 +73,26 @@ Residual Measure(const BezierNet& net, double x, double y) {
   return residual;
 }
 
-double DepthOf(double w, double q, bool perspective) {
-  return perspective ? w / q : q / w;
+// The range of the depth over a piece, the net's error included. Requires W, in perspective Q, beyond its error;
+// infinite otherwise.
+struct DepthRange {
+  double near = INFINITY, far = -INFINITY;
+};
+
+DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
+  const NetComponent over = rule.perspective ? kW : kQ, under = rule.perspective ? kQ : kW;
+  DepthRange range;
+  double divisor = INFINITY;
+  for (int i = 0; i < net.points(); ++i) {
+    const double depth = net.value[over][i] / net.value[under][i];
+    range.near = std::min(range.near, depth);
+    range.far = std::max(range.far, depth);
+    divisor = std::min(divisor, net.value[under][i]);
+  }
+  if (!(divisor > 2 * net.error[under])) return {-INFINITY, INFINITY};
+  const double size = std::max(std::fabs(range.near), std::fabs(range.far));
+  const double error = 2 * NetDepthError(net, rule, size, divisor) + size * 0x1p-50;
+  return {range.near - error, range.far + error};
 }
 
 }  // namespace
@@ -93,6 +112,8 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
   Piece& root = push(0);
   root.Set(leaf.degree_u, leaf.degree_v);
   std::copy_n(leaf.coefficients, kNetComponents * leaf.points(), root.storage.data());
+  const double errors[kNetComponents] = {leaf.c11, leaf.c12, leaf.c21, leaf.c22};
+  std::copy_n(errors, int{kNetComponents}, root.net.error);
   root.s_mid = root.t_mid = 0;
   root.s_half = root.t_half = 1;
   push(1);
@@ -108,15 +129,13 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     const BezierNet& net = work->net;
     const Residual residual = Measure(net, x, y);
     if (residual.Empty()) continue;
-    double near_depth = INFINITY;
-    for (int i = 0; i < net.points(); ++i)
-      near_depth = std::min(near_depth, DepthOf(net.value[kW][i], net.value[kQ][i], perspective));
-    if (near_depth > limit) continue;
+    const DepthRange depths = MeasureDepth(net, rule);
+    if (depths.near > limit) continue;
 
     // Solve it if it is easy by now.
     Leaf piece;
     double monomials[kNetComponents * kMaxNetPoints];
-    if (Certify(net, rule, &piece, monomials).certified) {
+    if (Certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
       piece.coefficients = monomials;
       FallbackRoot found;
       const SampleRoot result = kernel_scalar::SolveSample(piece, x, y, &found.hit);
@@ -124,19 +143,21 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
       if (result == SampleRoot::kHit) {
         found.hit.s = work->s_mid + found.hit.s * work->s_half;
         found.hit.t = work->t_mid + found.hit.t * work->t_half;
+        found.error_s = piece.root_error * work->s_half;
+        found.error_t = piece.root_error * work->t_half;
         found.jacobian_sign = piece.c11 * piece.c22 - piece.c12 * piece.c21;
-        if (found.hit.depth < limit) roots->push_back(found);
+        if (found.hit.depth - found.hit.error <= limit) roots->push_back(found);
         continue;
       }
     }
-    if (residual.size() <=
-        std::max(kFloorSamples, kRounding * std::max(residual.magnitude[0], residual.magnitude[1]))) {
-      const int middle = (net.degree_u / 2) * net.stride() + net.degree_v / 2;
-      const FallbackRoot found{
-          {DepthOf(net.value[kW][middle], net.value[kQ][middle], perspective), work->s_mid, work->t_mid},
-          0,
-          kDoubtSolver};
-      if (found.hit.depth < limit) roots->push_back(found);
+    if (residual.size() <= std::max(kFloorSamples, 2 * std::max(residual.error[0], residual.error[1]))) {
+      const double middle = 0.5 * (depths.near + depths.far);
+      if (!std::isfinite(middle)) return kDoubtUnresolved;
+      roots->push_back({{middle, work->s_mid, work->t_mid, depths.far - middle},
+                        work->s_half,
+                        work->t_half,
+                        /*jacobian_sign=*/0,
+                        /*proven=*/false});
       continue;
     }
 

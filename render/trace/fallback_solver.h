@@ -3,8 +3,9 @@
 //  1. Pieces whose coefficients of F keep one sign, beyond their rounding, are proven empty. Pieces that can
 //     be certified are solved and proven like any leaf. The rest is halved.
 //  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
-//     proof (kDoubtSolver): a tangency, a pole, a cusp, met to that precision.
+//     proof: a tangency, a pole, a cusp, met to that precision.
 //  3. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
+//  4. Bounds are those of the exact surface: the net's own error is part of them.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +22,10 @@ inline constexpr double kFloorSamples = 0x1p-36;
 inline constexpr int kMaxPieces = 4096;
 
 struct FallbackRoot {
-  TileHit hit;               // s and t of the leaf, not of the piece
-  double jacobian_sign = 0;  // sign of the Jacobian of (u,v) → pixel at the root; 0: singular there
-  std::uint8_t doubt = 0;
+  TileHit hit;                      // s and t of the leaf, not of the piece
+  double error_s = 0, error_t = 0;  // how far the root may lie from there
+  double jacobian_sign = 0;         // sign of the Jacobian of (u,v) → pixel at the root; 0: not known
+  bool proven = true;               // exists, and is the only one in its piece
 };
 
 class FallbackSolver {

@@ -10,10 +10,11 @@ struct Jet {
 };
 
 // Horner with both first derivatives, for centred monomials.
-Jet Monomial(const double* c, int degree_u, int degree_v, double s, double t) {
+template <typename Real>
+Jet Monomial(const Real* c, int degree_u, int degree_v, double s, double t) {
   Jet jet;
   for (int i = degree_u; i >= 0; --i) {
-    const double* row = c + i * (degree_v + 1);
+    const Real* row = c + i * (degree_v + 1);
     double value = row[degree_v], slope = 0;
     for (int j = degree_v - 1; j >= 0; --j) {
       slope = slope * t + value;
@@ -53,13 +54,35 @@ struct Tangents {
   double depth;
 };
 
+// What Tangents needs of a certified leaf: derivatives of G and the jets of W and Q. `q` stays as it is where the
+// leaf has no plane for it.
+struct LeafJets {
+  Jet g1, g2, w{1, 0, 0}, q;
+};
+
+template <typename Real>
+LeafJets EvaluateLeaf(const Real* coefficients, const Leaf& leaf, double s, double t) {
+  const int pu = leaf.degree_u, pv = leaf.degree_v, n = leaf.points();
+  LeafJets jets;
+  jets.q.f = (leaf.flags & kLeafPerspective) ? 1 : 0;
+  jets.g1 = Monomial(coefficients, pu, pv, s, t);
+  jets.g2 = Monomial(coefficients + n, pu, pv, s, t);
+  const Real* next = coefficients + 2 * n;
+  if (leaf.flags & kLeafWeightVaries) {
+    jets.w = Monomial(next, pu, pv, s, t);
+    next += n;
+  }
+  if (leaf.flags & kLeafDepthVaries) jets.q = Monomial(next, pu, pv, s, t);
+  return jets;
+}
+
 Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y,
                           const CameraFrame& frame) {
   const int pu = leaf.degree_u, pv = leaf.degree_v, n = leaf.points();
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
 
   // F = (X − x·W, Y − y·W), W and Q with their derivatives. F itself vanishes at a root.
-  Jet fx, fy, w{1, 0, 0}, q{leaf.depth_constant, 0, 0};
+  Jet fx, fy, w, q;
   if (leaf.flags & kLeafHard) {
     const double* c = leaf.coefficients;
     const Jet jx = Bernstein(c, pu, pv, s, t), jy = Bernstein(c + n, pu, pv, s, t);
@@ -68,14 +91,11 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
     fx = {0, jx.ds - x * w.ds, jx.dt - x * w.dt};
     fy = {0, jy.ds - y * w.ds, jy.dt - y * w.dt};
   } else {
-    const double* next = leaf.coefficients + 2 * n;
-    const Jet g1 = Monomial(leaf.coefficients, pu, pv, s, t),
-              g2 = Monomial(leaf.coefficients + n, pu, pv, s, t);
-    if (leaf.flags & kLeafWeightVaries) {
-      w = Monomial(next, pu, pv, s, t);
-      next += n;
-    }
-    if (leaf.flags & kLeafDepthVaries) q = Monomial(next, pu, pv, s, t);
+    const LeafJets jets = leaf.coefficients32 ? EvaluateLeaf(leaf.coefficients32, leaf, s, t)
+                                              : EvaluateLeaf(leaf.coefficients, leaf, s, t);
+    const Jet &g1 = jets.g1, &g2 = jets.g2;
+    w = jets.w;
+    q = jets.q;
     const double dx = x - leaf.center_x, dy = y - leaf.center_y;
     const double b1 = leaf.c11 * dx + leaf.c12 * dy, b2 = leaf.c21 * dx + leaf.c22 * dy;
     const double h1s = g1.ds - b1 * w.ds, h1t = g1.dt - b1 * w.dt, h2s = g2.ds - b2 * w.ds,
@@ -109,6 +129,11 @@ Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double
 // half the digits are gone.
 constexpr double kSingular = 0x1p-26;
 
+bool IsSingular(const Tangents& tangents, Vec3 normal) {
+  const double longest = std::fmax(Dot(tangents.ds, tangents.ds), Dot(tangents.dt, tangents.dt));
+  return !(Dot(normal, normal) > kSingular * kSingular * longest * longest);
+}
+
 }  // namespace
 
 HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame) {
@@ -118,10 +143,9 @@ HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y
   hit.dt = tangents.dt;
   hit.depth = tangents.depth;
   Vec3 normal = Cross(tangents.ds, tangents.dt);
+  hit.singular = IsSingular(tangents, normal);
   // At a pole step back towards the middle, where the tangents span a plane again.
-  for (double back = 0x1p-16; back <= 1; back *= 16) {
-    const double longest = std::fmax(Dot(tangents.ds, tangents.ds), Dot(tangents.dt, tangents.dt));
-    if (Dot(normal, normal) > kSingular * kSingular * longest * longest) break;
+  for (double back = 0x1p-16; back <= 1 && IsSingular(tangents, normal); back *= 16) {
     tangents = EvaluateTangents(leaf, s - back * s, t - back * t, x, y, frame);
     normal = Cross(tangents.ds, tangents.dt);
   }

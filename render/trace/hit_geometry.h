@@ -10,9 +10,10 @@ namespace facetless {
 struct HitGeometry {
   Vec3 ds,
       dt;  // derivatives of the surface point by s and t, mm, in the camera's axes (right, down, forward)
-  Vec3 normal;        // unit, along ds × dt, model axes; (0,0,0) where both ways to find one fail
-  double depth = 0;   // mm along the view direction
-  double cosine = 0;  // |normal · ray direction|
+  Vec3 normal;            // unit, along ds × dt, model axes; (0,0,0) where both ways to find one fail
+  double depth = 0;       // mm along the view direction
+  double cosine = 0;      // |normal · ray direction|
+  bool singular = false;  // ds × dt vanishes, for all that double precision can tell
 };
 
 // Of the root (s, t) of the ray through (x, y) relative to the image centre. Where ds × dt vanishes (a pole,

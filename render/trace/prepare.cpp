@@ -34,6 +34,8 @@ class Preparation {
     window_.half_height = 0.5 * camera.height_px;
     window_.perspective = frame.projection == Projection::kPerspective;
     window_.near_depth = frame.near_mm;
+    window_.arithmetic = options.precision == Precision::kFast ? kFloatArithmetic : kDoubleArithmetic;
+    if (options.newton_tolerance > 0) window_.arithmetic.tolerance = options.newton_tolerance;
     budget_.cancel = options.cancel;
     budget_.bytes_left = static_cast<std::int64_t>(options.max_bytes);
   }
@@ -137,17 +139,25 @@ class Preparation {
     const Vec4* points = model_.control_points.data() + surface.first_control_point +
                          std::size_t(patch) * surface.PointsPerPatch();
     bool weight_varies = false, depth_varies = false;
+    std::fill_n(net.error, int{kNetComponents}, 0.0);
     for (int k = 0; k < net.points(); ++k) {
       const auto p = projection(points[k]);
       net.value[kX][k] = p.x;
       net.value[kY][k] = p.y;
       net.value[kW][k] = p.w;
       net.value[kQ][k] = p.q;
+      const auto error = projection.Error(points[k]);
+      net.error[kX] = std::max(net.error[kX], error.x);
+      net.error[kY] = std::max(net.error[kY], error.y);
+      net.error[kW] = std::max(net.error[kW], error.w);
+      net.error[kQ] = std::max(net.error[kQ], error.q);
       weight_varies = weight_varies || p.w != net.value[kW][0];
       depth_varies = depth_varies || p.q != net.value[kQ][0];
     }
     // Polynomial kernels want W = 1, not merely constant: exact for a weight that is constant.
     if (!weight_varies && net.value[kW][0] != 1 && net.value[kW][0] > 0) weight_varies = true;
+    // An orthographic depth is Q/W.
+    if (!window_.perspective && weight_varies && net.value[kQ][0] != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
     Extend(surface, data, points, i, j, &split);
     worker.splitter.Split(split, &worker.leaves, &worker.arena);

@@ -1,7 +1,14 @@
 #include "render/trace/projection.h"
 
+#include <cmath>
+
 namespace facetless {
 namespace {
+
+constexpr double kEpsilon = 0x1p-53;
+// Units of rounding: an axis is a normalised cross product, pulled back by the placement and divided by the
+// pixel size, and its dot product adds three products; placing a point adds three products and a translation.
+constexpr double kAxisUnits = 16, kPlacingUnits = 8;
 
 // The placement's linear part, transposed, applied to a camera axis: the axis in part coordinates.
 Vec3 Pull(const Placement& placement, Vec3 axis) {
@@ -25,6 +32,23 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
   x_ = Dot(rest, frame.right) / frame.pixel_x;
   y_ = Dot(rest, frame.down) / frame.pixel_y;
   z_ = Dot(rest, frame.forward);
+
+  // What a placement rounds; one that moves nothing rounds nothing.
+  const auto size = [](Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); };
+  origin_size_ = size(origin_);
+  if (size(rest) > 0 || size(translation) > 0)
+    placed_error_ = kPlacingUnits * kEpsilon * (size(translation) + size(frame.eye) + origin_size_);
+  scale_ = {Length(right_), Length(down_), Length(forward_)};
+}
+
+ViewProjection::Point ViewProjection::Error(Vec4 p) const {
+  const double d =
+      std::fabs(p.x - p.w * origin_.x) + std::fabs(p.y - p.w * origin_.y) + std::fabs(p.z - p.w * origin_.z);
+  // p.w·origin is exact where p.w is 1.
+  const double error =
+      kEpsilon * (kAxisUnits * d + (p.w == 1 ? 0 : p.w * origin_size_)) + p.w * placed_error_;
+  const double x = scale_.x * error, y = scale_.y * error, z = scale_.z * error;
+  return perspective_ ? Point{x, y, z, 0} : Point{x, y, 0, z};
 }
 
 ViewProjection::Point ViewProjection::operator()(Vec4 p) const {

@@ -24,12 +24,18 @@ class ViewProjection {
   };
   // Requires p.w > 0; `p` is (w·x, w·y, w·z, w) in part coordinates.
   Point operator()(Vec4 p) const;
+  // Bounds the errors of the components of what p gives, by net component: the placement's, the camera's axes'
+  // and the arithmetic's rounding together.
+  Point Error(Vec4 p) const;
   bool perspective() const { return perspective_; }
 
  private:
   Vec3 right_, down_, forward_;   // in part coordinates, the first two divided by the pixel size
   Vec3 origin_;                   // the eye in part coordinates, subtracted first
   double x_ = 0, y_ = 0, z_ = 0;  // of what is left of it, in the camera's axes
+  double origin_size_ = 0;        // |x| + |y| + |z| of the origin
+  double placed_error_ = 0;       // mm: of placing a point
+  Vec3 scale_;                    // lengths of the three axes
   bool perspective_ = false;
 };
 

@@ -11,10 +11,10 @@
 
 namespace facetless {
 
-// How a sample's answer was reached. DESIGN: certified + converged + unresolved = samples, misses included.
+// How a sample's answer was reached. certified + converged + unresolved = samples, misses included.
 enum class Certificate : std::uint8_t {
-  kCertified,  // root or miss follows from proven bounds
-  kConverged,  // Newton converged, uniqueness not proven (silhouette, pole, two roots, trim within its error bound)
+  kCertified,   // root or miss follows from proven bounds
+  kConverged,   // an answer, but for the doubts of render/kernels/doubt.h no proof
   kUnresolved,  // neither
 };
 
@@ -27,8 +27,12 @@ struct SampleBuffer {
   std::vector<std::array<double, 2>>
       uv;  // native surface parameters; empty if the tracer has none or nobody asked
   std::vector<Certificate> certificate;  // empty for the baseline
+  std::vector<std::uint8_t> doubt;  // bits of Doubt, why a sample is not certified; empty for the baseline
+  // Bound of the depth's error, mm, against the exact surface; 0 where nothing is hit, +inf where there is no
+  // bound. Holds for certified samples. Empty unless asked for.
+  std::vector<float> depth_error;
 
-  void Resize(int w, int h);  // everything but uv and certificate; filled with the values of a miss
+  void Resize(int w, int h);  // depth, normal and face; filled with the values of a miss
   std::size_t size() const { return depth.size(); }
 };
 

@@ -14,8 +14,8 @@ constexpr double kMaxBandScale = 64;
 
 // A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges
 // the other side of the seam may have left it to this one.
-double OntoPatch(double bezier, double half) {
-  const double overlap = 2 * kBorderOverlap * half;
+double OntoPatch(double bezier, double half, double leaf_overlap) {
+  const double overlap = 2 * leaf_overlap * half;
   if (bezier < 0 && bezier >= -overlap) return 0;
   if (bezier > 1 && bezier <= 1 + overlap) return 1;
   return bezier;
@@ -53,11 +53,13 @@ TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint3
   const Surface& surface = scene.model->surfaces[scene.model->faces[face].surface];
   return {&scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count],
           &scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count],
-          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half),
-          OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half)};
+          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half, leaf.overlap()),
+          OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half, leaf.overlap())};
 }
 
-TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel) : shared_(shared), kernel_(kernel) {
+TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certify)
+    : shared_(shared), kernel_(kernel) {
+  job_.coincidences = certify;
   job_.leaves = shared.view.tiles->leaves().data();
   job_.tile_size = kTileSize;
   job_.half_width = 0.5 * shared.camera.width_px;
@@ -65,11 +67,12 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel) : shared_(s
   job_.near_depth = shared.frame.projection == Projection::kPerspective ? shared.frame.near_mm : -INFINITY;
   job_.keep = [](void* context, const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
                  std::uint8_t* hit_doubt) {
-    return static_cast<TileTracer*>(context)->Keep(
-        hit_leaf, hit_s, hit_t, x, y, hit_leaf.c11 * hit_leaf.c22 - hit_leaf.c12 * hit_leaf.c21, hit_doubt);
+    const Root root{hit_s, hit_t, hit_leaf.root_error, hit_leaf.root_error,
+                    hit_leaf.c11 * hit_leaf.c22 - hit_leaf.c12 * hit_leaf.c21};
+    return static_cast<TileTracer*>(context)->Keep(hit_leaf, root, x, y, hit_doubt);
   };
   job_.solve_hard = [](void* context, const Leaf& hard_leaf, double x, double y, double limit, void* sink,
-                       void (*found)(void*, const TileHit&, std::uint8_t)) {
+                       void (*found)(void*, const TileHit&, std::uint8_t, bool)) {
     return static_cast<TileTracer*>(context)->SolveHard(hard_leaf, x, y, limit, sink, found);
   };
 }
@@ -88,6 +91,7 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   job_.context = this;
   job_.counters = &counters;
   job_.depth = depth.data();
+  job_.error = error.data();
   job_.s = s.data();
   job_.t = t.data();
   job_.leaf = leaf.data();
@@ -106,27 +110,25 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   kernel_(job_);
 }
 
-bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
-                      double jacobian_sign, std::uint8_t* hit_doubt) {
+bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y, std::uint8_t* hit_doubt) {
   // Map the hit to native parameters: the hit, never the curve.
   const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
-  const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, placed.face, hit_s, hit_t);
+  const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, placed.face, root.s, root.t);
   const double u = at.u_map->ToNative(at.u), v = at.v_map->ToNative(at.v);
-  const double solver_error = 2 * kSolverTolerance + 2 * hit_leaf.rounding * hit_leaf.inverse_gap;
-  const double error_u = solver_error * hit_leaf.u_half / at.u_map->Rate(at.u),
-               error_v = solver_error * hit_leaf.v_half / at.v_map->Rate(at.v);
+  const double error_u = root.error_s * hit_leaf.u_half / at.u_map->Rate(at.u),
+               error_v = root.error_t * hit_leaf.v_half / at.v_map->Rate(at.v);
 
-  const HitGeometry geometry = EvaluateHit(hit_leaf, hit_s, hit_t, x, y, shared_.frame);
+  const HitGeometry geometry = EvaluateHit(hit_leaf, root.s, root.t, x, y, shared_.frame);
   const double band_scale = std::min(kMaxBandScale, 1 / geometry.cosine);
   const TrimAnswer answer = shared_.scene.faces[placed.face].trim.Query(u, v, error_u, error_v, band_scale);
 
   // In an edge's band, both faces ask the edge itself.
-  if (answer.coedge != kNoIndex && jacobian_sign != 0) {
+  if (answer.coedge != kNoIndex && root.jacobian_sign != 0) {
     const double mm_per_px = std::max(shared_.frame.pixel_x, shared_.frame.pixel_y) *
                              (shared_.frame.projection == Projection::kPerspective ? geometry.depth : 1);
     const EdgeVerdict verdict = DecideAtEdge(
         *shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
-        y + 0.5 * shared_.camera.height_px, mm_per_px, jacobian_sign > 0);
+        y + 0.5 * shared_.camera.height_px, mm_per_px, root.jacobian_sign > 0);
     if (verdict != EdgeVerdict::kUnknown) return verdict == EdgeVerdict::kKeep;
   }
   if (!answer.certain) *hit_doubt |= kDoubtTrim;
@@ -134,20 +136,40 @@ bool TileTracer::Keep(const Leaf& hit_leaf, double hit_s, double hit_t, double x
 }
 
 std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, double limit, void* sink,
-                                   void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt)) {
+                                   void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
+                                                 bool kept)) {
   roots_.clear();
-  std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &roots_);
+  const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &roots_);
   for (const FallbackRoot& root : roots_) {
     if (!(root.hit.depth > job_.near_depth)) continue;
-    std::uint8_t root_doubt = root.doubt;
+    std::uint8_t root_doubt = DoubtOf(hard_leaf, root, x, y);
+    bool kept = true;
     if (hard_leaf.flags & kLeafTrimmed) {
       ++counters.trim_tests;
-      const bool keep = Keep(hard_leaf, root.hit.s, root.hit.t, x, y, root.jacobian_sign, &root_doubt);
-      result |= root_doubt;
-      if (!keep) continue;
+      kept = Keep(hard_leaf, {root.hit.s, root.hit.t, root.error_s, root.error_t, root.jacobian_sign}, x, y,
+                  &root_doubt);
     }
-    result |= root_doubt;
-    found(sink, root.hit, root_doubt);
+    found(sink, root.hit, root_doubt, kept);
+  }
+  return result;
+}
+
+// Why a root of the fallback solver is not certified.
+std::uint8_t TileTracer::DoubtOf(const Leaf& hard_leaf, const FallbackRoot& root, double x, double y) const {
+  std::uint8_t result = 0;
+  if (!root.proven) {
+    const bool singular = EvaluateHit(hard_leaf, root.hit.s, root.hit.t, x, y, shared_.frame).singular;
+    result |= singular ? kDoubtPole : kDoubtSilhouette;
+  }
+  // Another root of the same leaf, not the same one found again at the border of two pieces.
+  const auto apart = [](double a, double b, double errors) {
+    return std::fabs(a - b) > errors + 2 * kBorderOverlap;
+  };
+  for (const FallbackRoot& other : roots_) {
+    const bool same = !apart(root.hit.s, other.hit.s, root.error_s + other.error_s) &&
+                      !apart(root.hit.t, other.hit.t, root.error_t + other.error_t);
+    if (!same && std::fabs(root.hit.depth - other.hit.depth) <= root.hit.error + other.hit.error)
+      result |= kDoubtTwoRoots;
   }
   return result;
 }

@@ -58,7 +58,8 @@ struct Crossing {
 
 class TileTracer {
  public:
-  TileTracer(const TraceShared& shared, TileKernel kernel);
+  // `certify`: spend what it takes to tell coincident faces from certified ones.
+  TileTracer(const TraceShared& shared, TileKernel kernel, bool certify);
 
   // The nearest hits of tile `index`, in the arrays below. With `crossings`, every hit of every ray is
   // appended to it too.
@@ -70,7 +71,7 @@ class TileTracer {
   int rows() const { return job_.rows; }
 
   static constexpr int kSamples = kTileSize * kTileSize;
-  std::array<double, kSamples> depth, s, t;
+  std::array<double, kSamples> depth, error, s, t;
   std::array<std::uint32_t, kSamples> leaf;
   std::array<std::uint8_t, kSamples> doubt;
   TileCounters counters;  // of all tiles so far
@@ -78,10 +79,15 @@ class TileTracer {
   std::size_t bitmap_bytes() const { return bitmaps_.bytes(); }
 
  private:
-  bool Keep(const Leaf& leaf, double s, double t, double x, double y, double jacobian_sign,
-            std::uint8_t* doubt);
+  // A root of a leaf, and how far off in s and t it may be.
+  struct Root {
+    double s, t, error_s, error_t;
+    double jacobian_sign;  // of (s, t) → pixel; 0: not known
+  };
+  bool Keep(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
   std::uint8_t SolveHard(const Leaf& leaf, double x, double y, double limit, void* sink,
-                         void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt));
+                         void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt, bool kept));
+  std::uint8_t DoubtOf(const Leaf& leaf, const FallbackRoot& root, double x, double y) const;
 
   const TraceShared& shared_;
   TileKernel kernel_;

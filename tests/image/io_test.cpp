@@ -95,6 +95,8 @@ TEST_F(ImageFiles, AovsNameTheirChannels) {
   samples.Resize(4, 3);
   samples.uv.resize(12);
   samples.certificate.resize(12);
+  samples.doubt.resize(12);
+  samples.depth_error.resize(12);
   AovSelection all;
   all.uv = all.certificate = true;
   const std::vector<float> curvature(12, 0.5f);
@@ -102,7 +104,7 @@ TEST_F(ImageFiles, AovsNameTheirChannels) {
   ASSERT_TRUE(WriteAovs(Path("a.exr"), samples, all).ok());
   const std::string bytes = Read(Path("a.exr"));
   for (const char* channel : {"depth.Z", "normal.X", "normal.Y", "normal.Z", "face.id", "uv.U", "uv.V",
-                              "certificate.C", "curvature.H"})
+                              "certificate.C", "certificate.doubt", "certificate.error", "curvature.H"})
     EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
   samples.uv.clear();
   EXPECT_EQ(WriteAovs(Path("b.exr"), samples, all).error().code, ErrorCode::kBadUsage);

@@ -17,7 +17,7 @@ using testing::ModelOf;
 // Everything that one kernel answers for one view, tile after tile.
 std::vector<unsigned char> Bytes(const TraceShared& shared, TileKernel kernel, TileCounters* counters) {
   std::vector<unsigned char> bytes;
-  TileTracer tracer(shared, kernel);
+  TileTracer tracer(shared, kernel, /*certify=*/true);
   for (int tile = 0; tile < shared.view.tiles->tiles_x() * shared.view.tiles->tiles_y(); ++tile) {
     tracer.Trace(tile, nullptr);
     for (int i = 0; i < tracer.rows(); ++i) {
@@ -26,6 +26,7 @@ std::vector<unsigned char> Bytes(const TraceShared& shared, TileKernel kernel, T
         bytes.insert(bytes.end(), first, first + sizeof(array[0]) * tracer.columns());
       };
       append(tracer.depth);
+      append(tracer.error);
       append(tracer.s);
       append(tracer.t);
       append(tracer.leaf);
@@ -43,21 +44,26 @@ TEST(TileKernel, EveryInstructionSetGivesTheSameBytes) {
                                testing::Frustum({-6, 0, -4}, 4, 0, 9),
                                testing::Rectangle({-12, -12, -4}, {24, 0, 1}, {0, 24, 2})});
   const Scene scene(model);
-  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
-    // 203 is no multiple of a packet or a tile.
-    const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
-    const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
-    const PreparedView view = PrepareView(scene.data(), camera, frame, {}).value();
-    const TraceShared shared(scene.data(), view, camera, frame);
-    TileCounters expected_counters;
-    const std::vector<unsigned char> expected = Bytes(shared, kernels[0].trace_tile, &expected_counters);
-    EXPECT_GT(expected_counters.solves, 10000u);
-    EXPECT_GT(expected_counters.fallbacks, 10u);
-    for (const Kernels& other : kernels) {
-      TileCounters counters;
-      EXPECT_EQ(Bytes(shared, other.trace_tile, &counters), expected) << other.isa;
-      EXPECT_EQ(counters.solves, expected_counters.solves) << other.isa;
-      EXPECT_EQ(counters.iterations, expected_counters.iterations) << other.isa;
+  for (const Precision precision : {Precision::kFast, Precision::kStandard}) {
+    const auto kernel_of = [&](const Kernels& k) {
+      return precision == Precision::kFast ? k.trace_tile_float : k.trace_tile;
+    };
+    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+      // 203 is no multiple of a packet or a tile.
+      const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
+      const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
+      const PreparedView view = PrepareView(scene.data(), camera, frame, {.precision = precision}).value();
+      const TraceShared shared(scene.data(), view, camera, frame);
+      TileCounters expected_counters;
+      const std::vector<unsigned char> expected = Bytes(shared, kernel_of(kernels[0]), &expected_counters);
+      EXPECT_GT(expected_counters.solves, 10000u);
+      EXPECT_GT(expected_counters.fallbacks, 10u);
+      for (const Kernels& other : kernels) {
+        TileCounters counters;
+        EXPECT_EQ(Bytes(shared, kernel_of(other), &counters), expected) << other.isa;
+        EXPECT_EQ(counters.solves, expected_counters.solves) << other.isa;
+        EXPECT_EQ(counters.iterations, expected_counters.iterations) << other.isa;
+      }
     }
   }
 }

@@ -76,7 +76,7 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   const DepthRule rule{false, spread > 0, true};
-  if (!Certify(sheet.net, rule, &leaf, monomials).certified) RC_DISCARD("not certified");
+  if (!Certify(sheet.net, rule, kDoubleArithmetic, &leaf, monomials).certified) RC_DISCARD("not certified");
   leaf.coefficients = monomials;
   RC_ASSERT(1 - 1 / leaf.inverse_gap <= kMaxKappa);
   const double u = *rc::gen::inRange(0, 1001) / 1000.0, v = *rc::gen::inRange(0, 1001) / 1000.0;
@@ -93,7 +93,8 @@ RC_GTEST_PROP(Leaf, ARayBesideTheLeafIsAProvenMiss, ()) {
   const Net sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  if (!Certify(sheet.net, {false, true, true}, &leaf, monomials).certified) RC_DISCARD("not certified");
+  if (!Certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials).certified)
+    RC_DISCARD("not certified");
   leaf.coefficients = monomials;
   // A point of the surface continued past the leaf's border: off it by 1e-6 of its size or more.
   const double outside = *rc::gen::element(1e-6, 1e-4, 1e-2, 0.03);
@@ -115,7 +116,7 @@ TEST(Leaf, AFoldHasNoCertificate) {
   }
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  const Verdict verdict = Certify(fold.net, {false, false, true}, &leaf, monomials);
+  const Verdict verdict = Certify(fold.net, {false, false, true}, kDoubleArithmetic, &leaf, monomials);
   EXPECT_FALSE(verdict.certified);
 }
 
@@ -130,7 +131,7 @@ TEST(Leaf, HalvingIsPromisedToHelpInTheDirectionThatBends) {
   }
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  const Verdict verdict = Certify(bent.net, {false, false, false}, &leaf, monomials);
+  const Verdict verdict = Certify(bent.net, {false, false, false}, kDoubleArithmetic, &leaf, monomials);
   ASSERT_FALSE(verdict.certified);
   EXPECT_LT(verdict.kappa_halved_u, verdict.kappa_halved_v);
 }
@@ -158,7 +159,8 @@ RC_GTEST_PROP(Leaf, TheThesisIterationConvergesToTheSameRoot, ()) {
   const Net sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  if (!Certify(sheet.net, {false, true, true}, &leaf, monomials).certified) RC_DISCARD("not certified");
+  if (!Certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials).certified)
+    RC_DISCARD("not certified");
   leaf.coefficients = monomials;
   const Point p = Evaluate(sheet.net, 0.3L, 0.8L);
   const long double x = double(p.x / p.w), y = double(p.y / p.w);

@@ -1,0 +1,22 @@
+// Why a sample is not certified: bits of one byte.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace facetless {
+
+enum Doubt : std::uint8_t {
+  kDoubtSilhouette = 1,   // a root without proof where the ray is tangent to the surface
+  kDoubtPole = 2,         // a root without proof where the surface has no tangent plane of its own
+  kDoubtTwoRoots = 4,     // two roots of one face closer than their errors
+  kDoubtTrim = 8,         // a trim curve or an edge lies within the error of the hit
+  kDoubtCoincident = 16,  // another face lies within the error of the hit's depth
+  kDoubtUnresolved = 32,  // neither hit nor miss
+};
+
+// What each bit is called in reports, lowest first.
+inline constexpr std::array<const char*, 6> kDoubtNames = {"silhouette", "pole",       "two_roots",
+                                                           "trim",       "coincident", "unresolved"};
+
+}  // namespace facetless
