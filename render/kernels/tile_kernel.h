@@ -91,7 +91,8 @@ SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
 }  // namespace kernel_scalar
 namespace kernel_scalar_float {
 void TraceTile(const TileJob& job);
-}
+SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
+}  // namespace kernel_scalar_float
 namespace kernel_avx2 {
 void TraceTile(const TileJob& job);
 }
@@ -103,6 +104,12 @@ void TraceTile(const TileJob& job);
 }
 namespace kernel_avx512_float {
 void TraceTile(const TileJob& job);
+}
+
+// By the kernel that the leaf was made for.
+inline SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
+  return leaf.coefficients32 ? kernel_scalar_float::SolveSample(leaf, x, y, hit)
+                             : kernel_scalar::SolveSample(leaf, x, y, hit);
 }
 
 }  // namespace facetless

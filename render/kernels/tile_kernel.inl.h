@@ -385,7 +385,7 @@ void TraceTile(const TileJob& job) {
   }
 }
 
-#if defined(FACETLESS_SCALAR_KERNEL) && !defined(FACETLESS_FLOAT_KERNEL)
+#if defined(FACETLESS_SCALAR_KERNEL)
 SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
   const Mask lane = FromBits(1);
   const Solution solution = (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, &x, &y, lane)

@@ -102,6 +102,10 @@ struct RealFileCase {
   bool one_placement = false;  // too many placed faces for the reference
 };
 
+void PrintTo(const RealFileCase& r, std::ostream* out) {
+  *out << r.name;
+}
+
 class RealFile : public ::testing::TestWithParam<RealFileCase> {};
 
 TEST_P(RealFile, AgreesWithTheReference) {

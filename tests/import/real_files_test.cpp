@@ -18,6 +18,10 @@ struct Part {
   std::size_t approximated;
 };
 
+void PrintTo(const Part& p, std::ostream* out) {
+  *out << p.file;
+}
+
 class Parts : public ::testing::TestWithParam<Part> {};
 
 TEST_P(Parts, ArriveWhole) {
@@ -94,6 +98,10 @@ struct Broken {
   ErrorCode code;
   const char* sentence;  // part of the error, or of the first loss's reason
 };
+
+void PrintTo(const Broken& b, std::ostream* out) {
+  *out << b.file;
+}
 
 class BrokenFiles : public ::testing::TestWithParam<Broken> {};
 

@@ -141,6 +141,10 @@ struct Refusal {
   const char* sentence;
 };
 
+void PrintTo(const Refusal& r, std::ostream* out) {
+  *out << r.what;
+}
+
 class Refusals : public ::testing::TestWithParam<Refusal> {};
 
 TEST_P(Refusals, SayWhatItIsAndWhatToDo) {

@@ -194,6 +194,10 @@ struct Violation {
   const char* message;
 };
 
+void PrintTo(const Violation& v, std::ostream* out) {
+  *out << v.what;
+}
+
 class Validation : public ::testing::TestWithParam<Violation> {};
 
 TEST_P(Validation, FindsIt) {
