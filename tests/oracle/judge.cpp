@@ -1,0 +1,247 @@
+#include "tests/oracle/judge.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace facetless::oracle {
+namespace {
+
+// Perspective views show nothing nearer than this share of the model's diagonal (docs/cameras.md).
+constexpr double kNearShare = 1e-9;
+// An edge speaks for a crossing if it is as near along the ray as its gap may reach at that slant, and this many
+// times more, the band being measured generously.
+constexpr double kSlantReach = 8;
+constexpr double kMostSlant = 64;
+// Where the trims and edges are looked for when a judgement is described.
+constexpr double kDescribedShare = 1e-3;
+
+View ViewOf(const Camera& camera) {
+  return {camera.eye,       camera.target,    camera.up,       camera.projection == Projection::kPerspective,
+          camera.height,    camera.fov_y_deg, camera.width_px, camera.height_px};
+}
+
+// The bound that a sample states, where the renderer has one.
+template <typename Samples>
+double StatedError(const Samples& samples, std::size_t at) {
+  if constexpr (requires { samples.depth_error; }) {
+    return samples.depth_error.empty() ? 0.0 : static_cast<double>(samples.depth_error[at]);
+  } else {
+    return 0;
+  }
+}
+
+}  // namespace
+
+const char* VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kRight:
+      return "right";
+    case Verdict::kAtEdge:
+      return "at an edge";
+    case Verdict::kAtTwiceTheGap:
+      return "at twice the gap";
+    case Verdict::kWithinRounding:
+      return "within rounding";
+    case Verdict::kUndecided:
+      return "undecided";
+    case Verdict::kWrong:
+      return "wrong";
+  }
+  return "";
+}
+
+Judge::Judge(const Oracle& oracle, const Camera& camera)
+    : oracle_(oracle),
+      view_(ViewOf(camera)),
+      near_(view_.perspective ? kNearShare * oracle.model().Diagonal() : -INFINITY) {}
+
+Claim Judge::ClaimOf(const SampleBuffer& samples, int column, int row) {
+  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(samples.width) +
+                         static_cast<std::size_t>(column);
+  Claim claim{column, row, samples.face[at] != kNoIndex, samples.depth[at], samples.face[at],
+              samples.certificate[at], StatedError(samples, at)};
+  return claim;
+}
+
+double Judge::RoundingAt(const Claim& claim) const {
+  const double size = oracle_.model().Diagonal() + Length(view_.eye) + Length(view_.target);
+  return kRayRounding * (size + (claim.hit ? std::fabs(claim.depth) : 0));
+}
+
+// Laws 1, 3 and 5.
+bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, const Claim& claim,
+                   Leniency leniency, Judgement& judgement) const {
+  const double diagonal = oracle_.model().Diagonal();
+  const double rounding = RoundingAt(claim);
+  // The edge that leaves this crossing open, if any.
+  const auto edge_at = [&](std::uint32_t face, double depth, double cosine) {
+    const double slack = leniency == Leniency::kTwiceTheGap ? 1 : 0;
+    const double slant = std::min(kMostSlant, 1 / std::max(cosine, 1e-300));
+    EdgeContact best;
+    // Gaps differ from edge to edge: look as far as the largest goes, and compare with each one's own.
+    const double largest = oracle_.model().info.max_edge_gap_mm;
+    const EdgeContact contact = oracle_.NearestEdge(ray, face, depth, slack * largest + rounding,
+                                                    kSlantReach * slant * (2 * largest + rounding));
+    if (contact.coedge != kNoIndex && contact.distance_mm <= (1 + slack) * contact.gap_mm + rounding) best = contact;
+    return best;
+  };
+  const bool edges = leniency == Leniency::kEdge || leniency == Leniency::kTwiceTheGap || leniency == Leniency::kDoubts;
+  const auto free = [&](const Crossing& crossing) {
+    if (leniency == Leniency::kDoubts && crossing.standing == Standing::kUnsure) return true;
+    if (!edges) return false;
+    const EdgeContact contact =
+        edge_at(crossing.placed_face, static_cast<double>(crossing.depth), crossing.cosine);
+    if (contact.coedge == kNoIndex) return false;
+    judgement.edge_mm = contact.distance_mm;
+    judgement.gap_mm = contact.gap_mm;
+    return true;
+  };
+  bool covered = !claim.hit;
+  double bound = claim.depth_error > 0 ? claim.depth_error : kDepthShare * diagonal;
+  if (claim.hit) {
+    // Find the crossing that the claim means: of its own face first.
+    for (const bool own : {true, false}) {
+      for (const Crossing& crossing : crossings) {
+        if ((crossing.placed_face == claim.placed_face) != own || covered) continue;
+        const double allowed =
+            claim.depth_error > 0 ? claim.depth_error : kDepthShare * diagonal / std::max(crossing.cosine, 1e-12);
+        const double off = static_cast<double>(claim.depth - crossing.depth);
+        if (!(std::fabs(off) <= allowed + static_cast<double>(crossing.half_depth))) continue;
+        if (crossing.standing != Standing::kInside && !free(crossing)) continue;
+        covered = true;
+        bound = allowed;
+        judgement.matched = crossing.proven;
+        judgement.depth_off_mm = off;
+        judgement.bound_mm = allowed;
+        judgement.cosine = crossing.cosine;
+        judgement.other_face = !own;
+      }
+    }
+    // Within an edge's gap the claim may lie on the patch continued beyond its border, where the oracle has none.
+    if (!covered && edges) {
+      const EdgeContact contact = edge_at(claim.placed_face, claim.depth, 0);
+      covered = contact.coedge != kNoIndex;
+      judgement.edge_mm = contact.distance_mm;
+      judgement.gap_mm = contact.gap_mm;
+      if (!covered) return false;
+    }
+  }
+  if (!covered) return false;
+  // Nothing that is certainly there may be nearer.
+  for (const Crossing& crossing : crossings) {
+    if (claim.hit && !(crossing.depth + crossing.half_depth < claim.depth - bound)) break;
+    if (crossing.standing == Standing::kInside && !free(crossing)) return false;
+  }
+  return true;
+}
+
+Judgement Judge::Ask(const Claim& claim) const {
+  Judgement judgement;
+  judgement.claim = claim;
+  const ViewRay ray = RayOf(view_, claim.column + 0.5, claim.row + 0.5);
+  const std::vector<Crossing> crossings = oracle_.Crossings(ray, near_);
+  const auto settle = [&](Verdict verdict) { judgement.verdict = verdict; };
+  if (Agrees(ray, crossings, claim, Leniency::kNone, judgement)) return judgement;
+
+  // Describe what the oracle sees.
+  judgement.oracle_depth = INFINITY;
+  judgement.trim_mm = INFINITY;
+  const double described = kDescribedShare * oracle_.model().Diagonal();
+  for (const Crossing& crossing : crossings) {
+    if (crossing.standing != Standing::kInside) continue;
+    judgement.oracle_depth = static_cast<double>(crossing.depth);
+    judgement.oracle_face = crossing.placed_face;
+    judgement.cosine = crossing.cosine;
+    judgement.trim_mm = oracle_.TrimDistance(ray, crossing, described);
+    break;
+  }
+  // The crossing that a claimed hit comes nearest to.
+  char text[300] = "nothing is hit there";
+  double nearest = INFINITY;
+  for (const Crossing& crossing : crossings) {
+    const double off = static_cast<double>(claim.depth - crossing.depth);
+    if (!claim.hit || crossing.placed_face != claim.placed_face || !(std::fabs(off) < std::fabs(nearest))) continue;
+    nearest = off;
+    std::snprintf(text, sizeof text, "the claim is %.3g mm off its face's surface, %s there, |N.D| %.3g, %.3g mm to the trim",
+                  off,
+                  crossing.standing == Standing::kInside    ? "inside"
+                  : crossing.standing == Standing::kOutside ? "outside"
+                                                            : "in doubt",
+                  crossing.cosine, oracle_.TrimDistance(ray, crossing, described));
+  }
+  judgement.why = claim.hit ? text : "a hit is lost";
+
+  if (Agrees(ray, crossings, claim, Leniency::kEdge, judgement)) {
+    settle(Verdict::kAtEdge);
+    return judgement;
+  }
+  if (Agrees(ray, crossings, claim, Leniency::kTwiceTheGap, judgement)) {
+    settle(Verdict::kAtTwiceTheGap);
+    return judgement;
+  }
+  // Law 4: by how much would the ray have to move?
+  const double rounding = RoundingAt(claim);
+  constexpr int kDirections = 8;
+  for (double reach = rounding / 4; reach <= described && judgement.reach_mm == 0; reach *= 4) {
+    for (int k = 0; k < kDirections && judgement.reach_mm == 0; ++k) {
+      const double angle = 2 * M_PI * k / kDirections;
+      const ViewRay moved = ray.Moved(reach * std::cos(angle), reach * std::sin(angle));
+      Judgement ignored;
+      if (Agrees(moved, oracle_.Crossings(moved, near_), claim, Leniency::kEdge, ignored)) judgement.reach_mm = reach;
+    }
+  }
+  if (judgement.reach_mm > 0 && judgement.reach_mm <= rounding) {
+    settle(Verdict::kWithinRounding);
+  } else if (Agrees(ray, crossings, claim, Leniency::kDoubts, judgement)) {
+    settle(Verdict::kUndecided);
+  } else {
+    settle(Verdict::kWrong);
+  }
+  return judgement;
+}
+
+void Tally::Add(const Judgement& judgement) {
+  const auto certificate = static_cast<std::size_t>(judgement.claim.certificate);
+  ++samples;
+  ++counts[certificate][static_cast<std::size_t>(judgement.verdict)];
+  other_face += judgement.other_face ? 1 : 0;
+  if (judgement.matched) {
+    largest_off_mm[certificate] = std::max(largest_off_mm[certificate], std::fabs(judgement.depth_off_mm));
+    largest_share_of_bound[certificate] =
+        std::max(largest_share_of_bound[certificate], std::fabs(judgement.depth_off_mm) / judgement.bound_mm);
+  }
+  if (judgement.verdict != Verdict::kRight) list.push_back(judgement);
+}
+
+Tally JudgePixels(const Judge& judge, const SampleBuffer& samples, const std::vector<std::uint32_t>& pixels) {
+  std::vector<Judgement> judgements(pixels.size());
+  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
+    const int column = static_cast<int>(pixels[i]) % samples.width, row = static_cast<int>(pixels[i]) / samples.width;
+    judgements[i] = judge.Ask(Judge::ClaimOf(samples, column, row));
+  });
+  Tally tally;
+  for (const Judgement& judgement : judgements) tally.Add(judgement);
+  return tally;
+}
+
+std::string Describe(const Judgement& judgement, const Model& model) {
+  constexpr const char* kCertificates[] = {"certified", "converged", "unresolved"};
+  const auto name = [&](std::uint32_t face) {
+    return face == kNoIndex ? std::string("nothing") : std::to_string(face) + " (" + model.PlacedFaceName(face) + ")";
+  };
+  char numbers[500];
+  std::snprintf(numbers, sizeof numbers,
+                "%s, %s: pixel %d,%d; renderer %.17g mm, oracle %.17g mm, |N.D| %.3g, to the trim %.3g mm, to the edge %.3g of "
+                "%.3g mm, ray to move by %.2g mm",
+                kCertificates[static_cast<int>(judgement.claim.certificate)], VerdictName(judgement.verdict),
+                judgement.claim.column, judgement.claim.row, judgement.claim.hit ? judgement.claim.depth : INFINITY,
+                judgement.oracle_depth, judgement.cosine, judgement.trim_mm, judgement.edge_mm, judgement.gap_mm,
+                judgement.reach_mm);
+  return std::string(numbers) + "; renderer " + name(judgement.claim.placed_face) + ", oracle " +
+         name(judgement.oracle_face) + "; " + judgement.why;
+}
+
+}  // namespace facetless::oracle
