@@ -42,8 +42,9 @@ Vec3 FeatureOf(const Model& model, const Instance& instance, const Face& face, R
   }
   const std::uint32_t patch = random.Below(surface.PatchCount());
   const std::uint32_t k = random.Below(2) * surface.degree_u, l = random.Below(2) * surface.degree_v;
-  return instance.placement.Point(Divided(
-      model.control_points[surface.first_control_point + patch * surface.PointsPerPatch() + k * (surface.degree_v + 1u) + l]));
+  return instance.placement.Point(
+      Divided(model.control_points[surface.first_control_point + patch * surface.PointsPerPatch() +
+                                   k * (surface.degree_v + 1u) + l]));
 }
 
 }  // namespace
@@ -66,11 +67,13 @@ std::vector<std::uint32_t> RandomPixels(const SampleBuffer& samples, std::size_t
   return {pixels.begin(), pixels.end()};
 }
 
-std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vector<Vec3>& features, std::size_t count,
-                                      Random& random) {
+std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vector<Vec3>& features,
+                                      std::size_t count, Random& random) {
   const SampleBuffer& samples = direct.samples;
   std::set<std::uint32_t> borders, doubtful, aimed;
-  const auto at = [&](int column, int row) { return static_cast<std::uint32_t>(row * samples.width + column); };
+  const auto at = [&](int column, int row) {
+    return static_cast<std::uint32_t>(row * samples.width + column);
+  };
   for (int row = 0; row < samples.height; ++row) {
     for (int column = 0; column < samples.width; ++column) {
       const std::uint32_t here = at(column, row);
@@ -87,10 +90,12 @@ std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vec
     if (!(point.x >= 0 && point.x < samples.width && point.y >= 0 && point.y < samples.height)) continue;
     const int column = static_cast<int>(point.x), row = static_cast<int>(point.y);
     for (int j = std::max(row - 1, 0); j <= std::min(row + 1, samples.height - 1); ++j)
-      for (int i = std::max(column - 1, 0); i <= std::min(column + 1, samples.width - 1); ++i) aimed.insert(at(i, j));
+      for (int i = std::max(column - 1, 0); i <= std::min(column + 1, samples.width - 1); ++i)
+        aimed.insert(at(i, j));
   }
   std::set<std::uint32_t> chosen;
-  for (const auto& [pixels, share] : {std::pair{&borders, count / 2}, {&doubtful, count / 4}, {&aimed, count / 4}})
+  for (const auto& [pixels, share] :
+       {std::pair{&borders, count / 2}, {&doubtful, count / 4}, {&aimed, count / 4}})
     for (const std::uint32_t pixel : Some(*pixels, share, random)) chosen.insert(pixel);
   return {chosen.begin(), chosen.end()};
 }

@@ -32,8 +32,8 @@ std::vector<std::uint32_t> RandomPixels(const SampleBuffer& samples, std::size_t
 
 // At most `count` of: pixels beside a change of face, or from hit to miss; pixels without a certificate; pixels
 // onto which one of `features` falls, and their neighbours.
-std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vector<Vec3>& features, std::size_t count,
-                                      Random& random);
+std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vector<Vec3>& features,
+                                      std::size_t count, Random& random);
 
 // The same view through a window of `window` mm at `point`: what of the original is a fraction of a pixel.
 Camera CloseUp(const Camera& camera, const CameraFrame& frame, Vec3 point, double window, int size);

@@ -69,7 +69,8 @@ std::vector<Real> PolynomialRoots(std::vector<Real> coefficients) {
     Real low = stations[i], high = stations[i + 1];
     if (Value(coefficients, low) == 0) roots.push_back(low);
     const bool rises = Value(coefficients, low) < 0;
-    if (rises ? !(Value(coefficients, high) > 0) : !(Value(coefficients, low) > 0 && Value(coefficients, high) < 0))
+    if (rises ? !(Value(coefficients, high) > 0)
+              : !(Value(coefficients, low) > 0 && Value(coefficients, high) < 0))
       continue;
     // Bisect until the two are neighbours.
     for (Real middle = (low + high) / 2; middle > low && middle < high; middle = (low + high) / 2)
@@ -96,7 +97,8 @@ std::vector<Real> LineCylinder(const Line& line, Real3 center, Real3 axis, Real 
 
 std::vector<Real> LineCone(const Line& line, Real3 apex, Real3 axis, Real slope) {
   const Near near = NearTo(line, apex, axis);
-  return Shifted(PolynomialRoots(Sum(near.square, -1 - slope * slope, Product(near.along, near.along))), near.shift);
+  return Shifted(PolynomialRoots(Sum(near.square, -1 - slope * slope, Product(near.along, near.along))),
+                 near.shift);
 }
 
 std::vector<Real> LineTorus(const Line& line, Real3 center, Real3 axis, Real major, Real minor) {

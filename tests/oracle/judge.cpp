@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 namespace facetless::oracle {
 namespace {
@@ -15,12 +16,12 @@ constexpr double kNearShare = 1e-9;
 // times more, the band being measured generously.
 constexpr double kSlantReach = 8;
 constexpr double kMostSlant = 64;
-// Where the trims and edges are looked for when a judgement is described.
-constexpr double kDescribedShare = 1e-3;
+// The slope that a moved ray's depth may follow: that of a face seen at an angle whose cosine is the inverse.
+constexpr double kMovedSlope = 1000;
 
 View ViewOf(const Camera& camera) {
-  return {camera.eye,       camera.target,    camera.up,       camera.projection == Projection::kPerspective,
-          camera.height,    camera.fov_y_deg, camera.width_px, camera.height_px};
+  return {camera.eye,    camera.target,    camera.up,       camera.projection == Projection::kPerspective,
+          camera.height, camera.fov_y_deg, camera.width_px, camera.height_px};
 }
 
 // The bound that a sample states, where the renderer has one.
@@ -61,8 +62,13 @@ Judge::Judge(const Oracle& oracle, const Camera& camera)
 Claim Judge::ClaimOf(const SampleBuffer& samples, int column, int row) {
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(samples.width) +
                          static_cast<std::size_t>(column);
-  Claim claim{column, row, samples.face[at] != kNoIndex, samples.depth[at], samples.face[at],
-              samples.certificate[at], StatedError(samples, at)};
+  Claim claim{column,
+              row,
+              samples.face[at] != kNoIndex,
+              samples.depth[at],
+              samples.face[at],
+              samples.certificate[at],
+              StatedError(samples, at)};
   return claim;
 }
 
@@ -73,7 +79,7 @@ double Judge::RoundingAt(const Claim& claim) const {
 
 // Laws 1, 3 and 5.
 bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, const Claim& claim,
-                   Leniency leniency, Judgement& judgement) const {
+                   Leniency leniency, double moved_mm, Judgement& judgement) const {
   const double diagonal = oracle_.model().Diagonal();
   const double rounding = RoundingAt(claim);
   // The edge that leaves this crossing open, if any.
@@ -85,18 +91,24 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
     const double largest = oracle_.model().info.max_edge_gap_mm;
     const EdgeContact contact = oracle_.NearestEdge(ray, face, depth, slack * largest + rounding,
                                                     kSlantReach * slant * (2 * largest + rounding));
-    if (contact.coedge != kNoIndex && contact.distance_mm <= (1 + slack) * contact.gap_mm + rounding) best = contact;
+    if (contact.coedge != kNoIndex && contact.distance_mm <= (1 + slack) * contact.gap_mm + rounding)
+      best = contact;
     return best;
   };
-  const bool edges = leniency == Leniency::kEdge || leniency == Leniency::kTwiceTheGap || leniency == Leniency::kDoubts;
+  const bool edges =
+      leniency == Leniency::kEdge || leniency == Leniency::kTwiceTheGap || leniency == Leniency::kDoubts;
+  const auto lean_on = [&](const EdgeContact& contact) {
+    if (contact.gap_mm < judgement.gap_mm) return;
+    judgement.edge_mm = contact.distance_mm;
+    judgement.gap_mm = contact.gap_mm;
+  };
   const auto free = [&](const Crossing& crossing) {
     if (leniency == Leniency::kDoubts && crossing.standing == Standing::kUnsure) return true;
     if (!edges) return false;
     const EdgeContact contact =
         edge_at(crossing.placed_face, static_cast<double>(crossing.depth), crossing.cosine);
     if (contact.coedge == kNoIndex) return false;
-    judgement.edge_mm = contact.distance_mm;
-    judgement.gap_mm = contact.gap_mm;
+    lean_on(contact);
     return true;
   };
   bool covered = !claim.hit;
@@ -106,8 +118,9 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
     for (const bool own : {true, false}) {
       for (const Crossing& crossing : crossings) {
         if ((crossing.placed_face == claim.placed_face) != own || covered) continue;
-        const double allowed =
-            claim.depth_error > 0 ? claim.depth_error : kDepthShare * diagonal / std::max(crossing.cosine, 1e-12);
+        const double slope = 1 / std::max(crossing.cosine, 1e-12);
+        const double allowed = (claim.depth_error > 0 ? claim.depth_error : kDepthShare * diagonal * slope) +
+                               2 * moved_mm * std::min(slope, kMovedSlope);
         const double off = static_cast<double>(claim.depth - crossing.depth);
         if (!(std::fabs(off) <= allowed + static_cast<double>(crossing.half_depth))) continue;
         if (crossing.standing != Standing::kInside && !free(crossing)) continue;
@@ -124,9 +137,7 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
     if (!covered && edges) {
       const EdgeContact contact = edge_at(claim.placed_face, claim.depth, 0);
       covered = contact.coedge != kNoIndex;
-      judgement.edge_mm = contact.distance_mm;
-      judgement.gap_mm = contact.gap_mm;
-      if (!covered) return false;
+      if (covered) lean_on(contact);
     }
   }
   if (!covered) return false;
@@ -143,10 +154,47 @@ Judgement Judge::Ask(const Claim& claim) const {
   judgement.claim = claim;
   const ViewRay ray = RayOf(view_, claim.column + 0.5, claim.row + 0.5);
   const std::vector<Crossing> crossings = oracle_.Crossings(ray, near_);
-  const auto settle = [&](Verdict verdict) { judgement.verdict = verdict; };
-  if (Agrees(ray, crossings, claim, Leniency::kNone, judgement)) return judgement;
+  if (Agrees(ray, crossings, claim, Leniency::kNone, 0, judgement)) return judgement;
+  Explain(crossings, judgement);
+  judgement.reach_mm = Reach(ray, claim);
 
-  // Describe what the oracle sees.
+  const double rounding = RoundingAt(claim);
+  const auto at_edge = [&](Leniency leniency) {
+    judgement.gap_mm = 0;
+    return Agrees(ray, crossings, claim, leniency, 0, judgement) &&
+           judgement.reach_mm <= kReachInGaps * judgement.gap_mm + rounding;
+  };
+  if (judgement.reach_mm <= rounding)
+    judgement.verdict = Verdict::kWithinRounding;
+  else if (at_edge(Leniency::kEdge))
+    judgement.verdict = Verdict::kAtEdge;
+  else if (at_edge(Leniency::kTwiceTheGap))
+    judgement.verdict = Verdict::kAtTwiceTheGap;
+  else if (Agrees(ray, crossings, claim, Leniency::kDoubts, 0, judgement))
+    judgement.verdict = Verdict::kUndecided;
+  else
+    judgement.verdict = Verdict::kWrong;
+  return judgement;
+}
+
+double Judge::Reach(const ViewRay& ray, const Claim& claim) const {
+  constexpr int kDirections = 8;
+  for (double reach = RoundingAt(claim) / 4; reach <= kDescribedShare * oracle_.model().Diagonal();
+       reach *= 2) {
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kDirections;
+      const ViewRay moved = ray.Moved(reach * std::cos(angle), reach * std::sin(angle));
+      Judgement ignored;
+      if (Agrees(moved, oracle_.Crossings(moved, near_), claim, Leniency::kNone, reach, ignored))
+        return reach;
+    }
+  }
+  return INFINITY;
+}
+
+// What the oracle sees, for the reader of a list.
+void Judge::Explain(const std::vector<Crossing>& crossings, Judgement& judgement) const {
+  const Claim& claim = judgement.claim;
   judgement.oracle_depth = INFINITY;
   judgement.trim_mm = INFINITY;
   const double described = kDescribedShare * oracle_.model().Diagonal();
@@ -155,52 +203,25 @@ Judgement Judge::Ask(const Claim& claim) const {
     judgement.oracle_depth = static_cast<double>(crossing.depth);
     judgement.oracle_face = crossing.placed_face;
     judgement.cosine = crossing.cosine;
-    judgement.trim_mm = oracle_.TrimDistance(ray, crossing, described);
+    judgement.trim_mm = oracle_.TrimDistance(crossing, described);
     break;
   }
-  // The crossing that a claimed hit comes nearest to.
-  char text[300] = "nothing is hit there";
+  // The crossing of its face that a claimed hit comes nearest to.
+  judgement.why = claim.hit ? "its face is not hit there" : "a hit is lost";
   double nearest = INFINITY;
   for (const Crossing& crossing : crossings) {
     const double off = static_cast<double>(claim.depth - crossing.depth);
-    if (!claim.hit || crossing.placed_face != claim.placed_face || !(std::fabs(off) < std::fabs(nearest))) continue;
+    if (!claim.hit || crossing.placed_face != claim.placed_face || !(std::fabs(off) < std::fabs(nearest)))
+      continue;
     nearest = off;
-    std::snprintf(text, sizeof text, "the claim is %.3g mm off its face's surface, %s there, |N.D| %.3g, %.3g mm to the trim",
-                  off,
-                  crossing.standing == Standing::kInside    ? "inside"
-                  : crossing.standing == Standing::kOutside ? "outside"
-                                                            : "in doubt",
-                  crossing.cosine, oracle_.TrimDistance(ray, crossing, described));
+    constexpr const char* kStandings[] = {"inside", "outside", "in doubt"};
+    char text[300];
+    std::snprintf(text, sizeof text,
+                  "%.3g mm off its face's surface, which is %s there, |N.D| %.3g, %.3g mm to the trim", off,
+                  kStandings[static_cast<int>(crossing.standing)], crossing.cosine,
+                  oracle_.TrimDistance(crossing, described));
+    judgement.why = text;
   }
-  judgement.why = claim.hit ? text : "a hit is lost";
-
-  if (Agrees(ray, crossings, claim, Leniency::kEdge, judgement)) {
-    settle(Verdict::kAtEdge);
-    return judgement;
-  }
-  if (Agrees(ray, crossings, claim, Leniency::kTwiceTheGap, judgement)) {
-    settle(Verdict::kAtTwiceTheGap);
-    return judgement;
-  }
-  // Law 4: by how much would the ray have to move?
-  const double rounding = RoundingAt(claim);
-  constexpr int kDirections = 8;
-  for (double reach = rounding / 4; reach <= described && judgement.reach_mm == 0; reach *= 4) {
-    for (int k = 0; k < kDirections && judgement.reach_mm == 0; ++k) {
-      const double angle = 2 * M_PI * k / kDirections;
-      const ViewRay moved = ray.Moved(reach * std::cos(angle), reach * std::sin(angle));
-      Judgement ignored;
-      if (Agrees(moved, oracle_.Crossings(moved, near_), claim, Leniency::kEdge, ignored)) judgement.reach_mm = reach;
-    }
-  }
-  if (judgement.reach_mm > 0 && judgement.reach_mm <= rounding) {
-    settle(Verdict::kWithinRounding);
-  } else if (Agrees(ray, crossings, claim, Leniency::kDoubts, judgement)) {
-    settle(Verdict::kUndecided);
-  } else {
-    settle(Verdict::kWrong);
-  }
-  return judgement;
 }
 
 void Tally::Add(const Judgement& judgement) {
@@ -219,7 +240,8 @@ void Tally::Add(const Judgement& judgement) {
 Tally JudgePixels(const Judge& judge, const SampleBuffer& samples, const std::vector<std::uint32_t>& pixels) {
   std::vector<Judgement> judgements(pixels.size());
   tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
-    const int column = static_cast<int>(pixels[i]) % samples.width, row = static_cast<int>(pixels[i]) / samples.width;
+    const int column = static_cast<int>(pixels[i]) % samples.width,
+              row = static_cast<int>(pixels[i]) / samples.width;
     judgements[i] = judge.Ask(Judge::ClaimOf(samples, column, row));
   });
   Tally tally;
@@ -230,16 +252,18 @@ Tally JudgePixels(const Judge& judge, const SampleBuffer& samples, const std::ve
 std::string Describe(const Judgement& judgement, const Model& model) {
   constexpr const char* kCertificates[] = {"certified", "converged", "unresolved"};
   const auto name = [&](std::uint32_t face) {
-    return face == kNoIndex ? std::string("nothing") : std::to_string(face) + " (" + model.PlacedFaceName(face) + ")";
+    return face == kNoIndex ? std::string("nothing")
+                            : std::to_string(face) + " (" + model.PlacedFaceName(face) + ")";
   };
   char numbers[500];
   std::snprintf(numbers, sizeof numbers,
-                "%s, %s: pixel %d,%d; renderer %.17g mm, oracle %.17g mm, |N.D| %.3g, to the trim %.3g mm, to the edge %.3g of "
+                "%s, %s: pixel %d,%d; renderer %.17g mm, oracle %.17g mm, |N.D| %.3g, to the trim %.3g mm, "
+                "to the edge %.3g of "
                 "%.3g mm, ray to move by %.2g mm",
                 kCertificates[static_cast<int>(judgement.claim.certificate)], VerdictName(judgement.verdict),
-                judgement.claim.column, judgement.claim.row, judgement.claim.hit ? judgement.claim.depth : INFINITY,
-                judgement.oracle_depth, judgement.cosine, judgement.trim_mm, judgement.edge_mm, judgement.gap_mm,
-                judgement.reach_mm);
+                judgement.claim.column, judgement.claim.row,
+                judgement.claim.hit ? judgement.claim.depth : INFINITY, judgement.oracle_depth,
+                judgement.cosine, judgement.trim_mm, judgement.edge_mm, judgement.gap_mm, judgement.reach_mm);
   return std::string(numbers) + "; renderer " + name(judgement.claim.placed_face) + ", oracle " +
          name(judgement.oracle_face) + "; " + judgement.why;
 }

@@ -6,13 +6,17 @@
 //     claimed miss has no such crossing at all.
 //  2. The depth bound is the sample's own where the renderer states one (SampleBuffer::depth_error), else
 //     kDepthShare of the model's diagonal over |N·D|.
-//  3. kAtEdge: right only if one takes the answer at an edge as free, where the ray passes the 3D edge within the gap
-//     that the model records for it (oracle.h, law 4). With `gaps` 2 the same at twice the gap, which is what the
-//     renderer allows for how gaps are measured.
-//  4. kWithinRounding: right for a ray that is moved sideways by at most kRayRounding of the distances involved,
-//     the rounding of a camera in double. Nothing in double can know better which side of a border it is on.
+//  3. A ray that is moved sideways by little must give the sample's answer, by p-curves alone, if the sample is to be
+//     excused by an edge or by rounding: an answer that no neighbouring ray has, such as light through a seam, is
+//     never excused. `reach_mm` is the least of the distances tried that does; infinite: none up to kDescribedShare of
+//     the diagonal.
+//  4. kWithinRounding: reach_mm is at most kRayRounding of the distances involved, the rounding of a camera in double.
+//     Nothing in double can know better which side of a border it is on. kAtEdge: right if one takes the answer at an
+//     edge as free, where the ray passes the 3D edge within the gap that the model records for it (oracle.h, law 4),
+//     and reach_mm is at most kReachInGaps of that gap: the p-curves of both faces may lie a gap off the edge, on
+//     either side. kAtTwiceTheGap: the same at twice the gap, which is what the renderer allows for how gaps are measured.
 //  5. kUndecided: right only if a crossing that the oracle itself can't settle goes the sample's way.
-//  6. kWrong: anything else. `reach_mm` then is the least of a few distances by which the ray would have to move.
+//  6. kWrong: anything else.
 #pragma once
 
 #include <array>
@@ -29,6 +33,8 @@ namespace facetless::oracle {
 inline constexpr double kDepthShare = 1e-12;
 // A camera's axes are rounded to a few units in the last place, and so is a pixel's place along them.
 inline constexpr double kRayRounding = 0x1p-49;
+inline constexpr double kReachInGaps = 4;
+inline constexpr double kDescribedShare = 1e-3;
 
 enum class Verdict : std::uint8_t { kRight, kAtEdge, kAtTwiceTheGap, kWithinRounding, kUndecided, kWrong };
 inline constexpr std::size_t kVerdicts = 6;
@@ -55,7 +61,7 @@ struct Judgement {
   double oracle_depth = 0;  // infinite: none
   std::uint32_t oracle_face = kNoIndex;
   double cosine = 0, trim_mm = 0;
-  double edge_mm = 0, gap_mm = 0;  // the edge that the judgement leans on, or the nearest one
+  double edge_mm = 0, gap_mm = 0;  // of the edges that the judgement leans on, the one with the largest gap
   double reach_mm = 0;
   std::string why;
 };
@@ -72,8 +78,11 @@ class Judge {
 
  private:
   enum class Leniency { kNone, kEdge, kTwiceTheGap, kDoubts };
-  bool Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, const Claim& claim, Leniency leniency,
-              Judgement& judgement) const;
+  // `moved_mm`: by how much the ray was moved; depths may differ by what that makes on their slopes.
+  bool Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, const Claim& claim,
+              Leniency leniency, double moved_mm, Judgement& judgement) const;
+  double Reach(const ViewRay& ray, const Claim& claim) const;
+  void Explain(const std::vector<Crossing>& crossings, Judgement& judgement) const;
   double RoundingAt(const Claim& claim) const;
 
   const Oracle& oracle_;

@@ -40,8 +40,8 @@ Covector CovectorOf(const Placement& placement, Real3 normal, Real3 origin) {
 
 // In double, whether the plane certainly has the patch's control points on one side.
 bool OneSide(const Covector& plane, const Vec4* points, std::size_t count) {
-  const double x = static_cast<double>(plane.x), y = static_cast<double>(plane.y), z = static_cast<double>(plane.z),
-               w = static_cast<double>(plane.w);
+  const double x = static_cast<double>(plane.x), y = static_cast<double>(plane.y),
+               z = static_cast<double>(plane.z), w = static_cast<double>(plane.w);
   bool positive = true, negative = true;
   for (std::size_t i = 0; i < count && (positive || negative); ++i) {
     const double a = x * points[i].x, b = y * points[i].y, c = z * points[i].z, d = w * points[i].w;
@@ -150,7 +150,8 @@ Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
         last = end;
         const TrimBox& box = trim_boxes_[s];
         const double reach_u = std::nextafter(near_u, INFINITY), reach_v = std::nextafter(near_v, -INFINITY);
-        if (reach_u < box.u_low || std::nextafter(near_u, -INFINITY) > box.u_high || reach_v > box.v_high) continue;
+        if (reach_u < box.u_low || std::nextafter(near_u, -INFINITY) > box.u_high || reach_v > box.v_high)
+          continue;
         count(Mapped(points, segment.degree, relative));
       }
     }
@@ -274,7 +275,7 @@ std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
   return all;
 }
 
-double Oracle::TrimDistance(const ViewRay&, const Crossing& crossing, double limit_mm) const {
+double Oracle::TrimDistance(const Crossing& crossing, double limit_mm) const {
   const std::uint32_t face = model_.FaceOf(crossing.placed_face);
   const Range loops = model_.faces[face].loops;
   const auto& tangents = crossing.tangents;
@@ -299,7 +300,8 @@ double Oracle::TrimDistance(const ViewRay&, const Crossing& crossing, double lim
         const HomogeneousCurve curve =
             Mapped(model_.trim_points.data() + segment.first_point, segment.degree, [&](const Vec3& p) {
               const Real du = p.x - p.z * crossing.u, dv = p.y - p.z * crossing.v;
-              return Real3{tangents[0][0] * du + tangents[0][1] * dv, tangents[1][0] * du + tangents[1][1] * dv, p.z};
+              return Real3{tangents[0][0] * du + tangents[0][1] * dv,
+                           tangents[1][0] * du + tangents[1][1] * dv, p.z};
             });
         const double distance = NearestTo(curve, best).distance;
         if (!(distance <= best)) continue;
@@ -337,8 +339,11 @@ EdgeContact Oracle::NearestEdge(const ViewRay& ray, std::uint32_t placed_face, d
         });
         const Nearest nearest = NearestTo(curve, coedge.gap_mm + slack_mm);
         if (!(nearest.distance <= coedge.gap_mm + slack_mm)) continue;
-        const Real3 high = PointAt(
-            Mapped(points, segment.degree, [&](const Vec4& p) { return Real3{forth.At(p), 0, p.w}; }), nearest.t);
+        const Real3 high = PointAt(Mapped(points, segment.degree,
+                                          [&](const Vec4& p) {
+                                            return Real3{forth.At(p), 0, p.w};
+                                          }),
+                                   nearest.t);
         const double edge_depth = static_cast<double>(high.x / high.z * depth_per_mm);
         if (!(std::fabs(edge_depth - depth) <= depth_reach)) continue;
         if (best.coedge == kNoIndex || nearest.distance - coedge.gap_mm < best.distance_mm - best.gap_mm)

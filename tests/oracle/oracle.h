@@ -35,9 +35,9 @@ enum class Standing : std::uint8_t { kInside, kOutside, kUnsure };
 struct Crossing {
   std::uint32_t placed_face = 0, patch = 0;
   bool proven = false;
-  Real depth = 0, half_depth = 0;    // within depth ± half_depth
-  Real u = 0, v = 0;                 // native parameters
-  Real border = 0;                   // of the patch's own parameters to 0 or 1; negative beyond the patch
+  Real depth = 0, half_depth = 0;  // within depth ± half_depth
+  Real u = 0, v = 0;               // native parameters
+  Real border = 0;                 // of the patch's own parameters to 0 or 1; negative beyond the patch
   Standing standing = Standing::kUnsure;
   double cosine = 0;                         // |N·D|; 0 where the surface has no normal
   double tangents[2][2] = {{0, 0}, {0, 0}};  // mm along ViewRay::across and down per unit of native u and v
@@ -59,7 +59,7 @@ class Oracle {
 
   // Distance to the nearest p-curve that bounds the face (not to a seam, nor to a collapsed edge), if it is below
   // `limit_mm`, else infinity.
-  double TrimDistance(const ViewRay& ray, const Crossing& crossing, double limit_mm) const;
+  double TrimDistance(const Crossing& crossing, double limit_mm) const;
 
   // Of the face's edges that the ray passes within their gap plus `slack_mm`, and whose nearest point has a depth
   // within `depth_reach` of `depth`: the one with the least distance less gap.
@@ -72,11 +72,12 @@ class Oracle {
   struct TrimBox {
     double u_low, u_high, v_high;
   };
-  void FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed_face, std::vector<Crossing>& found) const;
+  void FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed_face,
+                     std::vector<Crossing>& found) const;
   Standing StandingOf(std::uint32_t face, Real u, Real v) const;
 
   const Model& model_;
-  std::vector<Box3> boxes_;           // of the placed faces, with slack
+  std::vector<Box3> boxes_;          // of the placed faces, with slack
   std::vector<TrimBox> trim_boxes_;  // of the trim segments
 };
 

@@ -7,10 +7,10 @@
 namespace facetless::oracle {
 namespace {
 
-constexpr double kGrown = 0.125;         // law 2: of a box's side, on each side
+constexpr double kGrown = 0.125;          // law 2: of a box's side, on each side
 constexpr double kMostContraction = 0.8;  // the largest ‖1 − C·J‖ over the grown box that is accepted
-constexpr double kWorthTrying = 0.6;     // and over the box itself, before the grown one is looked at
-constexpr int kNewtonSteps = 24;         // from a contraction of 0.6 five to eight are usual
+constexpr double kWorthTrying = 0.6;      // and over the box itself, before the grown one is looked at
+constexpr int kNewtonSteps = 24;          // from a contraction of 0.6 five to eight are usual
 constexpr double kNewtonDone = 0x1p-106;
 
 std::size_t Index(int degree_v, int i, int j) {
@@ -92,7 +92,8 @@ double Contraction(const BernsteinPair& pair, const Matrix& inverse) {
     return std::max(std::fabs(low[entry] - from), std::fabs(high[entry] - from));
   };
   // The errors of the coefficients themselves.
-  const double size = std::fabs(inverse.a) + std::fabs(inverse.b) + std::fabs(inverse.c) + std::fabs(inverse.d);
+  const double size =
+      std::fabs(inverse.a) + std::fabs(inverse.b) + std::fabs(inverse.c) + std::fabs(inverse.d);
   const double error = 2 * (n + m) * size * static_cast<double>(pair.error) + 4 * kShare * slack;
   return std::max(farthest(0, 1) + farthest(1, 0), farthest(2, 0) + farthest(3, 1)) + error;
 }
@@ -114,8 +115,8 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
   const BernsteinPair grown{n, m, Restrict(box.pair.f, n, m, -kGrown, 1 + kGrown, -kGrown, 1 + kGrown),
                             Restrict(box.pair.g, n, m, -kGrown, 1 + kGrown, -kGrown, 1 + kGrown), error};
   constexpr double kSide = 1 + 2 * kGrown;  // derivatives of `grown` are by its own, longer sides
-  const double contraction = Contraction(grown, {inverse.a / kSide, inverse.b / kSide, inverse.c / kSide,
-                                                 inverse.d / kSide});
+  const double contraction =
+      Contraction(grown, {inverse.a / kSide, inverse.b / kSide, inverse.c / kSide, inverse.d / kSide});
   if (!(contraction < kMostContraction)) return Found::kUndecided;
 
   // Newton from the centre, held in the grown box.
@@ -123,8 +124,8 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
   const auto residual_at = [&](const Jet& f, const Jet& g) {
     const Real first = inverse.a * f.value + inverse.b * g.value;
     const Real second = inverse.c * f.value + inverse.d * g.value;
-    const double rows = std::max(std::fabs(inverse.a) + std::fabs(inverse.b),
-                                 std::fabs(inverse.c) + std::fabs(inverse.d));
+    const double rows =
+        std::max(std::fabs(inverse.a) + std::fabs(inverse.b), std::fabs(inverse.c) + std::fabs(inverse.d));
     return Max(Abs(first), Abs(second)) + rows * (error + 4 * kHalfUlp * (Abs(f.value) + Abs(g.value)));
   };
   Real at_centre = 0;
@@ -142,7 +143,8 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
   }
   residual = residual_at(Evaluate(box.pair.f, n, m, u, v), Evaluate(box.pair.g, n, m, u, v));
   const Real radius = residual / (1 - contraction);
-  if (u - radius >= -kGrown && u + radius <= 1 + kGrown && v - radius >= -kGrown && v + radius <= 1 + kGrown) {
+  if (u - radius >= -kGrown && u + radius <= 1 + kGrown && v - radius >= -kGrown &&
+      v + radius <= 1 + kGrown) {
     // The one root of the grown box: is it this box's?
     if (u + radius < 0 || u - radius > 1 || v + radius < 0 || v - radius > 1) return Found::kNone;
     root.proven = true;
@@ -152,8 +154,8 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
     return Found::kRoot;
   }
   // A root in the box is within 1/2 of its centre.
-  const Real centre_error = 2 * (std::fabs(inverse.a) + std::fabs(inverse.b) + std::fabs(inverse.c) +
-                                 std::fabs(inverse.d)) * error;
+  const Real centre_error =
+      2 * (std::fabs(inverse.a) + std::fabs(inverse.b) + std::fabs(inverse.c) + std::fabs(inverse.d)) * error;
   return (at_centre - centre_error) / (1 + contraction) > 0.5 ? Found::kNone : Found::kUndecided;
 }
 
@@ -260,8 +262,8 @@ Jet Evaluate(const std::vector<Real>& coefficients, int degree_u, int degree_v, 
           (1 - u) * derivative[0] + u * derivative[1]};
 }
 
-std::vector<Real> Restrict(std::vector<Real> coefficients, int degree_u, int degree_v, Real u0, Real u1, Real v0,
-                           Real v1) {
+std::vector<Real> Restrict(std::vector<Real> coefficients, int degree_u, int degree_v, Real u0, Real u1,
+                           Real v0, Real v1) {
   for (const bool along_u : {true, false}) {
     const int degree = along_u ? degree_u : degree_v, lines = along_u ? degree_v : degree_u;
     const Real begin = along_u ? u0 : v0, end = along_u ? u1 : v1;
@@ -291,8 +293,8 @@ std::vector<PatchRoot> FindRoots(const BernsteinPair& pair, Real floor) {
   // Begin with the square and its overlap.
   std::vector<Box> stack(1);
   const Real low = -kOverlap, high = 1 + Real(kOverlap);
-  stack[0] = {{n, m, Restrict(pair.f, n, m, low, high, low, high), Restrict(pair.g, n, m, low, high, low, high),
-               GrownError(pair.error, size, n + m, kOverlap)},
+  stack[0] = {{n, m, Restrict(pair.f, n, m, low, high, low, high),
+               Restrict(pair.g, n, m, low, high, low, high), GrownError(pair.error, size, n + m, kOverlap)},
               low,
               low,
               high - low,
@@ -311,8 +313,8 @@ std::vector<PatchRoot> FindRoots(const BernsteinPair& pair, Real floor) {
     const BernsteinPair& now = box.pair;
     if (KeepsSign(now.f, now.error) || KeepsSign(now.g, now.error)) continue;
     const Matrix jacobian = JacobianAtCentre(now);
-    const double entry = std::max({std::fabs(jacobian.a), std::fabs(jacobian.b), std::fabs(jacobian.c),
-                                   std::fabs(jacobian.d)});
+    const double entry = std::max(
+        {std::fabs(jacobian.a), std::fabs(jacobian.b), std::fabs(jacobian.c), std::fabs(jacobian.d)});
     bool dropped = false, same = false;
     if (entry > 0) {
       // The rows of the adjugate: each takes f and g to a combination that one parameter hardly changes; where
@@ -343,7 +345,8 @@ std::vector<PatchRoot> FindRoots(const BernsteinPair& pair, Real floor) {
     auto [f_low, f_high] = Halved(now.f, n, m, halve_u);
     auto [g_low, g_high] = Halved(now.g, n, m, halve_u);
     const Real error = now.error + 2 * (halve_u ? n : m) * kHalfUlp * size;
-    const Real width_u = halve_u ? box.width_u / 2 : box.width_u, width_v = halve_u ? box.width_v : box.width_v / 2;
+    const Real width_u = halve_u ? box.width_u / 2 : box.width_u,
+               width_v = halve_u ? box.width_v : box.width_v / 2;
     stack.push_back({{n, m, std::move(f_low), std::move(g_low), error}, box.u, box.v, width_u, width_v});
     stack.push_back({{n, m, std::move(f_high), std::move(g_high), error},
                      halve_u ? box.u + width_u : box.u,

@@ -33,8 +33,8 @@ struct BernsteinPair {
 
 struct PatchRoot {
   bool proven = false;
-  Real u = 0, v = 0;        // the root; of a doubt the centre of its box
-  Real radius = 0;          // the root is within this of u and of v
+  Real u = 0, v = 0;            // the root; of a doubt the centre of its box
+  Real radius = 0;              // the root is within this of u and of v
   Real half_u = 0, half_v = 0;  // of a doubt, half the sides of its box
   // How far the root lies outside the unit square; 0 inside.
   Real Outside() const { return Max(Max(Max(-u, u - 1), Max(-v, v - 1)), 0); }
@@ -43,8 +43,8 @@ struct PatchRoot {
 std::vector<PatchRoot> FindRoots(const BernsteinPair& pair, Real floor);
 
 // The coefficients of the same polynomial over [u0, u1] × [v0, v1], which may reach beyond the unit square.
-std::vector<Real> Restrict(std::vector<Real> coefficients, int degree_u, int degree_v, Real u0, Real u1, Real v0,
-                           Real v1);
+std::vector<Real> Restrict(std::vector<Real> coefficients, int degree_u, int degree_v, Real u0, Real u1,
+                           Real v0, Real v1);
 // Value and derivatives by u and v.
 struct Jet {
   Real value = 0, du = 0, dv = 0;

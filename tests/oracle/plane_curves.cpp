@@ -21,7 +21,8 @@ struct Rectangle {
 };
 // The hull of a curve with positive weights.
 Rectangle HullOf(const HomogeneousCurve& curve) {
-  Rectangle hull{curve[0].x / curve[0].z, curve[0].x / curve[0].z, curve[0].y / curve[0].z, curve[0].y / curve[0].z};
+  Rectangle hull{curve[0].x / curve[0].z, curve[0].x / curve[0].z, curve[0].y / curve[0].z,
+                 curve[0].y / curve[0].z};
   for (const Real3& p : curve) {
     const Real x = p.x / p.z, y = p.y / p.z;
     hull = {Min(hull.x_low, x), Max(hull.x_high, x), Min(hull.y_low, y), Max(hull.y_high, y)};
@@ -79,7 +80,8 @@ Parity CrossesUpwardAxis(const HomogeneousCurve& curve, Real floor) {
   // Above the origin throughout, the ends decide.
   if (!below) return (curve.front().x < 0) != (curve.back().x < 0) ? Parity::kOdd : Parity::kEven;
   const Rectangle hull = HullOf(curve);
-  if (Max(-hull.x_low, hull.x_high) <= floor && Max(-hull.y_low, hull.y_high) <= floor) return Parity::kUnsure;
+  if (Max(-hull.x_low, hull.x_high) <= floor && Max(-hull.y_low, hull.y_high) <= floor)
+    return Parity::kUnsure;
   const auto [lower, upper] = Halves(curve);
   const Parity a = CrossesUpwardAxis(lower, floor), b = CrossesUpwardAxis(upper, floor);
   if (a == Parity::kUnsure || b == Parity::kUnsure) return Parity::kUnsure;
@@ -114,8 +116,10 @@ Nearest NearestTo(const HomogeneousCurve& curve, double limit) {
     try_end(lower, true);
     const double lower_bound = lower.Bound(), upper_bound = upper.Bound();
     const bool lower_first = lower_bound <= upper_bound;
-    stack.emplace_back(lower_first ? upper_bound : lower_bound, lower_first ? std::move(upper) : std::move(lower));
-    stack.emplace_back(lower_first ? lower_bound : upper_bound, lower_first ? std::move(lower) : std::move(upper));
+    stack.emplace_back(lower_first ? upper_bound : lower_bound,
+                       lower_first ? std::move(upper) : std::move(lower));
+    stack.emplace_back(lower_first ? lower_bound : upper_bound,
+                       lower_first ? std::move(lower) : std::move(upper));
   }
   return best;
 }

@@ -39,26 +39,31 @@ Result<Model> Load(const std::string& path) {
 
 void Print(const std::string& title, const Tally& tally, const Model& model, int list, double seconds) {
   constexpr const char* kCertificates[] = {"certified", "converged", "unresolved"};
-  std::printf("%s: %llu samples, %.1f s\n", title.c_str(), static_cast<unsigned long long>(tally.samples), seconds);
+  std::printf("%s: %llu samples, %.1f s\n", title.c_str(), static_cast<unsigned long long>(tally.samples),
+              seconds);
   for (std::size_t c = 0; c < tally.counts.size(); ++c) {
     std::uint64_t total = 0;
     for (const std::uint64_t count : tally.counts[c]) total += count;
     if (total == 0) continue;
     std::printf("  %-10s", kCertificates[c]);
     for (std::size_t v = 0; v < kVerdicts; ++v)
-      std::printf(" %s %llu%s", VerdictName(static_cast<Verdict>(v)), static_cast<unsigned long long>(tally.counts[c][v]),
-                  v + 1 < kVerdicts ? "," : "");
-    std::printf("; depth off by up to %.2g mm (%.2g ulp of the diagonal, %.2g of the bound)\n", tally.largest_off_mm[c],
-                tally.largest_off_mm[c] / (0x1p-52 * model.Diagonal()), tally.largest_share_of_bound[c]);
+      std::printf(" %s %llu%s", VerdictName(static_cast<Verdict>(v)),
+                  static_cast<unsigned long long>(tally.counts[c][v]), v + 1 < kVerdicts ? "," : "");
+    std::printf("; depth off by up to %.2g mm (%.2g ulp of the diagonal, %.2g of the bound)\n",
+                tally.largest_off_mm[c], tally.largest_off_mm[c] / (0x1p-52 * model.Diagonal()),
+                tally.largest_share_of_bound[c]);
   }
   if (tally.other_face > 0)
-    std::printf("  at the right depth on a coincident face: %llu\n", static_cast<unsigned long long>(tally.other_face));
+    std::printf("  at the right depth on a coincident face: %llu\n",
+                static_cast<unsigned long long>(tally.other_face));
   // The worst first: wrong and certified, wrong, then the rest.
   int listed = 0;
   for (const bool wrong : {true, false}) {
-    for (const Certificate certificate : {Certificate::kCertified, Certificate::kConverged, Certificate::kUnresolved}) {
+    for (const Certificate certificate :
+         {Certificate::kCertified, Certificate::kConverged, Certificate::kUnresolved}) {
       for (const Judgement& judgement : tally.list) {
-        if (judgement.claim.certificate != certificate || (judgement.verdict == Verdict::kWrong) != wrong) continue;
+        if (judgement.claim.certificate != certificate || (judgement.verdict == Verdict::kWrong) != wrong)
+          continue;
         if (listed++ >= list) return;
         std::printf("    %s\n", Describe(judgement, model).c_str());
       }
@@ -99,8 +104,8 @@ class Hunt {
       const Result<DirectResult> closer = TraceDirect(scene_, close, direct_);
       if (!closer.ok()) return closer.error();
       char numbers[200];
-      std::snprintf(numbers, sizeof numbers, ", close-up of %.17g,%.17g,%.17g through %.17g mm", point.x, point.y, point.z,
-                    window);
+      std::snprintf(numbers, sizeof numbers, ", close-up of %.17g,%.17g,%.17g through %.17g mm", point.x,
+                    point.y, point.z, window);
       std::vector<std::uint32_t> pixels = HardPixels(closer.value(), {point}, kCloseSamples, random_);
       for (const std::uint32_t pixel : RandomPixels(closer.value().samples, kCloseSamples / 4, random_))
         pixels.push_back(pixel);
@@ -161,7 +166,8 @@ int main(int argc, char** argv) {
   app.add_option("--precision", options.precision, "What to render with")
       ->check(CLI::IsMember({"fast", "standard", "certified"}));
   app.add_option("--samples", options.samples, "Random samples of each view");
-  app.add_option("--hard", options.hard, "Most samples of each view beside edges, silhouettes, seams, vertices");
+  app.add_option("--hard", options.hard,
+                 "Most samples of each view beside edges, silhouettes, seams, vertices");
   app.add_option("--close-ups", options.close_ups, "Close-ups of each view, 250 samples each at most");
   app.add_option("--seed", options.seed, "Of the random choice");
   app.add_option("--size", options.size, "Pixels of each side of the picture")->check(CLI::Range(1, 16384));
