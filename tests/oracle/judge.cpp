@@ -179,8 +179,9 @@ Judgement Judge::Ask(const Claim& claim) const {
 
 double Judge::Reach(const ViewRay& ray, const Claim& claim) const {
   constexpr int kDirections = 8;
-  for (double reach = RoundingAt(claim) / 4; reach <= kDescribedShare * oracle_.model().Diagonal();
-       reach *= 2) {
+  const double farthest = std::max(kDescribedShare * oracle_.model().Diagonal(),
+                                   2 * kReachInGaps * oracle_.model().info.max_edge_gap_mm);
+  for (double reach = RoundingAt(claim) / 4; reach <= farthest; reach *= 2) {
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2 * std::numbers::pi * k / kDirections;
       const ViewRay moved = ray.Moved(reach * std::cos(angle), reach * std::sin(angle));

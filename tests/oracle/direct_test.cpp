@@ -1,0 +1,171 @@
+// The direct renderer before the oracle: no certified sample may be wrong, ever. Models and views are drawn at random,
+// and aimed at what fails: along axes, through seams, poles, vertices, edges and corners of trims, from both sides.
+#include "render/trace/direct.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/oracle/aim.h"
+#include "tests/oracle/judge.h"
+#include "tests/oracle/random_models.h"
+#include "tests/support/shapes.h"
+
+namespace facetless::oracle {
+namespace {
+
+constexpr int kSize = 21;  // odd: a pixel centre in the very middle
+constexpr std::size_t kRandomSamples = 20, kHardSamples = 60;
+
+// What a property has judged, so that it can't pass by judging nothing.
+struct Judged {
+  std::uint64_t samples = 0, certified = 0;
+};
+
+class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
+ protected:
+  // Renders the view and lets the oracle judge it.
+  void ExpectCertifiedSamplesRight(const Model& model, const Camera& camera, std::uint64_t seed) {
+    const Result<void> valid = Validate(model);
+    if (!valid.ok()) RC_FAIL(valid.error().message);
+    DirectOptions options;
+    options.precision = GetParam();
+    const Result<DirectResult> direct = TraceDirect(Scene(model), camera, options);
+    if (!direct.ok()) RC_FAIL(direct.error().message);
+    const SampleBuffer& samples = direct.value().samples;
+    Random random(seed);
+    std::vector<std::uint32_t> pixels =
+        HardPixels(direct.value(), Features(model, 20, random), kHardSamples, random);
+    for (const std::uint32_t pixel : RandomPixels(samples, kRandomSamples, random)) pixels.push_back(pixel);
+    pixels.push_back(static_cast<std::uint32_t>(samples.size() / 2));  // the middle
+    const Oracle oracle(model);
+    const Tally tally = JudgePixels(Judge(oracle, camera), samples, pixels);
+    judged_.samples += tally.samples;
+    for (const std::uint64_t count : tally.counts[static_cast<std::size_t>(Certificate::kCertified)])
+      judged_.certified += count;
+    if (tally.CertifiedWrong() == 0) return;
+    char numbers[500];
+    std::snprintf(numbers, sizeof numbers,
+                  "eye %.17g,%.17g,%.17g target %.17g,%.17g,%.17g up %g,%g,%g height %.17g fov %.17g\n",
+                  camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x, camera.target.y, camera.target.z,
+                  camera.up.x, camera.up.y, camera.up.z, camera.height, camera.fov_y_deg);
+    std::string text = numbers;
+    for (const Judgement& judgement : tally.list)
+      if (judgement.verdict == Verdict::kWrong && judgement.claim.certificate == Certificate::kCertified)
+        text += Describe(judgement, model) + "\n";
+    RC_FAIL(text);
+  }
+
+  // A named view of the whole, and a close-up from the same side and from the opposite one, at a feature or at what a
+  // ray along an axis of the model meets.
+  void LookAround(const Model& model) {
+    const auto seed = *rc::gen::arbitrary<std::uint64_t>();
+    Random random(seed);
+    const std::string view = ViewNames()[*rc::gen::inRange<std::size_t>(0, ViewNames().size())];
+    const Projection projection =
+        *rc::gen::arbitrary<bool>() ? Projection::kPerspective : Projection::kOrthographic;
+    const int closeness = *rc::gen::inRange(0, 10);
+    Camera camera = NamedView(view, model.bounds, projection, kSize, kSize).value();
+    if (closeness > 0) {
+      const Vec3 point = Features(model, 1, random)[0];
+      const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
+      camera = CloseUp(camera, frame, point, model.Diagonal() * std::pow(10.0, -closeness), kSize);
+    }
+    ExpectCertifiedSamplesRight(model, camera, seed);
+    camera.eye = camera.target + (camera.target - camera.eye);
+    ExpectCertifiedSamplesRight(model, camera, seed);
+  }
+
+  // Runs a property and says what it has judged.
+  template <typename Property>
+  void Check(const char* description, const Property& property) {
+    judged_ = {};
+    EXPECT_TRUE(rc::check(description, property));
+    EXPECT_GT(judged_.certified, judged_.samples * 8 / 10) << "of " << judged_.samples << " samples";
+  }
+
+  Judged judged_;
+};
+
+SurfaceRecipe AnyRecipe() {
+  SurfaceRecipe recipe;
+  recipe.degree_u = *rc::gen::inRange(1, 8);
+  recipe.degree_v = *rc::gen::inRange(1, 8);
+  recipe.spans_u = *rc::gen::inRange(1, 4);
+  recipe.spans_v = *rc::gen::inRange(1, 4);
+  recipe.bump = 0.1 * *rc::gen::inRange(0, 6);
+  recipe.weight_spread = *rc::gen::element(1.0, 2.0, 10.0);
+  recipe.seed = *rc::gen::arbitrary<std::uint64_t>();
+  return recipe;
+}
+
+TEST_P(DirectBeforeTheOracle, RandomSurfaces) {
+  Check("certified samples of B-splines are right", [this] { LookAround(RandomSurface(AnyRecipe())); });
+}
+
+TEST_P(DirectBeforeTheOracle, RandomTrims) {
+  Check("certified samples of trimmed B-splines are right", [this] {
+    Model model = RandomSurface(AnyRecipe());
+    const auto seed = *rc::gen::arbitrary<std::uint64_t>();
+    AddRandomLoop(model, *rc::gen::inRange(3, 9), 0.99, false, seed);
+    for (int holes = *rc::gen::inRange(0, 3); holes > 0; --holes)
+      AddRandomLoop(model, *rc::gen::inRange(3, 7), 0.15 * holes, true,
+                    seed + static_cast<std::uint64_t>(holes));
+    LookAround(model);
+  });
+}
+
+TEST_P(DirectBeforeTheOracle, QuadricsAndTori) {
+  Check("certified samples of spheres, tori, cylinders and cones are right", [this] {
+    using namespace facetless::testing;
+    const double size = std::exp2(*rc::gen::inRange(-10, 11));
+    const Vec3 center{*rc::gen::element(0.0, 1.0, 1000.0), 0, *rc::gen::element(0.0, 0.1)};
+    Model model;
+    switch (*rc::gen::inRange(0, 5)) {
+      case 0:
+        model = ModelOf({Sphere(center, size)});
+        break;
+      case 1:
+        model = ModelOf({Torus(center, size, size * *rc::gen::element(0.01, 0.25, 0.99, 1.0, 1.5))});
+        break;
+      case 2:
+        model = ModelOf({Frustum(center, size, size, 2 * size)});
+        break;
+      case 3:
+        model = ModelOf({Frustum(center, size, 0, size)});
+        break;
+      default:  // two that touch
+        model =
+            ModelOf({Sphere(center, size), Frustum(center + Vec3{2 * size, 0, -size}, size, size, 2 * size)});
+    }
+    LookAround(model);
+  });
+}
+
+TEST_P(DirectBeforeTheOracle, SolidsWithSharedEdges) {
+  Check("certified samples of boxes are right, at their edges and vertices too", [this] {
+    Random random(*rc::gen::arbitrary<std::uint64_t>());
+    LookAround(SolidBox(*rc::gen::arbitrary<bool>() ? Placement{} : RandomPlacement(random)));
+  });
+}
+
+std::string PrecisionName(const ::testing::TestParamInfo<Precision>& info) {
+  switch (info.param) {
+    case Precision::kFast:
+      return "Fast";
+    case Precision::kStandard:
+      return "Standard";
+    case Precision::kCertified:
+      return "Certified";
+  }
+  return "";
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, DirectBeforeTheOracle,
+                         ::testing::Values(Precision::kFast, Precision::kStandard, Precision::kCertified),
+                         PrecisionName);
+
+}  // namespace
+}  // namespace facetless::oracle
