@@ -17,12 +17,25 @@ namespace facetless::oracle {
 namespace {
 
 constexpr int kSize = 21;  // odd: a pixel centre in the very middle
+// What a picture of that size may take: an explosion of leaves is a failure, and soon over.
+constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
 constexpr std::size_t kRandomSamples = 20, kHardSamples = 60;
 
 // What a property has judged, so that it can't pass by judging nothing.
 struct Judged {
   std::uint64_t samples = 0, certified = 0;
 };
+
+std::string Numbers(const Camera& camera) {
+  char numbers[500];
+  std::snprintf(numbers, sizeof numbers,
+                "%s %s: eye %.17g,%.17g,%.17g target %.17g,%.17g,%.17g up %g,%g,%g height %.17g fov %.17g\n",
+                camera.projection == Projection::kPerspective ? "perspective" : "orthographic",
+                camera.name.c_str(), camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x,
+                camera.target.y, camera.target.z, camera.up.x, camera.up.y, camera.up.z, camera.height,
+                camera.fov_y_deg);
+  return numbers;
+}
 
 class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
  protected:
@@ -32,8 +45,9 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     if (!valid.ok()) RC_FAIL(valid.error().message);
     DirectOptions options;
     options.precision = GetParam();
+    options.max_bytes = kMostBytes;
     const Result<DirectResult> direct = TraceDirect(Scene(model), camera, options);
-    if (!direct.ok()) RC_FAIL(direct.error().message);
+    if (!direct.ok()) RC_FAIL(direct.error().message + "\n" + Numbers(camera));
     const SampleBuffer& samples = direct.value().samples;
     Random random(seed);
     std::vector<std::uint32_t> pixels =
@@ -46,12 +60,7 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     for (const std::uint64_t count : tally.counts[static_cast<std::size_t>(Certificate::kCertified)])
       judged_.certified += count;
     if (tally.CertifiedWrong() == 0) return;
-    char numbers[500];
-    std::snprintf(numbers, sizeof numbers,
-                  "eye %.17g,%.17g,%.17g target %.17g,%.17g,%.17g up %g,%g,%g height %.17g fov %.17g\n",
-                  camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x, camera.target.y, camera.target.z,
-                  camera.up.x, camera.up.y, camera.up.z, camera.height, camera.fov_y_deg);
-    std::string text = numbers;
+    std::string text = Numbers(camera);
     for (const Judgement& judgement : tally.list)
       if (judgement.verdict == Verdict::kWrong && judgement.claim.certificate == Certificate::kCertified)
         text += Describe(judgement, model) + "\n";
@@ -98,6 +107,9 @@ SurfaceRecipe AnyRecipe() {
   recipe.bump = 0.1 * *rc::gen::inRange(0, 6);
   recipe.weight_spread = *rc::gen::element(1.0, 2.0, 10.0);
   recipe.seed = *rc::gen::arbitrary<std::uint64_t>();
+  RC_LOG() << "degrees " << recipe.degree_u << "x" << recipe.degree_v << ", spans " << recipe.spans_u << "x"
+           << recipe.spans_v << ", bump " << recipe.bump << ", weights " << recipe.weight_spread << ", seed "
+           << recipe.seed << "\n";
   return recipe;
 }
 

@@ -179,9 +179,11 @@ Judgement Judge::Ask(const Claim& claim) const {
 
 double Judge::Reach(const ViewRay& ray, const Claim& claim) const {
   constexpr int kDirections = 8;
-  const double farthest = std::max(kDescribedShare * oracle_.model().Diagonal(),
-                                   2 * kReachInGaps * oracle_.model().info.max_edge_gap_mm);
-  for (double reach = RoundingAt(claim) / 4; reach <= farthest; reach *= 2) {
+  // What verdicts hang on is looked for closely; how far off a wrong sample is only needs an order of magnitude.
+  const double rounding = RoundingAt(claim);
+  const double telling = std::max(rounding, 2 * kReachInGaps * oracle_.model().info.max_edge_gap_mm);
+  const double farthest = std::max(telling, kDescribedShare * oracle_.model().Diagonal());
+  for (double reach = rounding / 4; reach <= farthest; reach *= reach < telling ? 2 : 8) {
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2 * std::numbers::pi * k / kDirections;
       const ViewRay moved = ray.Moved(reach * std::cos(angle), reach * std::sin(angle));
