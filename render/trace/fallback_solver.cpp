@@ -137,6 +137,9 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     double monomials[kNetComponents * kMaxNetPoints];
     if (Certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
       piece.coefficients = monomials;
+      // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors.
+      piece.s_high = piece.t_high = 1 + piece.overlap();
+      piece.s_low = piece.t_low = -piece.s_high;
       FallbackRoot found;
       const SampleRoot result = kernel_scalar::SolveSample(piece, x, y, &found.hit);
       if (result == SampleRoot::kMiss) continue;

@@ -6,7 +6,10 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "tests/oracle/aim.h"
 #include "tests/oracle/judge.h"
@@ -46,6 +49,7 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     DirectOptions options;
     options.precision = GetParam();
     options.max_bytes = kMostBytes;
+    options.depth_error = true;
     const Result<DirectResult> direct = TraceDirect(Scene(model), camera, options);
     if (!direct.ok()) RC_FAIL(direct.error().message + "\n" + Numbers(camera));
     const SampleBuffer& samples = direct.value().samples;
@@ -161,6 +165,29 @@ TEST_P(DirectBeforeTheOracle, SolidsWithSharedEdges) {
     Random random(*rc::gen::arbitrary<std::uint64_t>());
     LookAround(SolidBox(*rc::gen::arbitrary<bool>() ? Placement{} : RandomPlacement(random)));
   });
+}
+
+// A sphere of a thousandth of a millimetre, a metre from the origin, with a column of pixel centres on the seam of two
+// patches next to the pole. The rounding of a metre is 1e-10 of the sphere, and each patch has its own: pieces of
+// leaves without a certificate overlapped by less, and both left the root to the other.
+TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
+  const double radius = 0x1p-10;
+  const Model model = facetless::testing::ModelOf({facetless::testing::Sphere({1000, 0, 0}, radius)});
+  Camera camera = NamedView("back", model.bounds, Projection::kPerspective, kSize, kSize).value();
+  const Vec3 pole{1000, 0, -radius};
+  camera = CloseUp(camera, MakeFrame(camera, model.Diagonal()).value(), pole, 0.1 * model.Diagonal(), kSize);
+  camera.eye = camera.target + (camera.target - camera.eye);
+  DirectOptions options;
+  options.precision = GetParam();
+  options.depth_error = true;
+  const DirectResult direct = TraceDirect(Scene(model), camera, options).value();
+  std::vector<std::uint32_t> pixels(direct.samples.size());
+  std::iota(pixels.begin(), pixels.end(), 0u);
+  const Oracle oracle(model);
+  const Tally tally = JudgePixels(Judge(oracle, camera), direct.samples, pixels);
+  for (const Judgement& judgement : tally.list)
+    EXPECT_NE(judgement.verdict, Verdict::kWrong) << Describe(judgement, model);
+  EXPECT_GT(direct.stats.hits, 100u);
 }
 
 std::string PrecisionName(const ::testing::TestParamInfo<Precision>& info) {
