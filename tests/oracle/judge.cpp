@@ -24,16 +24,6 @@ View ViewOf(const Camera& camera) {
           camera.height, camera.fov_y_deg, camera.width_px, camera.height_px};
 }
 
-// The bound that a sample states, where the renderer has one.
-template <typename Samples>
-double StatedError(const Samples& samples, std::size_t at) {
-  if constexpr (requires { samples.depth_error; }) {
-    return samples.depth_error.empty() ? 0.0 : static_cast<double>(samples.depth_error[at]);
-  } else {
-    return 0;
-  }
-}
-
 }  // namespace
 
 const char* VerdictName(Verdict verdict) {
@@ -68,7 +58,7 @@ Claim Judge::ClaimOf(const SampleBuffer& samples, int column, int row) {
               samples.depth[at],
               samples.face[at],
               samples.certificate[at],
-              StatedError(samples, at)};
+              samples.depth_error.empty() ? 0.0 : static_cast<double>(samples.depth_error[at])};
   return claim;
 }
 
@@ -111,15 +101,16 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
     lean_on(contact);
     return true;
   };
+  const bool states_bound = claim.depth_error > 0 && std::isfinite(claim.depth_error);
   bool covered = !claim.hit;
-  double bound = claim.depth_error > 0 ? claim.depth_error : kDepthShare * diagonal;
+  double bound = states_bound ? claim.depth_error : kDepthShare * diagonal;
   if (claim.hit) {
     // Find the crossing that the claim means: of its own face first.
     for (const bool own : {true, false}) {
       for (const Crossing& crossing : crossings) {
         if ((crossing.placed_face == claim.placed_face) != own || covered) continue;
         const double slope = 1 / std::max(crossing.cosine, 1e-12);
-        const double allowed = (claim.depth_error > 0 ? claim.depth_error : kDepthShare * diagonal * slope) +
+        const double allowed = (states_bound ? claim.depth_error : kDepthShare * diagonal * slope) +
                                2 * moved_mm * std::min(slope, kMovedSlope);
         const double off = static_cast<double>(claim.depth - crossing.depth);
         if (!(std::fabs(off) <= allowed + static_cast<double>(crossing.half_depth))) continue;

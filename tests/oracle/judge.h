@@ -47,7 +47,7 @@ struct Claim {
   double depth = 0;
   std::uint32_t placed_face = kNoIndex;
   Certificate certificate = Certificate::kUnresolved;
-  double depth_error = 0;  // mm; 0: none is stated
+  double depth_error = 0;  // mm; 0 or infinite: none is stated
 };
 
 struct Judgement {
