@@ -173,6 +173,7 @@ nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes
                                  {"angular_deg", meshes[i].angular_deg},
                                  {"triangles", meshes[i].triangles},
                                  {"mesh_ms", meshes[i].mesh_ms},
+                                 {"peak_bytes", meshes[i].peak_bytes},
                                  {"faces_unmeshed", meshes[i].faces_unmeshed}});
   }
   return summary;
@@ -199,6 +200,7 @@ int Import(const CommandLine& options, const Answer& answer) {
   Model& model = conversion.value().model;
   std::vector<MeshReport> meshes;
   for (const MeshRequest& request : options.meshes) {
+    Stages::Report("mesh", 0);
     const double deflection =
         request.deflection_mm > 0 ? request.deflection_mm : request.deflection * model.Diagonal();
     Result<MeshReport> mesh = WriteMesh(conversion.value(), {deflection, request.angular_deg}, request.path,

@@ -16,6 +16,7 @@
 #include <numbers>
 
 #include "import/curve_pieces.h"
+#include "import/memory_gauge.h"
 #include "import/surface_patches.h"
 
 #include <tiny_gltf.h>
@@ -277,15 +278,18 @@ Result<MeshReport> WriteMesh(const Conversion& conversion, const MeshOptions& op
   if (!(options.deflection_mm > 0) || !(options.angular_deg > 0) || !(options.angular_deg <= 180))
     return Error{ErrorCode::kBadUsage,
                  "A mesh needs a deflection above 0 and an angle above 0 and up to 180 degrees."};
-  MeshReport report{options.deflection_mm, options.angular_deg, 0, 0, {}};
+  MeshReport report{options.deflection_mm, options.angular_deg, 0, 0, 0, {}};
+  MemoryGauge memory;
   GltfWriter writer(conversion.model);
   for (std::uint32_t p = 0; p < conversion.model.parts.size(); ++p) {
     const Range range = conversion.model.parts[p].faces;
     const std::vector<TopoDS_Face> shapes(conversion.faces.begin() + range.first,
                                           conversion.faces.begin() + range.end());
+    memory.Begin();
     const auto begin = std::chrono::steady_clock::now();
     Tessellate(shapes, options);
     report.mesh_ms += Milliseconds(std::chrono::steady_clock::now() - begin);
+    memory.End();
     std::vector<FaceMesh> meshes;
     for (const TopoDS_Face& shape : shapes) {
       meshes.push_back(MeshOf(shape));
@@ -294,6 +298,7 @@ Result<MeshReport> WriteMesh(const Conversion& conversion, const MeshOptions& op
     writer.AddPart(p, meshes, report.faces_unmeshed);
     progress(static_cast<double>(p + 1) / static_cast<double>(conversion.model.parts.size()));
   }
+  report.peak_bytes = memory.peak_bytes();
   if (Result<void> written = writer.Write(report, path); !written.ok()) return written.error();
   return report;
 }

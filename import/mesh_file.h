@@ -21,8 +21,9 @@ struct MeshOptions {
 
 struct MeshReport {
   double deflection_mm = 0, angular_deg = 0;
-  double mesh_ms = 0;           // the mesher alone
-  std::uint64_t triangles = 0;  // of the prototypes
+  double mesh_ms = 0;            // the mesher alone
+  std::uint64_t peak_bytes = 0;  // what the mesher alone held at its fullest; 0: unknown (memory_gauge.h)
+  std::uint64_t triangles = 0;   // of the prototypes
   std::vector<std::string> faces_unmeshed;
 };
 

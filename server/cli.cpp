@@ -22,6 +22,7 @@ constexpr const char* kFooter = R"(Examples:
   facetless inspect part.step                          what the file holds, and what was lost
   facetless compare part.step --out report             exact image, tessellation, difference; open report/report.html
   facetless compare part.step --out r --mesh web.glb   is this mesh good enough?
+  facetless trade part.step --out trade                what does accuracy cost, on the mesh and direct?
   facetless serve                                      the same in a browser
 
 Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost; 2 failed under --strict or a --fail-* threshold;
@@ -45,6 +46,16 @@ constexpr const char* kCompareFooter = R"(Examples:
 
 --out receives, for each view, NAME.direct.png, NAME.baseline.png, NAME.difference.png, NAME.depth.tif and
 NAME.baseline-depth.tif, and report.json and report.html; standard output gets the path of report.json.)";
+
+constexpr const char* kTradeFooter = R"(Examples:
+  facetless trade part.step --out trade
+  facetless trade part.step --out trade --max-error-mm 0.05       which deflection keeps the error under 0.05 mm?
+  facetless trade part.step --out trade --deflections 1e-2,1e-3,1e-4 --angles 20 --view iso --view top
+  facetless trade part.step --out trade --budget-seconds 300      let finer meshes take their time
+
+Both tracers are measured at many accuracies: time, memory, and error against the certified exact image. --out receives
+report.json, report.html, the plots trade-time and trade-memory (.svg, .png) and NAME.direct.png; standard output gets the path of
+report.json, standard error a table and the answers. docs/trade.md says how it is measured.)";
 
 constexpr const char* kMeshFooter = R"(Examples:
   facetless mesh part.step --out part.glb
@@ -117,18 +128,22 @@ class OptionCollector {
   Json json_ = Json::object();
 };
 
-void AddViewOptions(CLI::App* app, OptionCollector& options) {
+void AddCameraOptions(CLI::App* app, OptionCollector& options) {
   options.Views(app);
   options.Text(app, "size", "Picture size in pixels (default 1024x1024)", "WxH");
   options.Text(app, "projection", "orthographic (default) or perspective, of named views", "NAME");
+  options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
+  options.Number(app, "timeout", "Seconds that everything after the import may take; 0 (default) is no limit",
+                 "S");
+}
+
+void AddViewOptions(CLI::App* app, OptionCollector& options) {
+  AddCameraOptions(app, options);
   options.Number(app, "samples", "Samples per pixel of the colour image: 1, 4 (default), 9, 16, …", "N");
   options.Text(app, "precision", "fast, standard (default) or certified", "NAME");
   options.Number(app, "newton-tolerance",
                  "Share of a leaf at which the iteration stops, 1e-13 … 1e-3 (default: the precision's own)",
                  "REL");
-  options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
-  options.Number(app, "timeout", "Seconds that everything after the import may take; 0 (default) is no limit",
-                 "S");
   options.Switch(app, "audit", "Also count every crossing of every ray, and compare with the opposite view");
   options.Switch(app, "edges", "Draw feature edges");
   options.Text(app, "background", "studio (default) or transparent", "NAME");
@@ -140,6 +155,28 @@ void AddTessellationOptions(CLI::App* app, OptionCollector& options) {
                  "REL");
   options.Number(app, "deflection-mm", "Chord error in millimetres, instead of --deflection", "MM");
   options.Number(app, "angular", "Angle between neighbouring facets in degrees (default 20)", "DEG");
+}
+
+void AddTradeOptions(CLI::App* app, OptionCollector& options) {
+  options.Text(app, "deflections",
+               "Meshes to measure: chord errors relative to the diagonal (default 1e-2,1e-3,1e-4,1e-5,1e-6)",
+               "LIST");
+  options.Text(app, "angles",
+               "Angles between facets in degrees; the widest goes with every deflection, the others where "
+               "they make a difference (default 30,12,5)",
+               "LIST");
+  options.Text(app, "tolerances",
+               "Newton tolerances of the direct tracer in standard precision, shares of a leaf (default "
+               "1e-3,1e-5,1e-8)",
+               "LIST");
+  options.Number(app, "budget-seconds",
+                 "Seconds that meshing, and one view, may take; finer meshes are not tried (default 60)",
+                 "S");
+  options.Number(app, "budget-memory", "Megabytes that one point may take (default 4096)", "MB");
+  options.Number(app, "max-error-mm", "Which mesh keeps the error under this, and for what cost?", "MM");
+  options.Number(app, "max-error-px", "The same in pixels (default 0.5, if neither is given)", "PX");
+  options.Text(app, "error-measure",
+               "What stands for a point's error: mean, p95, p99 (default) or max of the deviation", "NAME");
 }
 
 void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments& arguments) {
@@ -224,6 +261,8 @@ int RunCommandLine(int argc, char** argv) {
   CLI::App* compare =
       AddFileCommand(app, "compare", "Render exact surfaces and a mesh, and report the difference",
                      kCompareFooter, arguments);
+  CLI::App* trade = AddFileCommand(app, "trade", "Measure speed against accuracy, of both tracers",
+                                   kTradeFooter, arguments);
   CLI::App* regress = app.add_subcommand("regress", "Compare renderings with reference images, for CI");
   regress->footer(kRegressFooter);
   regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
@@ -237,6 +276,11 @@ int RunCommandLine(int argc, char** argv) {
         ->type_name("DIR");
     AddViewOptions(command, options);
   }
+  trade->add_option("--out", arguments.out, "Directory for the results; made if absent")
+      ->required()
+      ->type_name("DIR");
+  AddCameraOptions(trade, options);
+  AddTradeOptions(trade, options);
   mesh->add_option("--out", arguments.out, "The glTF file to write")->required()->type_name("FILE.glb");
   options.Text(compare, "mesh", "glTF binary or STL file to compare with, instead of our own tessellation",
                "FILE");
@@ -248,12 +292,12 @@ int RunCommandLine(int argc, char** argv) {
   options.Number(compare, "fail-silhouette-px", "Fail if silhouettes are farther apart", "PX");
   options.Number(compare, "fail-flip", "Fail if the mean FLIP error is larger (0 … 1)", "X");
   options.Number(compare, "fail-share", "Fail if a larger share of the pixels differs (0 … 1)", "X");
-  for (CLI::App* command : {inspect, render, mesh, compare})
+  for (CLI::App* command : {inspect, render, mesh, compare, trade})
     options.Switch(command, "strict", "Fail (exit code 2) if anything of the file was lost");
   regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
   regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
   options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
-  for (CLI::App* command : {inspect, render, mesh, compare, regress})
+  for (CLI::App* command : {inspect, render, mesh, compare, trade, regress})
     AddImportOptions(command, options, arguments);
   AddServeOptions(serve_command, serve);
 
@@ -268,6 +312,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {render, &RenderCommand},
                                      {mesh, &MeshCommand},
                                      {compare, &CompareCommand},
+                                     {trade, &TradeCommand},
                                      {regress, &RegressCommand}}) {
     if (*command) return Dispatch(run, arguments, options);
   }

@@ -11,6 +11,7 @@
 #include "server/progress.h"
 #include "server/regress.h"
 #include "server/run.h"
+#include "server/trade.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -105,6 +106,25 @@ int CompareCommand(const CommandArguments& arguments) {
   return PrintReport(RunCompare(imported.value(), imported.value().meshes.front(), options, arguments.out,
                                 ToContext(progress)),
                      arguments.out);
+}
+
+int TradeCommand(const CommandArguments& arguments) {
+  std::string text;
+  int exit_code = kExitDone;
+  {
+    Progress progress(arguments.progress);
+    const ImportRequest request = ToImportRequest(arguments, progress);
+    auto imported = Import(request);
+    if (!imported) return PrintError(imported.error());
+    auto result = RunTrade(request, imported.value(), arguments.options, arguments.out, ToContext(progress));
+    if (!result) return PrintError(result.error());
+    text = std::move(result.value().text);
+    exit_code = result.value().report.at("verdict").at("exit_code").get<int>();
+  }
+  // The table is for a person, so it goes where progress went; the answer for a program is the path.
+  std::fputs(text.c_str(), stderr);
+  Print((std::filesystem::path(arguments.out) / "report.json").string());
+  return exit_code;
 }
 
 int RegressCommand(const CommandArguments& arguments) {

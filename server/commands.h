@@ -21,6 +21,7 @@ int InspectCommand(const CommandArguments& arguments);
 int RenderCommand(const CommandArguments& arguments);
 int MeshCommand(const CommandArguments& arguments);
 int CompareCommand(const CommandArguments& arguments);
+int TradeCommand(const CommandArguments& arguments);
 int RegressCommand(const CommandArguments& arguments);
 
 // Prints the sentence to standard error and returns the exit code.

@@ -201,6 +201,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   if (auto error = EndError(outcome, child.limits, name, limits)) return *error;
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
+  files.peak_address_bytes = outcome.peak_address_bytes;
   files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
   const bool answered = files.summary.is_object();
   if (answered && files.summary.contains("error")) {

@@ -51,6 +51,7 @@ struct ImportedFiles {
   nlohmann::json summary;               // the importer's own answer
   double wall_ms = 0;
   std::uint64_t peak_bytes = 0;
+  std::uint64_t peak_address_bytes = 0;  // what ImportLimits::memory_mb limits
 };
 
 // Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last

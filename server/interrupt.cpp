@@ -40,18 +40,15 @@ int InterruptSignal() {
 }
 
 Deadline::Deadline(double seconds, const std::atomic<bool>* watched) {
-  using Clock = std::chrono::steady_clock;
-  std::optional<Clock::time_point> end;
-  if (seconds > 0)
-    end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-  thread_ = std::thread([this, end, watched] {
+  Start(seconds);
+  thread_ = std::thread([this, watched] {
     std::unique_lock lock(mutex_);
     while (!done_) {
       if (watched != nullptr && *watched) {
         stop_ = true;
         return;
       }
-      if (end && Clock::now() >= *end) {
+      if (end_ && std::chrono::steady_clock::now() >= *end_) {
         expired_ = true;
         stop_ = true;
         return;
@@ -60,6 +57,14 @@ Deadline::Deadline(double seconds, const std::atomic<bool>* watched) {
       changed_.wait_for(lock, std::chrono::milliseconds(20));
     }
   });
+}
+
+void Deadline::Start(double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const std::lock_guard lock(mutex_);
+  end_.reset();
+  if (seconds > 0)
+    end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 Deadline::~Deadline() {

@@ -4,12 +4,14 @@
 //     temporary files removed. A second one ends the process at once (children die with it: see
 //     child_process.h).
 //  2. A Deadline's flag is set when its time is over or when the flag that it watches is set; expired() tells
-//     which.
+//     which. Start sets its time anew, for work whose clock begins later than its flag is needed.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 namespace facetless {
@@ -29,6 +31,8 @@ class Deadline {
   Deadline(const Deadline&) = delete;
   Deadline& operator=(const Deadline&) = delete;
 
+  // From now on `seconds`; <= 0: no limit.
+  void Start(double seconds);
   const std::atomic<bool>* flag() const { return &stop_; }
   // True if the flag was set because the time was over.
   bool expired() const { return expired_; }
@@ -38,6 +42,7 @@ class Deadline {
   std::atomic<bool> expired_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::optional<std::chrono::steady_clock::time_point> end_;
   bool done_ = false;
   std::thread thread_;
 };

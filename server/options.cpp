@@ -92,6 +92,35 @@ Result<std::vector<std::string>> ParseWords(const Json& json, const std::string&
   return words;
 }
 
+// A list of numbers, or one string with commas; not empty.
+Result<std::vector<double>> ParseNumbers(const Json& json, const std::string& name, double low, double high) {
+  std::vector<double> numbers;
+  const auto add = [&](const Json& entry) -> Result<void> {
+    auto number = ParseNumber(entry, name, low, high);
+    if (!number) return number.error();
+    numbers.push_back(number.value());
+    return {};
+  };
+  if (json.is_string()) {
+    auto words = ParseWords(json, name);
+    if (!words) return words.error();
+    for (const std::string& word : words.value()) {
+      // A word that is no number is shown as it was written.
+      double number = 0;
+      const auto parsed = std::from_chars(word.data(), word.data() + word.size(), number);
+      const bool whole = parsed.ec == std::errc{} && parsed.ptr == word.data() + word.size();
+      if (auto added = add(whole ? Json(number) : Json(word)); !added) return added.error();
+    }
+  } else if (json.is_array()) {
+    for (const Json& entry : json)
+      if (auto added = add(entry); !added) return added.error();
+  } else if (auto added = add(json); !added) {
+    return added.error();
+  }
+  if (numbers.empty()) return BadUsage(name + " is an empty list");
+  return numbers;
+}
+
 Result<void> ParseSize(const Json& json, RunOptions& options) {
   constexpr int kMaxPixels = 65536;
   const Error error =
@@ -174,6 +203,12 @@ Parser LimitParser(const char* name, std::optional<double> Thresholds::*member) 
                       [=](RunOptions& options, double value) { options.fail.*member = value; });
 }
 
+Parser NumbersParser(const char* name, double low, double high, std::vector<double> TradeOptions::*member) {
+  return [=](const Json& json, RunOptions& options) {
+    return Store(ParseNumbers(json, name, low, high), options.trade.*member);
+  };
+}
+
 Result<void> ParseCameras(const Json& json, RunOptions& options) {
   options.cameras = json.is_array() ? json : Json::array({json});
   if (options.cameras.empty()) return BadUsage("camera is an empty list");
@@ -241,6 +276,27 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
                                        o.import_limits.memory_mb = static_cast<std::uint64_t>(v);
                                      })},
       {"strict", BoolParser("strict", &RunOptions::strict)},
+      {"deflections", NumbersParser("deflections", 1e-9, 1, &TradeOptions::deflections)},
+      {"angles", NumbersParser("angles", 0.1, 90, &TradeOptions::angles_deg)},
+      {"tolerances", NumbersParser("tolerances", 1e-13, 1e-3, &TradeOptions::tolerances)},
+      {"budget_seconds",
+       NumberParser("budget_seconds", 0.01, 1e6, [](RunOptions& o, double v) { o.trade.budget_s = v; })},
+      {"budget_memory", NumberParser("budget_memory", 16, 1e9,
+                                     [](RunOptions& o, double v) {
+                                       o.trade.budget_mb = static_cast<std::uint64_t>(v);
+                                     })},
+      // The smallest normal double stands for "greater than 0".
+      {"max_error_mm", NumberParser("max_error_mm", std::numeric_limits<double>::min(), 1e12,
+                                    [](RunOptions& o, double v) { o.trade.limits.error_mm = v; })},
+      {"max_error_px", NumberParser("max_error_px", std::numeric_limits<double>::min(), 65536,
+                                    [](RunOptions& o, double v) { o.trade.limits.error_px = v; })},
+      {"error_measure",
+       [](const Json& json, RunOptions& o) -> Result<void> {
+         auto index = ParseWord(json, "error_measure", {"mean", "p95", "p99", "max"});
+         if (!index) return index.error();
+         o.trade.measure = static_cast<ErrorMeasure>(index.value());
+         return {};
+       }},
       {"fail_deviation_mm", LimitParser("fail_deviation_mm", &Thresholds::deviation_mm)},
       {"fail_depth_mm", LimitParser("fail_depth_mm", &Thresholds::depth_mm)},
       {"fail_silhouette_px", LimitParser("fail_silhouette_px", &Thresholds::silhouette_px)},

@@ -28,6 +28,13 @@
 // import_timeout  seconds, > 0                                                   300
 // import_memory   megabytes, >= 64                                               8192
 // strict          true: any loss fails                                           false
+// deflections     numbers, or one string with commas: trade's meshes              1e-2,1e-3,1e-4,1e-5,1e-6
+// angles          the same: their angles in degrees                              30,12,5
+// tolerances      the same: trade's Newton tolerances, 1e-13 … 1e-3               1e-3,1e-5,1e-8
+// budget_seconds  of one point of trade, > 0                                     60
+// budget_memory   megabytes of one point of trade, >= 16                         4096
+// max_error_mm, max_error_px  what trade is to keep an error under, > 0          0.5 pixels
+// error_measure   mean | p95 | p99 | max: which statistic stands for the error   p99
 // fail_deviation_mm, fail_depth_mm, fail_silhouette_px, fail_flip, fail_share
 //                 numbers >= 0: a view fails if its deviation_mm.max, depth_mm.max,
 //                 silhouette.max_distance_px, color.flip_mean or color.share_over_threshold is larger
@@ -39,6 +46,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/compare/trade_answers.h"
 #include "render/model/result.h"
 #include "render/model/vec.h"
 #include "render/shade/shade.h"
@@ -51,6 +59,17 @@ namespace facetless {
 // The largest values that a run may have and still pass.
 struct Thresholds {
   std::optional<double> deviation_mm, depth_mm, silhouette_px, flip, share;
+};
+
+// What `facetless trade` sweeps, and what it is asked.
+struct TradeOptions {
+  std::vector<double> deflections = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+  std::vector<double> angles_deg = {30, 12, 5};
+  std::vector<double> tolerances = {1e-3, 1e-5, 1e-8};
+  double budget_s = 60;
+  std::uint64_t budget_mb = 4096;
+  TradeLimits limits;  // none given: half a pixel
+  ErrorMeasure measure = ErrorMeasure::kP99;
 };
 
 struct RunOptions {
@@ -71,6 +90,7 @@ struct RunOptions {
   ImportLimits import_limits;
   bool strict = false;
   Thresholds fail;
+  TradeOptions trade;
 
   bool WantsAov(const std::string& name) const;
 };

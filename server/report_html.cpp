@@ -86,13 +86,23 @@ std::string Base64(const std::string& bytes) {
 
 Result<std::string> ReportHtml(const nlohmann::json& report, const std::string& directory) {
   nlohmann::json pictures = nlohmann::json::object();
+  const auto embed = [&](const std::string& name) -> Result<void> {
+    const char* type = name.ends_with(".png")   ? "image/png"
+                       : name.ends_with(".svg") ? "image/svg+xml"
+                                                : nullptr;
+    if (type == nullptr) return {};
+    auto bytes = ReadFile(directory + "/" + name, kMaxPictureBytes);
+    if (!bytes) return bytes.error();
+    pictures[name] = std::string("data:") + type + ";base64," + Base64(bytes.value());
+    return {};
+  };
   for (const auto& view : report.at("views")) {
     for (const auto& file : view.at("files")) {
-      const std::string name = file.get<std::string>();
-      if (!name.ends_with(".png")) continue;
-      auto bytes = ReadFile(directory + "/" + name, kMaxPictureBytes);
-      if (!bytes) return bytes.error();
-      pictures[name] = "data:image/png;base64," + Base64(bytes.value());
+      if (auto embedded = embed(file.get<std::string>()); !embedded) return embedded.error();
+    }
+    // Of a plot, the drawing that stays sharp.
+    for (const auto& plot : view.value("plots", nlohmann::json::object())) {
+      if (auto embedded = embed(plot.at("svg").get<std::string>()); !embedded) return embedded.error();
     }
   }
   return Filled(WebAsset("report.html"), {{"title", EscapedHtml(report.at("model").value("file", "report"))},

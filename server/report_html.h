@@ -13,7 +13,7 @@
 
 namespace facetless {
 
-// The page for a report whose PNG files lie in `directory`. Error: kFileUnreadable.
+// The page for a report whose pictures (PNG) and plots (SVG) lie in `directory`. Error: kFileUnreadable.
 Result<std::string> ReportHtml(const nlohmann::json& report, const std::string& directory);
 
 // RFC 4648, with padding.

@@ -121,12 +121,7 @@ class Run {
                    {"model", ImportedModelJson(imported_)},
                    {"views", std::move(views)},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
-    if (auto written = WriteFileAtomically(directory_ + "/report.json", JsonText(report) + "\n"); !written)
-      return written.error();
-    auto html = ReportHtml(report, directory_);
-    if (!html) return html.error();
-    if (auto written = WriteFileAtomically(directory_ + "/report.html", html.value()); !written)
-      return written.error();
+    if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
 
@@ -160,6 +155,7 @@ Result<ImportedModel> Import(const ImportRequest& request) {
   ImportedModel imported;
   imported.import_ms = files.value().wall_ms;
   imported.import_peak_bytes = files.value().peak_bytes;
+  imported.import_peak_address_bytes = files.value().peak_address_bytes;
   auto model = ReadModel(files.value().model_path);
   if (!model) return model.error();
   imported.model = std::make_unique<const Model>(std::move(model).value());
@@ -180,6 +176,14 @@ Json ImportedModelJson(const ImportedModel& imported) {
 
 std::size_t LossCount(const Model& model) {
   return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
+}
+
+Result<void> WriteReport(const Json& report, const std::string& directory) {
+  if (auto written = WriteFileAtomically(directory + "/report.json", JsonText(report) + "\n"); !written)
+    return written.error();
+  auto html = ReportHtml(report, directory);
+  if (!html) return html.error();
+  return WriteFileAtomically(directory + "/report.html", html.value());
 }
 
 Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values) {

@@ -30,7 +30,7 @@ struct ImportedModel {
   std::unique_ptr<const Model> model;
   std::vector<Mesh> meshes;  // one for each TessellationOptions
   double import_ms = 0;      // wall time of the importer process
-  std::uint64_t import_peak_bytes = 0;
+  std::uint64_t import_peak_bytes = 0, import_peak_address_bytes = 0;
 };
 
 // Runs the importer and reads what it wrote. Errors: those of RunImporter, ReadModel and LoadMesh.
@@ -54,6 +54,10 @@ Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions
                                  const std::string& directory, const RunContext& context);
 Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
                                   const std::string& directory, const RunContext& context);
+
+// Writes report.json and report.html of a report whose pictures lie in `directory`. Errors: kWriteFailed,
+// kFileUnreadable (a picture).
+Result<void> WriteReport(const nlohmann::json& report, const std::string& directory);
 
 // The report's "verdict": {"passed", "lost", "broken": [{"view", "threshold", "limit", "value"}],
 // "exit_code"}. exit_code: 0; 1 something was lost; 2 the same under --strict, or a threshold is broken. A

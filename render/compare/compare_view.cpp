@@ -61,7 +61,8 @@ struct DirectPasses {
   const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : view.samples; }
 };
 
-Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const ViewOptions& options) {
+Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const std::vector<Color>& colors,
+                               const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   DirectPasses passes;
   DirectView& view = passes.view;
@@ -70,6 +71,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const V
   // The pixel-centre pass.
   DirectOptions trace;
   trace.precision = options.precision;
+  trace.max_bytes = options.max_bytes;
   trace.threads = options.threads;
   trace.newton_tolerance = options.newton_tolerance;
   trace.uv = options.uv;
@@ -102,7 +104,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const V
 
   // Light.
   const Clock::time_point shade_start = Clock::now();
-  Result<Image8> image = Develop(passes.color(), color_frame, FaceColors(scene.model()), view.grid, options);
+  Result<Image8> image = Develop(passes.color(), color_frame, colors, view.grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -128,10 +130,11 @@ std::vector<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleB
   return faces;
 }
 
-Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses& direct,
+// `direct` lends its faces to a foreign mesh; null for one that names its own.
+Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
                                  const std::vector<Color>& colors, const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
-  const SampleGrid grid = direct.view.grid;
+  const SampleGrid grid = GridOf(options.samples);
   BaselineView view;
 
   // The pixel-centre pass.
@@ -158,7 +161,7 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
 
   // Light.
   const Clock::time_point shade_start = Clock::now();
-  if (!scene.mesh().from_model) color.face = BorrowFaces(direct.color(), color);
+  if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
   Result<Image8> image = Develop(color, color_frame, colors, grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
@@ -189,9 +192,21 @@ std::vector<Color> FaceColors(const Model& model) {
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   try {
-    Result<DirectPasses> passes = RunDirect(scene, camera, options);
+    Result<DirectPasses> passes = RunDirect(scene, camera, FaceColors(scene.model()), options);
     if (!passes.ok()) return passes.error();
     return std::move(passes).value().view;
+  } catch (const std::bad_alloc&) {
+    return OutOfMemory(camera);
+  }
+}
+
+Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& model, const Camera& camera,
+                                const ViewOptions& options) {
+  if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
+  if (!baseline.mesh().from_model)
+    return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
+  try {
+    return RunBaseline(baseline, camera, nullptr, FaceColors(model), options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -205,9 +220,10 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     ViewComparison comparison;
     comparison.camera = camera;
     const std::vector<Color> colors = FaceColors(scene.model());
-    Result<DirectPasses> direct = RunDirect(scene, camera, options);
+    Result<DirectPasses> direct = RunDirect(scene, camera, colors, options);
     if (!direct.ok()) return direct.error();
-    Result<BaselineView> meshed = RunBaseline(baseline, camera, direct.value(), colors, options);
+    Result<BaselineView> meshed = RunBaseline(
+        baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), colors, options);
     if (!meshed.ok()) return meshed.error();
     comparison.direct = std::move(direct.value().view);
     comparison.baseline = std::move(meshed).value();

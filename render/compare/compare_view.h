@@ -31,7 +31,8 @@ namespace facetless {
 struct ViewOptions {
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   Precision precision = Precision::kStandard;
-  int threads = 0;  // 0: all cores
+  std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // what the leaves of a view may take
+  int threads = 0;                                      // 0: all cores
   bool edges = false;
   Background background = Background::kStudio;
   double newton_tolerance = 0;  // as DirectOptions
@@ -80,6 +81,11 @@ struct ViewComparison {
 
 // Errors: those of TraceDirect and Shade; kBadUsage (options).
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options);
+
+// The baseline alone, of a mesh that names the model's faces (Mesh::from_model). Errors: those of TraceBaseline
+// and Shade; kBadUsage (options, a foreign mesh).
+Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& model, const Camera& camera,
+                                const ViewOptions& options);
 
 // Errors: those of RenderView, TraceBaseline, ComputeDifference and DrawDifference.
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,

@@ -197,6 +197,30 @@ const viewSection = (view, pictureOf) => {
     view.difference ? worstFaces(view.difference.faces) : null);
 };
 
+// One view of `facetless trade`: the answers, both plots, and all points.
+const tradeSection = (view, trade, pictureOf) => {
+  const points = trade.points.filter((point) => point.view === view.name);
+  const kinds = [["time", "Time against error"], ["memory", "Memory against error"]];
+  const plot = ([kind, title]) =>
+    element("figure", { class: "plot" }, element("img", { src: pictureOf(view, kind), alt: `${title}, view ${view.name}; the table below has the numbers` }));
+  const row = (point) => {
+    if (!point.measured) return [point.name, ...Array(10).fill("–"), point.skipped];
+    const t = point.timing_ms;
+    return [point.name, milliseconds(t.prepare), milliseconds(t.trace), milliseconds(t.shade), milliseconds(t.total), bytes(point.peak_bytes),
+      number(point.deviation_mm.mean_abs), number(point.deviation_mm.p95), number(point.deviation_mm.p99), number(point.deviation_mm.max),
+      `${number(point.silhouette.pixels)} (${number(point.silhouette.max_distance_px)})`, number(point.flip.mean),
+      [point.pareto.time && "time", point.pareto.memory && "memory"].filter(Boolean).join(", ")];
+  };
+  return element("section", { class: "view" },
+    element("div", { class: "bar" }, element("h2", {}, view.name), element("span", { class: "facts" }, cameraText(view.camera))),
+    element("ul", { class: "answers" }, ...view.sentences.map((sentence) => element("li", {}, sentence))),
+    element("div", { class: "plots" }, ...kinds.map(plot)),
+    element("h3", {}, "All points"),
+    table(["Setting", "prepare", "trace", "shade", "total", "memory", "error mean, mm", "p95", "p99", "max", "outline px (farthest)", "FLIP", "unbeaten in"], points.map(row)),
+    element("p", { class: "facts" }, `Errors are distances to the exact surface: direct, certified, the same ${number(view.reference.hits)} hits. Times are the median of ${number(Math.max(...points.map((p) => p.repetitions || 1)))} runs where a run is short, with one sample per pixel; ` +
+      `prepare is meshing and its tree, or patches, trimming and leaves. Reading the file (${milliseconds(trade.shared_ms.read + trade.shared_ms.transfer)}) is in none. Meshing runs on one thread.`));
+};
+
 const showReport = (root, report, pictureOf) => {
   const model = report.model;
   const lost = ["faces_skipped", "loops_lost", "edges_lost"].reduce((sum, key) => sum + (model[key] || []).length, 0);
@@ -208,7 +232,7 @@ const showReport = (root, report, pictureOf) => {
     element("p", { class: "facts" }, ...facts.map((fact) => element("span", {}, fact))),
     element("p", {}, element("span", { class: lost || broken ? "pill bad" : "pill" }, broken ? "thresholds broken" : lost ? `${number(lost)} lost` : "nothing lost")),
     lossNotice(model), verdictNotice(report.verdict),
-    ...report.views.map((view) => viewSection(view, pictureOf)),
+    ...report.views.map((view) => (report.trade ? tradeSection(view, report.trade, pictureOf) : viewSection(view, pictureOf))),
     element("details", {}, element("summary", {}, "Surfaces, warnings and the whole report as JSON"),
       surfaces.length ? table(["Surface", "faces"], surfaces.map(([kind, count]) => [kind, number(count)])) : null,
       ...(model.warnings || []).slice(0, 50).map((warning) => element("p", { class: "facts" }, warning)),
