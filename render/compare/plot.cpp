@@ -265,7 +265,10 @@ class Drawing {
   }
 
   void Markers() {
-    for (const PlotPoint& point : plot_.points) Marker(X(point), Y(point), point.series, point.filled);
+    // Those on the front on top.
+    for (const bool filled : {false, true})
+      for (const PlotPoint& point : plot_.points)
+        if (point.filled == filled) Marker(X(point), Y(point), point.series, filled);
   }
 
   // Points of one series that lie on each other share a label: their names, one below the other.
@@ -423,6 +426,10 @@ Result<std::string> PlotSvg(const LogPlot& plot) {
   cairo_surface_finish(surface.get());
   if (const cairo_status_t status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS)
     return CannotWrite(status);
+  // Cairo numbers its surfaces through the life of the process.
+  const std::string id = "id=\"surface";
+  if (const std::size_t at = bytes.find(id); at != std::string::npos)
+    bytes.erase(at + id.size(), bytes.find('"', at + id.size()) - at - id.size());
   return bytes;
 }
 

@@ -40,9 +40,9 @@ std::vector<LabelPlace> PlaceLabels(const std::vector<LabelRequest>& labels,
         const PlotBox box = Hung(label.x + side[0] * reach * shrink, label.y + side[1] * reach * shrink,
                                  side[0], side[1], label);
         const double area = box.width * box.height;
-        double cost = 3 * (area - OverlapArea(box, bounds));
-        for (const LabelPlace& placed : places) cost += 2 * OverlapArea(box, placed.box);
-        for (const PlotBox& obstacle : obstacles) cost += OverlapArea(box, obstacle);
+        double cost = 20 * (area - OverlapArea(box, bounds));
+        for (const LabelPlace& placed : places) cost += 20 * OverlapArea(box, placed.box);
+        for (const PlotBox& obstacle : obstacles) cost += 2 * OverlapArea(box, obstacle);
         // A ring farther out is worth an eighth of the label's area.
         cost += ring * area / 8;
         if (cost < least) {

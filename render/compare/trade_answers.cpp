@@ -26,8 +26,9 @@ std::optional<std::size_t> CheapestWithin(const std::vector<TradePoint>& points,
   return best;
 }
 
-// y at x on the line through two points, all in logarithms. Requires positive numbers and x0 ≠ x1.
+// y at x on the line through two points, all in logarithms. Requires positive numbers, and x between x0 and x1.
 double LogInterpolate(double x, double x0, double y0, double x1, double y1) {
+  if (x0 == x1) return y1;
   const double t = (std::log(x) - std::log(x0)) / (std::log(x1) - std::log(x0));
   return std::exp(std::log(y0) + t * (std::log(y1) - std::log(y0)));
 }
@@ -209,32 +210,42 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   }
   answer.finest_mm = error_of(front.back());
 
-  // From the finest mesh to coarser ones, as long as direct is cheaper.
-  std::size_t first = front.size();
-  while (first > 0 && DirectCost(points, cost, error_of(front[first - 1]), context) <
-                          CostOf(points[front[first - 1]], cost))
-    --first;
-  if (first == front.size() || first == 0) {
-    answer.kind = first == 0 ? Crossover::kAlwaysDirect : Crossover::kAlwaysMesh;
+  // Between breakpoints what direct costs is constant, and what the mesh costs falls as errors grow: so direct is cheaper up to a
+  // breakpoint if it is there, with what is good enough below it.
+  std::vector<double> breakpoints;
+  for (const std::size_t i : front) breakpoints.push_back(error_of(i));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].measured() && error_of(i) > *answer.finest_mm && error_of(i) < error_of(front.front()))
+      breakpoints.push_back(error_of(i));
+  std::sort(breakpoints.begin(), breakpoints.end());
+  const auto mesh_cost = [&](double error) {
+    std::size_t k = 1;
+    while (k + 1 < front.size() && error_of(front[k]) > error) ++k;
+    return LogInterpolate(error, error_of(front[k - 1]), CostOf(points[front[k - 1]], cost),
+                          error_of(front[k]), CostOf(points[front[k]], cost));
+  };
+  if (!(DirectCost(points, cost, *answer.finest_mm, context) < CostOf(points[front.back()], cost))) {
+    answer.kind = Crossover::kAlwaysMesh;
     answer.sentence = CrossoverSentence(points, answer, context, front);
     return answer;
   }
-
-  // Between the two neighbours, halve the interval of log(error) until the costs meet.
-  answer.kind = Crossover::kAt;
-  answer.coarser = front[first - 1];
-  answer.finer = front[first];
-  const double coarse = error_of(*answer.coarser), fine = error_of(*answer.finer);
-  const double coarse_cost = CostOf(points[*answer.coarser], cost),
-               fine_cost = CostOf(points[*answer.finer], cost);
-  double low = std::log(fine), high = std::log(coarse);
-  // Each step halves the interval; a double has no more halves than this.
-  for (int step = 0; step < 60 && coarse > fine && fine > 0; ++step) {
-    const double middle = 0.5 * (low + high), error = std::exp(middle);
-    const double mesh_cost = LogInterpolate(error, coarse, coarse_cost, fine, fine_cost);
-    (DirectCost(points, cost, error, context) < mesh_cost ? low : high) = middle;
+  answer.kind = Crossover::kAlwaysDirect;
+  for (std::size_t k = 0; k + 1 < breakpoints.size() && answer.kind == Crossover::kAlwaysDirect; ++k) {
+    const double direct_cost = DirectCost(points, cost, breakpoints[k], context);
+    if (breakpoints[k] == breakpoints[k + 1] || direct_cost < mesh_cost(breakpoints[k + 1])) continue;
+    // Halve the interval of log(error) until the costs meet. A double has no more halves than this.
+    answer.kind = Crossover::kAt;
+    double low = std::log(breakpoints[k]), high = std::log(breakpoints[k + 1]);
+    for (int step = 0; step < 60; ++step) {
+      const double middle = 0.5 * (low + high);
+      (direct_cost < mesh_cost(std::exp(middle)) ? low : high) = middle;
+    }
+    answer.error_mm = std::exp(low);
+    std::size_t finer = 1;
+    while (finer + 1 < front.size() && error_of(front[finer]) > *answer.error_mm) ++finer;
+    answer.coarser = front[finer - 1];
+    answer.finer = front[finer];
   }
-  answer.error_mm = std::exp(low);
   answer.sentence = CrossoverSentence(points, answer, context, front);
   return answer;
 }

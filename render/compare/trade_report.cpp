@@ -174,8 +174,8 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
   plot.x_title =
       std::string("error: distance to the exact surface, mm (") + MeasureText(view.context.measure) + ")";
   plot.y_title = time ? "total time for the view" : "peak memory";
-  plot.front_title =
-      time ? "nothing is both faster and more accurate" : "nothing is both smaller and more accurate";
+  plot.front_title = time ? "nothing measured is both faster and more accurate"
+                          : "nothing measured is both smaller and more accurate";
   plot.y_unit = time ? PlotUnit::kMilliseconds : PlotUnit::kBytes;
   plot.x_floor = view.context.floor_mm;
   plot.pixels_per_mm = 1 / view.context.mm_per_pixel;

@@ -78,6 +78,22 @@ TEST(MeshFile, OneMeshPerPartOnePrimitivePerFaceOneNodePerInstance) {
   EXPECT_EQ(gltf.asset.extras.Get("deflection_mm").GetNumberAsDouble(), 0.1);
 }
 
+TEST(MeshFile, TellsWhatTheMesherNeedsWithoutWhatWasReadBefore) {
+  const TemporaryFolder folder;
+  const Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, 0), 10).Shape());
+  ASSERT_TRUE(conversion.ok());
+  // Memory of the process that the mesher has no part in, and memory that was free before it began.
+  const std::vector<char> held(64 << 20, 'x');
+  { const std::vector<char> freed(64 << 20, 'x'); }
+  const Result<MeshReport> report =
+      WriteMesh(conversion.value(), {1e-4, 20}, folder.File("a.glb"), [](double) {});
+  ASSERT_TRUE(report.ok());
+  // Above a hundred thousand triangles, three indices each, and far below what else the process holds.
+  EXPECT_GT(report.value().triangles, 100'000u);
+  EXPECT_GT(report.value().peak_bytes, 12 * report.value().triangles);
+  EXPECT_LT(report.value().peak_bytes, held.size() + 1000 * report.value().triangles);
+}
+
 TEST(MeshFile, SphereNodesLieOnTheSphereWithItsNormals) {
   const TemporaryFolder folder;
   const Result<Conversion> conversion =

@@ -41,6 +41,25 @@ TEST(Options, HaveTheDocumentedDefaults) {
   EXPECT_FALSE(options.fail.deviation_mm.has_value());
 }
 
+TEST(Options, TakeListsOfNumbersForATrade) {
+  const TradeOptions defaults = Parsed("{}").trade;
+  EXPECT_EQ(defaults.deflections, (std::vector<double>{1e-2, 1e-3, 1e-4, 1e-5, 1e-6}));
+  EXPECT_EQ(defaults.budget_s, 60);
+  EXPECT_FALSE(defaults.limits.error_px.has_value());
+  const TradeOptions trade = Parsed(R"({"deflections":"1e-2,0.003","angles":[30,5],"tolerances":1e-4,
+    "budget-seconds":5,"max-error-mm":0.1,"error-measure":"max"})")
+                                 .trade;
+  EXPECT_EQ(trade.deflections, (std::vector<double>{1e-2, 0.003}));
+  EXPECT_EQ(trade.angles_deg, (std::vector<double>{30, 5}));
+  EXPECT_EQ(trade.tolerances, std::vector<double>{1e-4});
+  EXPECT_EQ(trade.limits.error_mm, 0.1);
+  EXPECT_EQ(trade.measure, ErrorMeasure::kMax);
+  EXPECT_THAT(MessageOf(R"({"deflections":"1e-2,"})"), HasSubstr("deflections is \"\""));
+  EXPECT_THAT(MessageOf(R"({"angles":[]})"), HasSubstr("angles is an empty list"));
+  EXPECT_THAT(MessageOf(R"({"tolerances":[2]})"), HasSubstr("from 1e-13 to 0.001"));
+  EXPECT_THAT(MessageOf(R"({"error-measure":"p50"})"), HasSubstr("mean, p95, p99, max"));
+}
+
 TEST(Options, AreReadByName) {
   const RunOptions options =
       Parsed(R"({"view":["front","top"],"size":"320x200","projection":"perspective","samples":9,
