@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "render/baseline/mesh_file.h"
@@ -41,6 +43,12 @@ struct Tessellation {
   std::string over_budget;
 };
 
+// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
+double LoadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
 class Sweep {
  public:
   Sweep(const ImportRequest& request, const ImportedModel& imported, const RunOptions& options,
@@ -73,6 +81,7 @@ class Sweep {
 
   Result<void> Measure() {
     if (auto made = MakeDirectories(directory_); !made) return made.error();
+    load_at_start_ = LoadAverage();
     auto cameras = ResolveCameras(options_, model().bounds);
     if (!cameras) return cameras.error();
     const std::vector<TradeSetting> direct = DirectSettings(trade().tolerances),
@@ -172,7 +181,7 @@ class Sweep {
   // Why a setting need not be tried; empty if it must.
   std::string RefusedBefore(const TradeSetting& setting) const {
     for (const TradeSetting& refused : over_budget_)
-      if (AtLeastAsFine(setting, refused))
+      if (Refines(setting, refused))
         return "not tried, since " + SettingName(refused) + " exceeded its budget";
     return "";
   }
@@ -286,6 +295,7 @@ class Sweep {
     TradeLimits limits = trade().limits;
     if (!limits.error_mm && !limits.error_px) limits.error_px = kDefaultLimitPx;
     TradeResult result;
+    result.text = BusyText();
     Json views = Json::array(), points = Json::array(), answers = Json::array();
     for (TradeView& view : views_) {
       AnswerQuestions(view, limits);
@@ -316,10 +326,20 @@ class Sweep {
                          {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
                        {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
                        {"mesher_threads", 1},
+                       {"load_at_start", load_at_start_},
                        {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
                      {"verdict", VerdictJson(options_, LossCount(model()), {})}};
     if (auto written = WriteReport(result.report, directory_); !written) return written.error();
     return result;
+  }
+
+  // A sentence if other programs had work for more than half of a core. Reading the file is part of the minute, too.
+  std::string BusyText() const {
+    constexpr double kQuiet = 1.5;
+    if (load_at_start_ <= kQuiet) return "";
+    return "The machine had other work (load " + NumberText(load_at_start_) + " on " +
+           std::to_string(std::thread::hardware_concurrency()) +
+           " cores): times are longer than they need be.\n";
   }
 
   // The view's entry of the report; writes its picture and plots.
@@ -367,7 +387,7 @@ class Sweep {
   Deadline deadline_;
   std::vector<TradeView> views_;
   std::vector<TradeSetting> over_budget_;
-  double scene_ms_ = 0, last_mesh_ms_ = 0;
+  double scene_ms_ = 0, last_mesh_ms_ = 0, load_at_start_ = 0;
   int steps_ = 0, steps_done_ = 0;
 };
 

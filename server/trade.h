@@ -3,7 +3,7 @@
 //  1. DIR receives report.json (with "trade"), report.html, for each view NAME.direct.png (the reference), and
 //     trade-time and trade-memory as .svg and .png; with several views NAME.trade-time and so on.
 //  2. Each tessellation is an import of its own, so that one that explodes takes none of the others with it. They are made coarse
-//     first; what is nowhere coarser than one that exceeded its budget is not tried. A point that was not measured is in
+//     first; what refines one that exceeded its budget is not tried. A point that was not measured is in
 //     the report with its reason.
 //  3. The budgets are of a point: seconds of meshing, of building the tree, of one view traced and shaded; bytes of the mesher beyond what
 //     reading the file takes, of the mesh and its tree, of the leaves. The reference has no budget but options.timeout_s.

@@ -123,9 +123,9 @@ std::vector<TradeSetting> DirectSettings(std::vector<double> tolerances) {
   return settings;
 }
 
-bool AtLeastAsFine(const TradeSetting& a, const TradeSetting& b) {
-  return a.tracer == Tracer::kMesh && b.tracer == Tracer::kMesh && a.deflection <= b.deflection &&
-         a.angular_deg <= b.angular_deg;
+bool Refines(const TradeSetting& a, const TradeSetting& b) {
+  if (a.tracer != Tracer::kMesh || b.tracer != Tracer::kMesh) return false;
+  return a.deflection < b.deflection || (a.deflection == b.deflection && a.angular_deg <= b.angular_deg);
 }
 
 }  // namespace facetless

@@ -89,7 +89,8 @@ std::vector<TradeSetting> MeshSettings(std::vector<double> deflections, std::vec
 // fast, standard with each tolerance, standard, certified.
 std::vector<TradeSetting> DirectSettings(std::vector<double> tolerances);
 
-// True if `a` asks for nothing coarser than `b`: what b's budget did not allow, a's will not.
-bool AtLeastAsFine(const TradeSetting& a, const TradeSetting& b);
+// True if `a` is a mesh that refines `b`: a smaller deflection, or the same with no wider an angle. What b's budget did not allow, a's
+// would hardly.
+bool Refines(const TradeSetting& a, const TradeSetting& b);
 
 }  // namespace facetless

@@ -218,7 +218,7 @@ const tradeSection = (view, trade, pictureOf) => {
     element("h3", {}, "All points"),
     table(["Setting", "prepare", "trace", "shade", "total", "memory", "error mean, mm", "p95", "p99", "max", "outline px (farthest)", "FLIP", "unbeaten in"], points.map(row)),
     element("p", { class: "facts" }, `Errors are distances to the exact surface: direct, certified, the same ${number(view.reference.hits)} hits. Times are the median of ${number(Math.max(...points.map((p) => p.repetitions || 1)))} runs where a run is short, with one sample per pixel; ` +
-      `prepare is meshing and its tree, or patches, trimming and leaves. Reading the file (${milliseconds(trade.shared_ms.read + trade.shared_ms.transfer)}) is in none. Meshing runs on one thread.`));
+      `prepare is meshing and its tree, or patches, trimming and leaves. Reading the file (${milliseconds(trade.shared_ms.read + trade.shared_ms.transfer)}) is in none. Meshing runs on one thread.` + (trade.load_at_start > 1.5 ? ` The machine had other work meanwhile: its load was ${number(trade.load_at_start)}.` : "")));
 };
 
 const showReport = (root, report, pictureOf) => {

@@ -108,11 +108,13 @@ TEST(DirectSettings, HoldEveryPrecisionAndTolerance) {
       ElementsAre("fast", "standard, tolerance 1e-3", "standard, tolerance 1e-8", "standard", "certified"));
 }
 
-TEST(AtLeastAsFine, NeedsBothDeflectionAndAngle) {
+TEST(Refines, LooksAtTheDeflectionFirst) {
   const TradeSetting refused = {.tracer = Tracer::kMesh, .deflection = 1e-4, .angular_deg = 12};
-  EXPECT_TRUE(AtLeastAsFine({.tracer = Tracer::kMesh, .deflection = 1e-5, .angular_deg = 12}, refused));
-  EXPECT_FALSE(AtLeastAsFine({.tracer = Tracer::kMesh, .deflection = 1e-5, .angular_deg = 30}, refused));
-  EXPECT_FALSE(AtLeastAsFine({.precision = Precision::kCertified}, refused));
+  EXPECT_TRUE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-5, .angular_deg = 30}, refused));
+  EXPECT_TRUE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-4, .angular_deg = 5}, refused));
+  EXPECT_FALSE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-4, .angular_deg = 30}, refused));
+  EXPECT_FALSE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-3, .angular_deg = 5}, refused));
+  EXPECT_FALSE(Refines({.precision = Precision::kCertified}, refused));
 }
 
 }  // namespace

@@ -160,6 +160,7 @@ TEST(Layering, EachLibraryHasOneHome) {
   EXPECT_THAT(IncludersOutside("assimp/.*", {"render/baseline/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("(flatbuffers/.*|.*_generated\\.h)", {"render/model/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("hwy/.*", {"render/kernels/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("cairo.*", {"render/compare/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("openssl/.*", {"server/", "import/"}), IsEmpty());
 }
 
