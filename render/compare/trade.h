@@ -49,7 +49,8 @@ struct TradePoint {
   double mesh_ms = 0, build_ms = 0;                    // mesh
   double convert_ms = 0, scene_ms = 0, leaves_ms = 0;  // direct
   double model_ms = 0, prepare_ms = 0, trace_ms = 0, shade_ms = 0, total_ms = 0;
-  double picture_ms = 0;  // the antialiased picture that FLIP looks at; not in total_ms
+  double fastest_ms = 0, slowest_ms = 0;  // of the repetitions of leaves, trace and shade
+  double picture_ms = 0;                  // the antialiased picture that FLIP looks at; not in total_ms
   std::uint64_t mesher_peak_bytes = 0, tracer_peak_bytes = 0;
   std::uint64_t peak_bytes = 0;  // the larger of the two: the mesher is done before the tracer begins
   double deflection_mm = 0;      // of the mesh

@@ -81,6 +81,8 @@ Result<void> Repeat(const Run& run, TradePoint& point) {
   point.repetitions = static_cast<int>(runs.size());
   std::sort(runs.begin(), runs.end(), [](const Times& a, const Times& b) { return a.total() < b.total(); });
   const Times& median = runs[runs.size() / 2];
+  point.fastest_ms = runs.front().total();
+  point.slowest_ms = runs.back().total();
   point.leaves_ms = median.leaves_ms;
   point.trace_ms = median.trace_ms;
   point.shade_ms = median.shade_ms;
@@ -138,7 +140,7 @@ Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera
       std::max(frame.pixel_x, frame.pixel_y) * (perspective ? Length(camera.target - camera.eye) : 1.0);
   // A certified root is known to the solver's tolerance, in the parameters of a leaf that is no larger than the model. The
   // factor 4 is for the depth's own rounding.
-  reference.floor_mm = 4 * kSolverTolerance * scene.model().Diagonal();
+  reference.floor_mm = 4 * kDoubleArithmetic.tolerance * scene.model().Diagonal();
   return reference;
 }
 

@@ -91,6 +91,8 @@ json TradePointJson(const TradePoint& point, const std::string& view) {
                       {"shade", point.shade_ms},     {"total", point.total_ms},
                       {"model", point.model_ms},     {"next_view", point.total_ms - point.model_ms},
                       {"picture", point.picture_ms}};
+  out["timing_ms"]["fastest_view"] = point.fastest_ms;
+  out["timing_ms"]["slowest_view"] = point.slowest_ms;
   if (mesh) {
     out["mesh_repetitions"] = point.mesh_repetitions;
     out["timing_ms"]["mesh"] = point.mesh_ms;

@@ -89,6 +89,8 @@ TEST_F(TradeOnABall, CertifiedIsItsOwnReference) {
   EXPECT_EQ(point.flip_mean, 0);
   EXPECT_EQ(point.repetitions, kRepetitions);
   EXPECT_GT(point.total_ms, 0);
+  EXPECT_LE(point.fastest_ms, point.total_ms);
+  EXPECT_GE(point.slowest_ms, point.total_ms);
   EXPECT_GT(point.leaves, 0u);
   EXPECT_GT(point.peak_bytes, 0u);
 }
