@@ -1,9 +1,10 @@
-// Tensor-product Bézier nets of several components, and their two elementary operations: halving and the
-// change to centred monomials.
+// Tensor-product Bézier nets of several components, and their two elementary operations: halving,
+// extending, and the change to centred monomials.
 //
 //  1. A net holds `components` planes of (degree_u+1)·(degree_v+1) coefficients, u-major:
 //     value[c][k·(degree_v+1) + l].
 //  2. Halving is de Casteljau's at 1/2: both halves share the coefficients of the new border bit by bit.
+//     Extending leaves the coefficients of a border that it doesn't move as they are.
 //  3. Everything here is plain multiplication and addition in a fixed order: the same bytes on every machine.
 //  4. `error[c]` bounds how far each coefficient of component c lies from that of the exact surface: whoever
 //     fills a net states it, and halving adds its own rounding.
@@ -36,6 +37,10 @@ double MaxAbs(const double* values, int count);
 // Halves `net` at the middle of one direction into `low` and `high`, which have its degrees and storage of
 // their own, and their errors.
 void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high);
+
+// Re-expresses component `c` of `net`, and its error, over [−low, 1 + high] of one direction's parameter; low, high >= 0, and
+// small, because extrapolation magnifies rounding by (1 + 2·(low + high))^degree.
+void Extend(BezierNet* net, NetComponent c, Direction direction, double low, double high);
 
 // Row i of the matrix that takes the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i,
 // where s = 2t − 1 ∈ [−1,1]. Entries are integers times 2^−degree, hence exact.

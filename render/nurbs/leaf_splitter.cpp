@@ -14,10 +14,6 @@ constexpr int kMaxLevels = 64;
 // the overlap of neighbouring leaves.
 constexpr double kBoxSlack = 0x1p-20;
 
-// Room between the reach of a leaf past its border and the end of what its bounds cover, for the ball in which
-// a root is proven to exist.
-constexpr double kReach = (kEnlarged - 1) * 0.9375;
-
 constexpr std::size_t kArenaBlock = 1 << 15;  // doubles
 
 }  // namespace
@@ -161,7 +157,8 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
   leaves_ = leaves;
   arena_ = arena;
   Node* root = Level(0, 0);
-  root->u_mid = root->u_half = root->v_mid = root->v_half = 0.5;
+  root->u_mid = 0.5 * (patch.u_low + patch.u_high), root->u_half = 0.5 * (patch.u_high - patch.u_low);
+  root->v_mid = 0.5 * (patch.v_low + patch.v_high), root->v_half = 0.5 * (patch.v_high - patch.v_low);
   root->level = 0;
   root->trim = patch.trim_class;
   Visit(*root);
@@ -177,11 +174,7 @@ void LeafSplitter::Visit(const Node& node) {
   const ScreenBox box = Project(net, window_, patch_->rule);
   int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
   if (box.in_front) {
-    const double scale = window_.perspective ? std::max(box.near_depth, window_.near_depth) : 1;
-    // No leaf reaches farther past its border than an eighth of its size: kEnlarged − 1 on a side of 2, twice
-    // for its curvature.
-    const double size = std::max(box.x_high - box.x_low, box.y_high - box.y_low);
-    const double slack = kBoxSlack + box.error + std::min(patch_->extend_px / scale, size / 8);
+    const double slack = kBoxSlack + box.error;
     const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
     const auto last = [](double high, double half) {
       return std::min(2 * half, std::floor(high + half - 0.5) + 1);
@@ -237,14 +230,8 @@ void LeafSplitter::Visit(const Node& node) {
       leaf.placed_face = patch_->placed_face;
       leaf.patch = patch_->patch;
       if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
-      // Let the leaf reach past a border of the face as far as the neighbour's edge may lie from it.
-      const auto border = [&](bool ends_there, double extend, double half) {
-        return 1 + leaf.overlap() + (ends_there ? std::min(kReach, extend / half) : 0);
-      };
-      leaf.s_low = -border(node.u_mid - node.u_half == 0, patch_->extend[0], node.u_half);
-      leaf.s_high = border(node.u_mid + node.u_half == 1, patch_->extend[1], node.u_half);
-      leaf.t_low = -border(node.v_mid - node.v_half == 0, patch_->extend[2], node.v_half);
-      leaf.t_high = border(node.v_mid + node.v_half == 1, patch_->extend[3], node.v_half);
+      leaf.s_high = leaf.t_high = 1 + leaf.overlap();
+      leaf.s_low = leaf.t_low = -leaf.s_high;
       const std::size_t count = static_cast<std::size_t>(leaf.planes()) * net.points();
       if (!hard && window_.arithmetic.epsilon == kFloatArithmetic.epsilon) {
         float* coefficients = arena_->AllocateFloats(count);

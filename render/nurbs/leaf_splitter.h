@@ -62,11 +62,9 @@ struct SplitPatch {
   const FaceTrim* trim = nullptr;
   RectClass trim_class = RectClass::kMixed;  // of the whole patch
   std::uint32_t placed_face = 0, patch = 0;
-  // How far, in samples (perspective: at a depth of 1 mm) and in each Bézier parameter, the patch may be
-  // continued past its borders (u low, u high, v low, v high) where the face ends there and its edges lie off
-  // the surface by a gap. 0: not at all.
-  double extend_px = 0;
-  double extend[4] = {0, 0, 0, 0};
+  // The Bézier parameters that the net spans: beyond [0,1] where the patch is continued past the border of its
+  // face.
+  double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
 };
 
 class LeafSplitter {

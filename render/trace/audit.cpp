@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "render/trace/tile_tracer.h"
@@ -13,16 +14,9 @@
 namespace facetless {
 namespace {
 
-// A crossing made independent of the view that found it.
-struct Hit {
-  std::uint32_t sample, placed_face;
-  double depth, error;
-  bool on_border;  // may be a twin
-};
-
 // The roots of one view, sorted by sample and depth, twins removed.
-std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
-                         const CameraFrame& frame, TileKernel kernel) {
+std::vector<AuditHit> Collect(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
+                              const CameraFrame& frame, TileKernel kernel) {
   const TraceShared shared(scene, view, camera, frame);
   struct Worker {
     Worker(const TraceShared& s, TileKernel k) : tracer(s, k, /*certify=*/false) {}
@@ -35,7 +29,7 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
     worker.tracer.Trace(tile, &worker.crossings);
   });
 
-  std::vector<Hit> hits;
+  std::vector<AuditHit> hits;
   for (const Worker& worker : workers) {
     for (const Crossing& crossing : worker.crossings) {
       const Leaf& leaf = view.tiles->leaves()[crossing.leaf];
@@ -49,9 +43,10 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
       hits.push_back({crossing.sample, leaf.placed_face, crossing.hit.depth, error, on_border});
     }
   }
-  const auto key = [](const Hit& h) { return std::tie(h.sample, h.placed_face, h.depth); };
-  tbb::parallel_sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) { return key(a) < key(b); });
-  const auto twin = [](const Hit& a, const Hit& b) {
+  const auto key = [](const AuditHit& h) { return std::tie(h.sample, h.placed_face, h.depth); };
+  tbb::parallel_sort(hits.begin(), hits.end(),
+                     [&](const AuditHit& a, const AuditHit& b) { return key(a) < key(b); });
+  const auto twin = [](const AuditHit& a, const AuditHit& b) {
     return a.sample == b.sample && a.placed_face == b.placed_face && a.on_border && b.on_border &&
            std::fabs(a.depth - b.depth) <= a.error + b.error;
   };
@@ -60,7 +55,7 @@ std::vector<Hit> Collect(const Scene::Data& scene, const PreparedView& view, con
 }
 
 // Samples at which some placed closed solid is crossed an odd number of times.
-std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<Hit>& hits) {
+std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<AuditHit>& hits) {
   std::vector<std::uint32_t> odd;
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       solids;  // (instance, solid) of each crossing of the sample
@@ -93,7 +88,7 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   const Model& model = *scene.model;
   AuditResult result;
   result.has_closed_solid = scene.has_closed_solid;
-  std::vector<Hit> forward = Collect(scene, view, camera, frame, kernel);
+  std::vector<AuditHit> forward = Collect(scene, view, camera, frame, kernel);
   result.crossings = forward.size();
   result.odd_samples = OddSamples(model, forward);
 
@@ -104,15 +99,15 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   if (orthographic) behind.forward = -frame.forward;
   const Result<PreparedView> opposite = PrepareView(scene, camera, behind, options);
   if (!opposite.ok()) return opposite.error();
-  std::vector<Hit> backward = Collect(scene, opposite.value(), camera, behind, kernel);
-  for (Hit& hit : backward) {
+  std::vector<AuditHit> backward = Collect(scene, opposite.value(), camera, behind, kernel);
+  for (AuditHit& hit : backward) {
     const std::uint32_t row = hit.sample / camera.width_px, column = hit.sample % camera.width_px;
     hit.sample = row * camera.width_px + (camera.width_px - 1 - column);
     if (orthographic) hit.depth = -hit.depth;
   }
 
   // Compare sample by sample: the depths, sorted, must agree one by one.
-  const auto by_depth = [](const Hit& a, const Hit& b) {
+  const auto by_depth = [](const AuditHit& a, const AuditHit& b) {
     return std::tie(a.sample, a.depth) < std::tie(b.sample, b.depth);
   };
   tbb::parallel_sort(forward.begin(), forward.end(), by_depth);
@@ -133,6 +128,16 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
     }
     if (!same) result.mismatched_samples.push_back(sample);
   }
+
+  // Keep the crossings of the samples in question.
+  const auto in_question = [&](const AuditHit& hit) {
+    const auto among = [&](const std::vector<std::uint32_t>& samples) {
+      return std::binary_search(samples.begin(), samples.end(), hit.sample);
+    };
+    return among(result.odd_samples) || among(result.mismatched_samples);
+  };
+  std::copy_if(forward.begin(), forward.end(), std::back_inserter(result.forward), in_question);
+  std::copy_if(backward.begin(), backward.end(), std::back_inserter(result.backward), in_question);
   return result;
 }
 

@@ -20,11 +20,20 @@ namespace facetless {
 
 inline constexpr double kReverseTolerance = 1e-9;
 
+// A crossing, as the forward view counts depth and samples.
+struct AuditHit {
+  std::uint32_t sample, placed_face;
+  double depth, error;  // mm
+  bool on_border;       // may be a twin (law 3)
+};
+
 struct AuditResult {
   bool has_closed_solid = false;
   std::uint64_t crossings = 0;
   std::vector<std::uint32_t> odd_samples;  // row·width + column, ascending
   std::vector<std::uint32_t> mismatched_samples;
+  // All crossings of those samples, by sample and depth, as seen from the front and from behind.
+  std::vector<AuditHit> forward, backward;
 };
 
 // `view` is the forward view, prepared for `frame`. Errors: those of PrepareView.

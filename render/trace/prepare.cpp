@@ -100,7 +100,7 @@ class Preparation {
     for (int corner = 0; corner < 8; ++corner) {
       const auto p = projection({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                  corner & 4 ? box.high.z : box.low.z, 1});
-      // One sample of slack on every side: extensions past the border and rounding are far smaller.
+      // One sample of slack on every side: rounding is far smaller.
       const double limit_x = (window_.half_width + 1) * p.w, limit_y = (window_.half_height + 1) * p.w;
       left = left && p.x < -limit_x;
       right = right && p.x > limit_x;
@@ -159,42 +159,25 @@ class Preparation {
     // An orthographic depth is Q/W.
     if (!window_.perspective && weight_varies && net.value[kQ][0] != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
-    Extend(surface, data, points, i, j, &split);
+    ContinuePastBorder(surface, data, i, j, net, &split);
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
   }
 
-  // Where the face ends with its patch grid, let leaves on that border reach across the gap to the
-  // neighbour's edge.
-  void Extend(const Surface& surface, const FaceData& data, const Vec4* points, std::uint32_t i,
-              std::uint32_t j, SplitPatch* split) const {
-    if (!(data.extend_mm > 0)) return;
-    const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
-    const auto at = [&](int k, int l) {
-      const Vec4& p = points[k * stride + l];
-      return Vec3{p.x / p.w, p.y / p.w, p.z / p.w};
-    };
-    // Slowest speed across each border, from the first row of differences there; a collapsed border has none
-    // to cross.
-    const auto across = [&](bool along_v, bool high) {
-      double slowest = INFINITY;
-      const int count = along_v ? pu : pv, degree = along_v ? pv : pu;
-      for (int k = 0; k <= count; ++k) {
-        const int edge = high ? degree : 0, inner = high ? degree - 1 : 1;
-        const Vec3 d = along_v ? at(k, edge) - at(k, inner) : at(edge, k) - at(inner, k);
-        slowest = std::min(slowest, degree * Length(d));
-      }
-      return slowest > 0 ? data.extend_mm / slowest : 0;
-    };
-    if (!surface.extendable_u) {
-      if (i == 0) split->extend[0] = across(false, false);
-      if (i + 1 == surface.u_spans.count) split->extend[1] = across(false, true);
-    }
-    if (!surface.extendable_v) {
-      if (j == 0) split->extend[2] = across(true, false);
-      if (j + 1 == surface.v_spans.count) split->extend[3] = across(true, true);
-    }
-    if (split->extend[0] + split->extend[1] + split->extend[2] + split->extend[3] > 0) {
-      split->extend_px = 2 * data.extend_mm / std::min(frame_.pixel_x, frame_.pixel_y);
+  // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may lie
+  // there, and the rays between the two are ours.
+  static void ContinuePastBorder(const Surface& surface, const FaceData& data, std::uint32_t i,
+                                 std::uint32_t j, BezierNet& net, SplitPatch* split) {
+    if (i == 0) split->u_low = split->u_map.ToBezier(data.u_low);
+    if (i + 1 == surface.u_spans.count) split->u_high = split->u_map.ToBezier(data.u_high);
+    if (j == 0) split->v_low = split->v_map.ToBezier(data.v_low);
+    if (j + 1 == surface.v_spans.count) split->v_high = split->v_map.ToBezier(data.v_high);
+    // Components that are constant stay so to the bit.
+    for (const NetComponent c : {kX, kY, kW, kQ}) {
+      if ((c == kW && !split->rule.weight_varies) || (c == kQ && !split->rule.depth_varies)) continue;
+      if (split->u_low < 0 || split->u_high > 1)
+        Extend(&net, c, Direction::kU, -split->u_low, split->u_high - 1);
+      if (split->v_low < 0 || split->v_high > 1)
+        Extend(&net, c, Direction::kV, -split->v_low, split->v_high - 1);
     }
   }
 

@@ -3,30 +3,100 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace facetless {
 namespace {
 
-FaceData MakeFaceData(const Model& model, std::uint32_t index) {
-  const Face& face = model.faces[index];
-  const Surface& surface = model.surfaces[face.surface];
-  FaceData data{FaceTrim::Build(model, index), {}, {}, 0};
-  const std::size_t count = std::size_t(surface.PatchCount()) * surface.PointsPerPatch();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec4& p = model.control_points[surface.first_control_point + i];
-    data.bounds.Add({p.x / p.w, p.y / p.w, p.z / p.w});
-  }
-  data.patches.reserve(surface.PatchCount());
-  for (std::uint32_t i = surface.u_spans.first; i < surface.u_spans.end(); ++i) {
-    for (std::uint32_t j = surface.v_spans.first; j < surface.v_spans.end(); ++j) {
-      const Span &u = model.spans[i], &v = model.spans[j];
-      data.patches.push_back(data.trim.Classify(u.begin, u.end, v.begin, v.end));
-    }
-  }
+// A ray that passes an edge within its gap meets the surface within gap/cosine of it. Continuing by this many
+// gaps serves all rays but the most grazing ones.
+constexpr double kContinueGaps = 8;
+// … and no patch is continued by more than this share of its Bézier parameter, where extrapolation is tame.
+constexpr double kMaxContinued = 1.0 / 8;
+
+Vec3 Cartesian(const Vec4& p) {
+  return {p.x / p.w, p.y / p.w, p.z / p.w};
+}
+
+double LargestGap(const Model& model, const Face& face) {
+  double gap = 0;
   for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
     const Range coedges = model.loops[l].coedges;
     for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-      data.extend_mm = std::max(data.extend_mm, model.coedges[c].gap_mm);
+      gap = std::max(gap, model.coedges[c].gap_mm);
+  }
+  return gap;
+}
+
+struct Border {
+  bool across_u, high;
+};
+
+// How far in Bézier parameters the patches at a border are to be continued past it: from the slowest speed
+// across it, by the first differences of control points there. A collapsed border has nothing beyond.
+double ContinueBy(const Model& model, const Surface& surface, Border border, double reach_mm) {
+  const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
+  const std::uint32_t nu = surface.u_spans.count, nv = surface.v_spans.count;
+  const int degree = border.across_u ? pu : pv, last = border.across_u ? pv : pu;
+  const int outer = border.high ? degree : 0, inner = border.high ? degree - 1 : 1;
+  double slowest = INFINITY, ratio = 1;
+  for (std::uint32_t n = 0; n < (border.across_u ? nv : nu); ++n) {
+    const std::uint32_t edge = border.high ? (border.across_u ? nu : nv) - 1 : 0;
+    const std::uint32_t patch = border.across_u ? edge * nv + n : n * nv + edge;
+    const Vec4* points = model.control_points.data() + surface.first_control_point +
+                         std::size_t{patch} * surface.PointsPerPatch();
+    for (int k = 0; k <= last; ++k) {
+      const Vec4& on = points[border.across_u ? outer * stride + k : k * stride + outer];
+      const Vec4& off = points[border.across_u ? inner * stride + k : k * stride + inner];
+      slowest = std::min(slowest, degree * Length(Cartesian(on) - Cartesian(off)));
+    }
+    for (std::uint32_t i = 0; i < surface.PointsPerPatch(); ++i)
+      for (std::uint32_t k = 0; k < i; ++k)
+        ratio = std::max({ratio, points[i].w / points[k].w, points[k].w / points[i].w});
+  }
+  // Weights stay positive: extrapolation by e changes them by less than (1 + 2e)^degree − 1 of the largest.
+  const double tame = std::min(kMaxContinued, 1 / (4 * degree * ratio));
+  return slowest > 0 ? std::min(tame, reach_mm / slowest) : 0;
+}
+
+FaceData MakeFaceData(const Model& model, std::uint32_t index) {
+  const Face& face = model.faces[index];
+  const Surface& surface = model.surfaces[face.surface];
+  FaceData data{FaceTrim::Build(model, index), {}, {}};
+  const std::size_t count = std::size_t(surface.PatchCount()) * surface.PointsPerPatch();
+  for (std::size_t i = 0; i < count; ++i)
+    data.bounds.Add(Cartesian(model.control_points[surface.first_control_point + i]));
+
+  // Continue the grid where the face ends with it.
+  const Span &u_first = model.spans[surface.u_spans.first], &u_last = model.spans[surface.u_spans.end() - 1];
+  const Span &v_first = model.spans[surface.v_spans.first], &v_last = model.spans[surface.v_spans.end() - 1];
+  data.u_low = u_first.begin, data.u_high = u_last.end;
+  data.v_low = v_first.begin, data.v_high = v_last.end;
+  if (const double reach_mm = kContinueGaps * LargestGap(model, face); reach_mm > 0) {
+    const auto by = [&](bool across_u, bool high) {
+      return ContinueBy(model, surface, {across_u, high}, reach_mm);
+    };
+    if (!surface.extendable_u) {
+      data.u_low = BezierToNative(u_first, -by(true, false));
+      data.u_high = BezierToNative(u_last, 1 + by(true, true));
+    }
+    if (!surface.extendable_v) {
+      data.v_low = BezierToNative(v_first, -by(false, false));
+      data.v_high = BezierToNative(v_last, 1 + by(false, true));
+    }
+    // Twice the distance bounds the continuation, which bends little.
+    const Vec3 margin{2 * reach_mm, 2 * reach_mm, 2 * reach_mm};
+    data.bounds = {data.bounds.low - margin, data.bounds.high + margin};
+  }
+
+  data.patches.reserve(surface.PatchCount());
+  for (std::uint32_t i = 0; i < surface.u_spans.count; ++i) {
+    for (std::uint32_t j = 0; j < surface.v_spans.count; ++j) {
+      const Span &u = model.spans[surface.u_spans.first + i], &v = model.spans[surface.v_spans.first + j];
+      data.patches.push_back(data.trim.Classify(
+          i == 0 ? data.u_low : u.begin, i + 1 == surface.u_spans.count ? data.u_high : u.end,
+          j == 0 ? data.v_low : v.begin, j + 1 == surface.v_spans.count ? data.v_high : v.end));
+    }
   }
   return data;
 }

@@ -11,9 +11,11 @@ namespace facetless {
 
 struct FaceData {
   FaceTrim trim;
-  Box3 bounds;                     // of the control points, part coordinates
+  Box3 bounds;                     // of the patches, continued as below; part coordinates
   std::vector<RectClass> patches;  // where each patch lies in the trimming, whatever the view
-  double extend_mm = 0;  // how far neighbours' edges may lie outside the patch grid: the largest gap
+  // The native rectangle that the patches are continued to: the grid's, and beyond it where the face ends with
+  // the grid and its edges lie off the surface by a gap.
+  double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
 };
 
 struct Scene::Data {
