@@ -29,13 +29,9 @@ class ProjectedEdges::Segment {
     index_ = index;
     const EdgeSegment& segment = edges_.model_->edge_segments[segments_.first + index];
     degree_ = segment.degree;
-    const auto& rows = edges_.rows_;
     for (int i = 0; i <= degree_; ++i) {
-      const Vec4 p = edges_.model_->edge_points[segment.first_point + static_cast<std::uint32_t>(i)];
-      double h[3];
-      for (int r = 0; r < 3; ++r)
-        h[r] = rows[r][0] * p.x + rows[r][1] * p.y + rows[r][2] * p.z + rows[r][3] * p.w;
-      points_[i] = {h[0] - pixel_.x * h[2], h[1] - pixel_.y * h[2], h[2]};
+      const Vec4& p = edges_.model_->edge_points[segment.first_point + static_cast<std::uint32_t>(i)];
+      points_[i] = edges_.Relative(p, pixel_.x, pixel_.y);
     }
   }
   std::uint32_t index() const { return index_; }
@@ -82,6 +78,13 @@ ProjectedEdges::ProjectedEdges(const Model& model, const Placement& placement, c
     rows_[1][c] = camera[1][c] / frame.pixel_y + frame.center_y * weight;
     rows_[2][c] = weight;
   }
+}
+
+Vec3 ProjectedEdges::Relative(const Vec4& p, double x, double y) const {
+  double h[3];
+  for (int r = 0; r < 3; ++r)
+    h[r] = rows_[r][0] * p.x + rows_[r][1] * p.y + rows_[r][2] * p.z + rows_[r][3] * p.w;
+  return {h[0] - x * h[2], h[1] - y * h[2], h[2]};
 }
 
 namespace {

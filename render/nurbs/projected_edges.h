@@ -45,6 +45,10 @@ class ProjectedEdges {
   // Of the part that `placement` places, seen through `frame`. `model` must outlive it.
   ProjectedEdges(const Model& model, const Placement& placement, const CameraFrame& frame);
 
+  const Model& model() const { return *model_; }
+  // A homogeneous point of the part as (x·W, y·W, W), with x and y its pixel coordinates relative to (x, y).
+  Vec3 Relative(const Vec4& point, double x, double y) const;
+
   // On which side of `edge` the pixel coordinates (x, y) lie, by the point locally nearest to them from
   // `guess` on.
   EdgeSide SideOf(std::uint32_t edge, double guess, double x, double y) const;

@@ -33,22 +33,14 @@ std::vector<AuditHit> Collect(const Scene::Data& scene, const PreparedView& view
   for (const Worker& worker : workers) {
     for (const Crossing& crossing : worker.crossings) {
       const Leaf& leaf = view.tiles->leaves()[crossing.leaf];
-      const double border = 1 - 2 * leaf.overlap();
-      const bool on_border = std::fabs(crossing.hit.s) >= border || std::fabs(crossing.hit.t) >= border ||
-                             (leaf.flags & kLeafHard);
-      // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by
-      // the range of a floor piece.
-      const double error = std::fabs(crossing.hit.depth) * 0x1p-44 +
-                           std::fabs(crossing.hit.depth - leaf.near_depth) * 2 * leaf.overlap();
-      hits.push_back({crossing.sample, leaf.placed_face, crossing.hit.depth, error, on_border});
+      hits.push_back({crossing.sample, leaf.placed_face, RootTwin(leaf, crossing.hit)});
     }
   }
-  const auto key = [](const AuditHit& h) { return std::tie(h.sample, h.placed_face, h.depth); };
+  const auto key = [](const AuditHit& h) { return std::tie(h.sample, h.placed_face, h.root.depth); };
   tbb::parallel_sort(hits.begin(), hits.end(),
                      [&](const AuditHit& a, const AuditHit& b) { return key(a) < key(b); });
   const auto twin = [](const AuditHit& a, const AuditHit& b) {
-    return a.sample == b.sample && a.placed_face == b.placed_face && a.on_border && b.on_border &&
-           std::fabs(a.depth - b.depth) <= a.error + b.error;
+    return a.sample == b.sample && a.placed_face == b.placed_face && a.root.Is(b.root);
   };
   hits.erase(std::unique(hits.begin(), hits.end(), twin), hits.end());
   return hits;
@@ -103,12 +95,12 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   for (AuditHit& hit : backward) {
     const std::uint32_t row = hit.sample / camera.width_px, column = hit.sample % camera.width_px;
     hit.sample = row * camera.width_px + (camera.width_px - 1 - column);
-    if (orthographic) hit.depth = -hit.depth;
+    if (orthographic) hit.root.depth = -hit.root.depth;
   }
 
   // Compare sample by sample: the depths, sorted, must agree one by one.
   const auto by_depth = [](const AuditHit& a, const AuditHit& b) {
-    return std::tie(a.sample, a.depth) < std::tie(b.sample, b.depth);
+    return std::tie(a.sample, a.root.depth) < std::tie(b.sample, b.root.depth);
   };
   tbb::parallel_sort(forward.begin(), forward.end(), by_depth);
   tbb::parallel_sort(backward.begin(), backward.end(), by_depth);
@@ -122,7 +114,8 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
       const bool more_i = i < forward.size() && forward[i].sample == sample,
                  more_j = j < backward.size() && backward[j].sample == sample;
       if (!more_i && !more_j) break;
-      if (more_i != more_j || !(std::fabs(forward[i].depth - backward[j].depth) <= tolerance)) same = false;
+      if (more_i != more_j || !(std::fabs(forward[i].root.depth - backward[j].root.depth) <= tolerance))
+        same = false;
       i += more_i;
       j += more_j;
     }

@@ -15,6 +15,7 @@
 
 #include "render/kernels/tile_kernel.h"
 #include "render/trace/prepare.h"
+#include "render/trace/tile_tracer.h"
 
 namespace facetless {
 
@@ -23,8 +24,7 @@ inline constexpr double kReverseTolerance = 1e-9;
 // A crossing, as the forward view counts depth and samples.
 struct AuditHit {
   std::uint32_t sample, placed_face;
-  double depth, error;  // mm
-  bool on_border;       // may be a twin (law 3)
+  RootTwin root;  // with its depth, mm
 };
 
 struct AuditResult {

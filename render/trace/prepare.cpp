@@ -26,10 +26,9 @@ class Preparation {
  public:
   Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
               const DirectOptions& options)
-      : scene_(scene),
-        model_(*scene.model),
-        frame_(frame),
-        workers_([this] { return Worker(window_, &budget_); }) {
+      : scene_(scene), model_(*scene.model), camera_(camera), frame_(frame), workers_([this] {
+          return Worker(window_, &budget_);
+        }) {
     window_.half_width = 0.5 * camera.width_px;
     window_.half_height = 0.5 * camera.height_px;
     window_.perspective = frame.projection == Projection::kPerspective;
@@ -43,6 +42,7 @@ class Preparation {
   Result<PreparedView> Run(int columns, int rows) {
     tbb::parallel_for(std::size_t{0}, model_.instances.size(),
                       [this](std::size_t i) { VisitInstance(model_.instances[i]); });
+    VisitSeams();
     if (budget_.Exhausted()) {
       return Error{ErrorCode::kLimitExceeded,
                    "the view needs more leaves than fit into the memory allowed; use a smaller image"};
@@ -62,6 +62,7 @@ class Preparation {
     }
     std::vector<bool> seen(model_.PlacedFaceCount(), false);
     for (const Leaf& leaf : leaves) {
+      if (leaf.flags & kLeafSeam) continue;
       seen[leaf.placed_face] = true;
       view.hard_leaves += (leaf.flags & kLeafHard) != 0;
     }
@@ -163,6 +164,49 @@ class Preparation {
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
   }
 
+  // A leaf of one sample for every seam sample: front to back it takes its turn among the others.
+  void VisitSeams() {
+    if (budget_.Stopped()) return;
+    Worker& worker = workers_.local();
+    const SeamSample* before = nullptr;
+    const double* coefficients = nullptr;
+    const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_);
+    for (const SeamSample& sample : samples) {
+      const Instance& instance = model_.instances[sample.instance];
+      const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
+      Leaf leaf;
+      leaf.degree_u = surface.degree_u, leaf.degree_v = surface.degree_v;
+      // Samples of one patch follow each other, and share its net.
+      if (!before || before->instance != sample.instance || before->face != sample.face ||
+          before->patch != sample.patch) {
+        const ViewProjection projection(frame_, instance.placement);
+        const Vec4* points = model_.control_points.data() + surface.first_control_point +
+                             std::size_t(sample.patch) * surface.PointsPerPatch();
+        const std::size_t n = surface.PointsPerPatch();
+        double* net = worker.arena.Allocate(kNetComponents * n);
+        for (std::size_t k = 0; k < n; ++k) {
+          const auto p = projection(points[k]);
+          net[kX * n + k] = p.x, net[kY * n + k] = p.y, net[kW * n + k] = p.w, net[kQ * n + k] = p.q;
+        }
+        coefficients = net;
+        before = &sample;
+        budget_.bytes_left.fetch_sub(static_cast<std::int64_t>(kNetComponents * n * sizeof(double)));
+      }
+      leaf.coefficients = coefficients;
+      leaf.flags = static_cast<std::uint16_t>(kLeafHard | kLeafSeam | kLeafWeightVaries | kLeafDepthVaries |
+                                              (window_.perspective ? kLeafPerspective : 0) |
+                                              (sample.odd ? kLeafOdd : 0));
+      leaf.s_low = 2 * sample.u - 1, leaf.t_low = 2 * sample.v - 1;
+      leaf.near_depth = sample.depth;
+      leaf.col_begin = sample.column, leaf.col_end = sample.column + 1;
+      leaf.row_begin = sample.row, leaf.row_end = sample.row + 1;
+      leaf.placed_face = instance.first_placed_face + (sample.face - model_.parts[instance.part].faces.first);
+      leaf.patch = sample.patch;
+      worker.leaves.push_back(leaf);
+    }
+    budget_.bytes_left.fetch_sub(static_cast<std::int64_t>(samples.size() * sizeof(Leaf)));
+  }
+
   // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may lie
   // there, and the rays between the two are ours.
   static void ContinuePastBorder(const Surface& surface, const FaceData& data, std::uint32_t i,
@@ -183,6 +227,7 @@ class Preparation {
 
   const Scene::Data& scene_;
   const Model& model_;
+  const Camera& camera_;
   const CameraFrame& frame_;
   SplitWindow window_;
   SplitBudget budget_;

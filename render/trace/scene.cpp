@@ -104,7 +104,8 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
 }  // namespace
 
 std::size_t Scene::Data::bytes() const {
-  std::size_t sum = faces.capacity() * sizeof(FaceData) + spans.capacity() * sizeof(SpanParameter);
+  std::size_t sum =
+      faces.capacity() * sizeof(FaceData) + spans.capacity() * sizeof(SpanParameter) + seams.bytes();
   for (const FaceData& face : faces) sum += face.trim.bytes() + face.patches.capacity() * sizeof(RectClass);
   return sum;
 }
@@ -115,6 +116,7 @@ Scene::Scene(const Model& model) : data_(std::make_unique<Data>()) {
   tbb::parallel_for(std::size_t{0}, model.faces.size(), [&](std::size_t i) {
     data_->faces[i] = MakeFaceData(model, static_cast<std::uint32_t>(i));
   });
+  data_->seams = SeamTable(model);
   data_->spans.reserve(model.spans.size());
   for (const Span& span : model.spans) data_->spans.emplace_back(span);
   data_->has_closed_solid =

@@ -6,6 +6,7 @@
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/trim_index.h"
 #include "render/trace/direct.h"
+#include "render/trace/seams.h"
 
 namespace facetless {
 
@@ -22,6 +23,7 @@ struct Scene::Data {
   const Model* model = nullptr;
   std::vector<FaceData> faces;       // as Model::faces
   std::vector<SpanParameter> spans;  // as Model::spans
+  SeamTable seams;
   bool has_closed_solid = false;
 
   std::size_t bytes() const;

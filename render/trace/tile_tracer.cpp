@@ -57,6 +57,15 @@ TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint3
           OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half, leaf.overlap())};
 }
 
+RootTwin::RootTwin(const Leaf& leaf, const TileHit& hit) : depth(hit.depth) {
+  const double border = 1 - 2 * leaf.overlap();
+  on_border = !(leaf.flags & kLeafSeam) &&
+              ((leaf.flags & kLeafHard) || std::fabs(hit.s) >= border || std::fabs(hit.t) >= border);
+  // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by the
+  // range of a floor piece.
+  error = std::fabs(hit.depth) * 0x1p-44 + std::fabs(hit.depth - leaf.near_depth) * 2 * leaf.overlap();
+}
+
 TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certify)
     : shared_(shared), kernel_(kernel) {
   job_.coincidences = certify;
@@ -67,9 +76,7 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certif
   job_.near_depth = shared.frame.projection == Projection::kPerspective ? shared.frame.near_mm : -INFINITY;
   job_.keep = [](void* context, const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
                  std::uint8_t* hit_doubt) {
-    const Root root{hit_s, hit_t, hit_leaf.root_error, hit_leaf.root_error,
-                    hit_leaf.c11 * hit_leaf.c22 - hit_leaf.c12 * hit_leaf.c21};
-    return static_cast<TileTracer*>(context)->Keep(hit_leaf, root, x, y, hit_doubt);
+    return static_cast<TileTracer*>(context)->Keep(hit_leaf, RootOf(hit_leaf, hit_s, hit_t), x, y, hit_doubt);
   };
   job_.solve_hard = [](void* context, const Leaf& hard_leaf, double x, double y, double limit, void* sink,
                        void (*found)(void*, const TileHit&, std::uint8_t, bool)) {
@@ -110,6 +117,10 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   kernel_(job_);
 }
 
+TileTracer::Root TileTracer::RootOf(const Leaf& leaf, double s, double t) {
+  return {s, t, leaf.root_error, leaf.root_error, leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21};
+}
+
 bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y, std::uint8_t* hit_doubt) {
   // Map the hit to native parameters: the hit, never the curve.
   const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
@@ -135,9 +146,52 @@ bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y
   return answer.inside;
 }
 
+std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, void* sink,
+                                   void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
+                                                 bool kept)) {
+  // Every root of the face on this ray, with the trimming's answer.
+  seam_roots_.clear();
+  struct Others {
+    TileTracer* self;
+    const Leaf* leaf;
+  };
+  const std::uint64_t* rows = bitmaps_.Row(seam.row_begin - job_.row);
+  const std::uint64_t* columns = bitmaps_.Column(seam.col_begin - job_.column);
+  for (int word = 0; word < job_.words; ++word) {
+    for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
+      const Leaf& leaf = job_.leaves[job_.list[64 * word + __builtin_ctzll(bits)]];
+      if (leaf.placed_face != seam.placed_face || (leaf.flags & kLeafSeam)) continue;
+      if (leaf.flags & kLeafHard) {
+        Others others{this, &leaf};
+        SolveHard(leaf, x, y, INFINITY, &others, [](void* to, const TileHit& hit, std::uint8_t, bool kept) {
+          Others* into = static_cast<Others*>(to);
+          if (kept) into->self->seam_roots_.emplace_back(*into->leaf, hit);
+        });
+        continue;
+      }
+      TileHit hit;
+      std::uint8_t doubt = 0;
+      if (SolveSample(leaf, x, y, &hit) != SampleRoot::kHit || !(hit.depth > job_.near_depth)) continue;
+      if ((leaf.flags & kLeafTrimmed) && !Keep(leaf, RootOf(leaf, hit.s, hit.t), x, y, &doubt)) continue;
+      seam_roots_.emplace_back(leaf, hit);
+    }
+  }
+
+  // One more where they don't come out odd, or even, as the border says.
+  std::sort(seam_roots_.begin(), seam_roots_.end(),
+            [](const RootTwin& a, const RootTwin& b) { return a.depth < b.depth; });
+  const auto end = std::unique(seam_roots_.begin(), seam_roots_.end(),
+                               [](const RootTwin& a, const RootTwin& b) { return a.Is(b); });
+  const bool odd = (end - seam_roots_.begin()) % 2 != 0;
+  if (odd != ((seam.flags & kLeafOdd) != 0) && seam.near_depth > job_.near_depth)
+    found(sink, {seam.near_depth, seam.s_low, seam.t_low, INFINITY}, kDoubtTrim, true);
+  return 0;
+}
+
 std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, double limit, void* sink,
                                    void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
                                                  bool kept)) {
+  if (hard_leaf.flags & kLeafSeam) return SolveSeam(hard_leaf, x, y, sink, found);
   roots_.clear();
   const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &roots_);
   for (const FallbackRoot& root : roots_) {

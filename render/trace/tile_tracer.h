@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -56,6 +57,17 @@ struct Crossing {
   std::uint8_t doubt;
 };
 
+// Whether two roots of one face may be one root that two leaves own, for all that tells them apart: both lie on
+// the border of their leaves, or were met without proof, and their depths agree to within the solver's error.
+struct RootTwin {
+  RootTwin(const Leaf& leaf, const TileHit& hit);
+  bool Is(const RootTwin& other) const {
+    return on_border && other.on_border && std::fabs(depth - other.depth) <= error + other.error;
+  }
+  double depth, error;
+  bool on_border;
+};
+
 class TileTracer {
  public:
   // `certify`: spend what it takes to tell coincident faces from certified ones.
@@ -84,7 +96,11 @@ class TileTracer {
     double s, t, error_s, error_t;
     double jacobian_sign;  // of (s, t) → pixel; 0: not known
   };
+  static Root RootOf(const Leaf& certified, double s, double t);
   bool Keep(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
+  // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they should.
+  std::uint8_t SolveSeam(const Leaf& leaf, double x, double y, void* sink,
+                         void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt, bool kept));
   std::uint8_t SolveHard(const Leaf& leaf, double x, double y, double limit, void* sink,
                          void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt, bool kept));
   std::uint8_t DoubtOf(const Leaf& leaf, const FallbackRoot& root, double x, double y) const;
@@ -95,6 +111,7 @@ class TileTracer {
   TileJob job_;
   FallbackSolver solver_;
   std::vector<FallbackRoot> roots_;
+  std::vector<RootTwin> seam_roots_;
   std::vector<Crossing>* crossings_ = nullptr;
 };
 

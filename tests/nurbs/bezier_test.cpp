@@ -81,5 +81,48 @@ TEST(Bezier, HalvesShareTheirBorderBitByBitAndAgreeWithTheWhole) {
   }
 }
 
+TEST(Bezier, AnExtendedNetIsTheSamePolynomialOverALongerInterval) {
+  const int pu = 3, pv = 2;
+  const double low = 0.11, high = 0.07;
+  for (const Direction direction : {Direction::kU, Direction::kV}) {
+    BezierNet net;
+    net.degree_u = pu, net.degree_v = pv;
+    std::vector<double> before(net.points()), after;
+    for (std::size_t i = 0; i < before.size(); ++i) before[i] = std::sin(2.3 * double(i) + 0.1);
+    after = before;
+    net.value[kX] = after.data();
+    Extend(net, kX, direction, low, high);
+    const bool along_u = direction == Direction::kU;
+    const int degree = along_u ? pu : pv, lines = along_u ? pv + 1 : pu + 1;
+    for (int line = 0; line < lines; ++line) {
+      std::vector<double> b(degree + 1), e(degree + 1);
+      for (int k = 0; k <= degree; ++k) {
+        const int i = along_u ? k * net.stride() + line : line * net.stride() + k;
+        b[k] = before[i], e[k] = after[i];
+      }
+      for (const double t : {0.0, 0.25, 0.5, 1.0})
+        EXPECT_NEAR(Bernstein(e.data(), degree, t), Bernstein(b.data(), degree, -low + t * (1 + low + high)),
+                    1e-14);
+    }
+  }
+}
+
+TEST(Bezier, ExtendingOneEndLeavesTheOtherAsItIs) {
+  BezierNet net;
+  net.degree_u = net.degree_v = 3;
+  std::vector<double> before(net.points());
+  for (std::size_t i = 0; i < before.size(); ++i) before[i] = std::cos(1.9 * double(i));
+  for (const bool high : {false, true}) {
+    std::vector<double> after = before;
+    net.value[kX] = after.data();
+    Extend(net, kX, Direction::kU, high ? 0 : 0.1, high ? 0.1 : 0);
+    for (int l = 0; l <= 3; ++l) {
+      const int still = high ? l : 3 * net.stride() + l, moved = high ? 3 * net.stride() + l : l;
+      EXPECT_EQ(after[still], before[still]);
+      EXPECT_NE(after[moved], before[moved]);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace facetless

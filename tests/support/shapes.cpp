@@ -1,7 +1,11 @@
 #include "tests/support/shapes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <random>
+#include <utility>
 
 namespace facetless::testing {
 namespace {
@@ -122,6 +126,69 @@ PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b) {
           {Span{}},
           {Span{}},
           {point(origin), point(origin + b), point(origin + a), point(origin + a + b)}};
+}
+
+Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  const auto number = [&] { return double(engine() >> 11) * 0x1p-52 - 1; };
+  // Not longer than the gap.
+  const auto off = [&] {
+    const double x = number(), y = number(), z = number();
+    return (gap_mm / 2) * Vec3{x, y, z};
+  };
+  const auto corner = [&](int i) { return Vec3{i & 1 ? size.x : 0, i & 2 ? size.y : 0, i & 4 ? size.z : 0}; };
+  // Corners in the order of the patch's own border: (0,0), (1,0), (1,1), (0,1); Su × Sv points outwards.
+  constexpr int kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  std::vector<PatchGrid> grids;
+  for (const auto& f : kFaces)
+    grids.push_back(Rectangle(corner(f[0]), corner(f[1]) - corner(f[0]), corner(f[3]) - corner(f[0])));
+  Model model = ModelOf(grids);
+  for (int i = 0; i < 8; ++i) model.vertices.push_back({corner(i) + off(), gap_mm});
+
+  std::map<std::pair<int, int>, std::uint32_t> known;
+  const auto edge_of = [&](int a, int b) {
+    const auto [place, is_new] =
+        known.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(known.size()));
+    if (!is_new) return place->second;
+    const Vec3 begin = corner(std::min(a, b)), end = corner(std::max(a, b));
+    Edge edge;
+    edge.segments = {static_cast<std::uint32_t>(model.edge_segments.size()), 1};
+    edge.vertices[0] = static_cast<std::uint32_t>(std::min(a, b));
+    edge.vertices[1] = static_cast<std::uint32_t>(std::max(a, b));
+    edge.tolerance_mm = gap_mm;
+    edge.coedge_count = 2;
+    model.edge_segments.push_back({2, static_cast<std::uint32_t>(model.edge_points.size()), 0, 1});
+    for (const Vec3 p : {begin, 0.5 * (begin + end), end}) {
+      const Vec3 at = p + off();
+      model.edge_points.push_back({at.x, at.y, at.z, 1});
+    }
+    model.edges.push_back(edge);
+    return place->second;
+  };
+  constexpr Vec2 kBorder[5] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+  for (std::size_t f = 0; f < 6; ++f) {
+    model.faces[f].loops = {static_cast<std::uint32_t>(model.loops.size()), 1};
+    model.loops.push_back({{static_cast<std::uint32_t>(model.coedges.size()), 4}});
+    for (int i = 0; i < 4; ++i) {
+      const int a = kFaces[f][i], b = kFaces[f][(i + 1) % 4];
+      Coedge coedge;
+      coedge.edge = edge_of(a, b);
+      coedge.reversed = a > b;
+      coedge.gap_mm = gap_mm;
+      coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
+      model.trim_segments.push_back({1, static_cast<std::uint32_t>(model.trim_points.size()),
+                                     coedge.reversed ? 1.0 : 0.0, coedge.reversed ? 0.0 : 1.0});
+      for (const Vec2 p : {kBorder[i], kBorder[i + 1]}) model.trim_points.push_back({p.x, p.y, 1});
+      model.coedges.push_back(coedge);
+    }
+    model.faces[f].solid = 0;
+  }
+  model.solids.push_back({0, true, "box"});
+  model.parts[0].solids = {0, 1};
+  const Vec3 margin{gap_mm, gap_mm, gap_mm};
+  model.bounds = {model.bounds.low - margin, model.bounds.high + margin};
+  return model;
 }
 
 void Place(Model* model, const Placement& placement) {

@@ -1,6 +1,7 @@
 // Models made by hand, without an importer: exact rational patches whose every property has a closed form.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "render/model/model.h"
@@ -26,6 +27,11 @@ PatchGrid Torus(Vec3 center, double major, double minor);
 PatchGrid Frustum(Vec3 base, double bottom, double top, double height);
 // The rectangle origin + u·a + v·b, u, v ∈ [0,1].
 PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b);
+
+// A box from the origin to `size`, one closed solid whose faces share edges. The p-curves run along the faces'
+// borders; each edge is a parabola with control points up to `gap_mm` off the line, and each vertex lies as far
+// off its corner, in directions that `seed` says.
+Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed);
 
 // A model whose only instance is placed so.
 void Place(Model* model, const Placement& placement);

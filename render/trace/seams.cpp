@@ -1,0 +1,437 @@
+#include "render/trace/seams.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "render/nurbs/angle_map.h"
+#include "render/nurbs/edge_winding.h"
+#include "render/nurbs/monotone_curve.h"
+#include "render/nurbs/projected_edges.h"
+
+namespace facetless {
+namespace {
+
+constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
+// The gap is measured at some points of a p-curve; in between it may be twice as large.
+constexpr double kReachSafety = 2;
+// Reaches below this, in samples, are the rounding of a projected edge: what projected_edges.cpp allows for.
+constexpr double kRoundingPx = 0x1p-20;
+// A stretch of edge is walked along its chord once it bends by no more than this, in samples.
+constexpr double kFlatPx = 1.0 / 64;
+constexpr int kMaxHalvings = 40;
+
+Vec3 EndOf(const Model& model, const Edge& edge, bool last) {
+  const EdgeSegment& segment = model.edge_segments[last ? edge.segments.end() - 1 : edge.segments.first];
+  const Vec4& p = model.edge_points[segment.first_point + (last ? segment.degree : 0u)];
+  return {p.x / p.w, p.y / p.w, p.z / p.w};
+}
+
+double LengthOf(const Model& model, const Edge& edge) {
+  double length = 0;
+  for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
+    const EdgeSegment& segment = model.edge_segments[s];
+    for (std::uint32_t i = segment.first_point; i < segment.first_point + segment.degree; ++i) {
+      const Vec4 &a = model.edge_points[i], &b = model.edge_points[i + 1];
+      length += Length(Vec3{b.x / b.w, b.y / b.w, b.z / b.w} - Vec3{a.x / a.w, a.y / a.w, a.z / a.w});
+    }
+  }
+  return length;
+}
+
+// Edges that the face uses an odd number of times; none if they don't bound it (law 4).
+std::vector<std::uint32_t> BorderOf(const Model& model, const Face& face) {
+  const bool closed_solid = face.solid != kNoIndex && model.solids[face.solid].closed;
+  std::map<std::uint32_t, int> edges, ends;
+  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+    const Range coedges = model.loops[l].coedges;
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+      const std::uint32_t edge = model.coedges[c].edge;
+      // In a closed solid what has no edge is a cut that runs to and fro.
+      if (edge == kNoIndex && !closed_solid) return {};
+      if (edge == kNoIndex || model.edges[edge].segments.count == 0) continue;
+      ++edges[edge];
+      for (const std::uint32_t vertex : model.edges[edge].vertices) {
+        if (vertex == kNoIndex) return {};
+        ++ends[vertex];
+      }
+    }
+  }
+  for (const auto& [vertex, count] : ends)
+    if (count % 2 != 0) return {};
+  std::vector<std::uint32_t> border;
+  for (const auto& [edge, count] : edges)
+    if (count % 2 != 0) border.push_back(edge);
+  return border;
+}
+
+}  // namespace
+
+SeamTable::SeamTable(const Model& model) {
+  // Borders.
+  for (const Face& face : model.faces) {
+    const std::vector<std::uint32_t> border = BorderOf(model, face);
+    border_of.push_back(
+        {static_cast<std::uint32_t>(edges.size()), static_cast<std::uint32_t>(border.size())});
+    edges.insert(edges.end(), border.begin(), border.end());
+  }
+
+  for (const Part& part : model.parts) {
+    // Who uses what, and by how much it is missed.
+    struct Missed {
+      double reach_mm = 0;
+      double most_mm = 0;  // a gap wider than the edge is long says nothing about where the faces meet
+      std::vector<Use> uses;
+    };
+    std::map<std::uint32_t, Missed> at_edge, at_vertex;
+    for (std::uint32_t f = part.faces.first; f < part.faces.end(); ++f) {
+      const Face& face = model.faces[f];
+      for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+        const Range coedges = model.loops[l].coedges;
+        for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+          const std::uint32_t e = model.coedges[c].edge;
+          if (e == kNoIndex || model.edges[e].segments.count == 0 || model.coedges[c].segments.count == 0)
+            continue;
+          Missed& missed = at_edge[e];
+          missed.reach_mm = std::max(missed.reach_mm, model.coedges[c].gap_mm);
+          missed.uses.push_back({f, c});
+          for (const std::uint32_t v : model.edges[e].vertices)
+            if (v != kNoIndex) at_vertex[v].uses.push_back({f, c});
+        }
+      }
+    }
+    for (auto& [e, missed] : at_edge) {
+      const Edge& edge = model.edges[e];
+      missed.most_mm = LengthOf(model, edge);
+      for (const bool last : {false, true}) {
+        if (edge.vertices[last] == kNoIndex) continue;
+        Missed& vertex = at_vertex[edge.vertices[last]];
+        const double distance = Length(EndOf(model, edge, last) - model.vertices[edge.vertices[last]].point);
+        vertex.reach_mm = std::max(vertex.reach_mm, distance + missed.reach_mm);
+        vertex.most_mm = std::max(vertex.most_mm, missed.most_mm);
+      }
+    }
+    const auto first = static_cast<std::uint32_t>(sources.size());
+    const auto add = [&](Source source, const Missed& missed) {
+      if (!(missed.reach_mm > 0)) return;
+      source.reach_mm = std::min(kReachSafety * missed.reach_mm, missed.most_mm);
+      source.uses = {static_cast<std::uint32_t>(uses.size()), static_cast<std::uint32_t>(missed.uses.size())};
+      uses.insert(uses.end(), missed.uses.begin(), missed.uses.end());
+      sources.push_back(source);
+      max_reach_mm = std::max(max_reach_mm, source.reach_mm);
+    };
+    for (const auto& [e, missed] : at_edge) add({e, kNoIndex, 0, {}}, missed);
+    for (const auto& [v, missed] : at_vertex) add({kNoIndex, v, 0, {}}, missed);
+    of_part.push_back({first, static_cast<std::uint32_t>(sources.size()) - first});
+  }
+}
+
+std::size_t SeamTable::bytes() const {
+  return sources.capacity() * sizeof(Source) + uses.capacity() * sizeof(Use) +
+         (of_part.capacity() + border_of.capacity()) * sizeof(Range) +
+         edges.capacity() * sizeof(std::uint32_t);
+}
+
+namespace {
+
+class Finder {
+ public:
+  Finder(const Model& model, const SeamTable& table, const Camera& camera, const CameraFrame& frame,
+         std::uint32_t instance, std::vector<SeamSample>* found)
+      : model_(model),
+        table_(table),
+        frame_(frame),
+        columns_(camera.width_px),
+        rows_(camera.height_px),
+        instance_(instance),
+        perspective_(frame.projection == Projection::kPerspective),
+        edges_(model, model.instances[instance].placement, frame),
+        found_(found) {}
+
+  void Visit(std::uint32_t index) {
+    const SeamTable::Source& source = table_.sources[index];
+    source_ = &source;
+    source_index_ = index;
+    candidates_.clear();
+    if (source.vertex != kNoIndex) {
+      const Vec3& p = model_.vertices[source.vertex].point;
+      const Vec3 h = edges_.Relative({p.x, p.y, p.z, 1}, 0, 0);
+      if (h.z > 0) VisitVertex({h.x / h.z, h.y / h.z}, ReachPx(h.z));
+    } else {
+      const Range segments = model_.edges[source.edge].segments;
+      for (std::uint32_t s = segments.first; s < segments.end(); ++s) VisitSegment(model_.edge_segments[s]);
+    }
+    // A sample that two stretches of one edge pass is one sample.
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end(),
+                                  [](const Candidate& a, const Candidate& b) {
+                                    return a.row == b.row && a.column == b.column;
+                                  }),
+                      candidates_.end());
+    for (const Candidate& candidate : candidates_) AddUses(candidate);
+  }
+
+ private:
+  struct Candidate {
+    int row, column;
+    double distance_px, parameter;
+    bool operator<(const Candidate& o) const {
+      return std::tie(row, column, distance_px, parameter) <
+             std::tie(o.row, o.column, o.distance_px, o.parameter);
+    }
+  };
+
+  // In samples, at the depth of a point with weight w.
+  double ReachPx(double w) const {
+    return source_->reach_mm / (std::min(frame_.pixel_x, frame_.pixel_y) * (perspective_ ? w : 1));
+  }
+
+  // Samples from low to high, those outside the image left out.
+  struct Samples {
+    int begin, end;
+  };
+  static Samples Between(double low, double high, int count) {
+    const double first = std::ceil(low - 0.5), last = std::floor(high - 0.5);
+    if (!(first <= last) || first >= count || last < 0) return {0, 0};
+    return {static_cast<int>(std::max(first, 0.0)), static_cast<int>(std::min(last, count - 1.0)) + 1};
+  }
+
+  void VisitVertex(Vec2 at, double reach) {
+    if (!(reach >= kRoundingPx)) return;
+    const Samples rows = Between(at.y - reach, at.y + reach, rows_),
+                  columns = Between(at.x - reach, at.x + reach, columns_);
+    for (int row = rows.begin; row < rows.end; ++row)
+      for (int column = columns.begin; column < columns.end; ++column) {
+        const double distance = Length(Vec2{column + 0.5, row + 0.5} - at);
+        if (distance <= reach) candidates_.push_back({row, column, distance, 0});
+      }
+  }
+
+  void VisitSegment(const EdgeSegment& segment) {
+    Vec3 p[kMaxPoints];
+    for (int i = 0; i <= segment.degree; ++i) {
+      p[i] = edges_.Relative(model_.edge_points[segment.first_point + static_cast<std::uint32_t>(i)], 0, 0);
+      if (!(p[i].z > 0)) return;
+    }
+    Walk(p, segment.degree, segment.begin, segment.end, 0);
+  }
+
+  // The stretch [begin, end] of the edge.
+  void Walk(Vec3* p, int degree, double begin, double end, int halvings) {
+    Vec2 low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
+    double weight = INFINITY, bend = 0;
+    const Vec2 first{p[0].x / p[0].z, p[0].y / p[0].z};
+    const Vec2 last{p[degree].x / p[degree].z, p[degree].y / p[degree].z}, chord = last - first;
+    const double length = Length(chord);
+    for (int i = 0; i <= degree; ++i) {
+      const Vec2 at{p[i].x / p[i].z, p[i].y / p[i].z};
+      low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+      weight = std::min(weight, p[i].z);
+      // Off the chord's line, or past its ends.
+      const Vec2 away = at - first;
+      const double along = length > 0 ? std::clamp(Dot(away, chord) / (length * length), 0.0, 1.0) : 0;
+      bend = std::max(bend, Length(away - along * chord));
+    }
+    const double reach = ReachPx(weight);
+    if (!(reach >= kRoundingPx)) return;
+    const Samples rows = Between(low.y - reach, high.y + reach, rows_),
+                  columns = Between(low.x - reach, high.x + reach, columns_);
+    if (rows.begin == rows.end || columns.begin == columns.end) return;
+
+    if (bend > std::max(kFlatPx, reach / 2) && halvings < kMaxHalvings) {
+      Vec3 left[kMaxPoints];
+      left[0] = p[0];
+      for (int level = 1; level <= degree; ++level) {
+        for (int i = 0; i <= degree - level; ++i) p[i] = 0.5 * (p[i] + p[i + 1]);
+        left[level] = p[0];
+      }
+      const double middle = 0.5 * (begin + end);
+      Walk(left, degree, begin, middle, halvings + 1);
+      Walk(p, degree, middle, end, halvings + 1);
+      return;
+    }
+
+    // Along the chord, by rows or by columns, whichever it crosses more of: at most √2 times as far across.
+    const bool by_rows = std::fabs(chord.y) >= std::fabs(chord.x);
+    const double across = 1.5 * (reach + bend);
+    const Samples steps = by_rows ? rows : columns;
+    for (int step = steps.begin; step < steps.end; ++step) {
+      const double run = by_rows ? chord.y : chord.x, from = by_rows ? first.y : first.x;
+      const double t = run != 0 ? std::clamp((step + 0.5 - from) / run, 0.0, 1.0) : 0.5;
+      const Vec2 at = first + t * chord;
+      const double center = by_rows ? at.x : at.y;
+      const Samples others = Between(center - across, center + across, by_rows ? columns_ : rows_);
+      for (int other = others.begin; other < others.end; ++other)
+        Ask(by_rows ? step : other, by_rows ? other : step, begin + t * (end - begin), reach);
+    }
+  }
+
+  void Ask(int row, int column, double guess, double reach) {
+    const EdgeSide side = edges_.SideOf(source_->edge, guess, column + 0.5, row + 0.5);
+    if (side.side == Side::kUnknown) {
+      // Its image is a point: as far off as the stretch's box.
+      candidates_.push_back({row, column, reach, guess});
+    } else if (side.distance_px <= reach) {
+      candidates_.push_back({row, column, side.distance_px, side.parameter});
+    }
+  }
+
+  void AddUses(const Candidate& candidate) {
+    std::uint32_t before = kNoIndex;
+    for (std::uint32_t i = source_->uses.first; i < source_->uses.end(); ++i) {
+      // A face that comes twice, at a seam or a vertex, owes once.
+      const SeamTable::Use& use = table_.uses[i];
+      if (use.face == before) continue;
+      before = use.face;
+      const std::optional<bool> odd = Winds(use.face, candidate.column + 0.5, candidate.row + 0.5);
+      if (odd) Add(candidate, use, *odd);
+    }
+  }
+
+  // Law 1.
+  std::optional<bool> Winds(std::uint32_t face, double x, double y) const {
+    const Range border = table_.border_of[face];
+    if (border.count == 0) return std::nullopt;
+    bool odd = false;
+    for (std::uint32_t i = border.first; i < border.end(); ++i) {
+      const std::optional<bool> crosses = CrossesHalfLine(edges_, table_.edges[i], x, y);
+      if (!crosses) return std::nullopt;
+      odd ^= *crosses;
+    }
+    return odd;
+  }
+
+  void Add(const Candidate& candidate, const SeamTable::Use& use, bool odd) {
+    const Coedge& coedge = model_.coedges[use.coedge];
+    const Edge& edge = model_.edges[coedge.edge];
+    double parameter = candidate.parameter;
+    if (source_->vertex != kNoIndex) {
+      const EdgeSegment& end = model_.edge_segments[edge.segments.end() - 1];
+      parameter =
+          edge.vertices[0] == source_->vertex ? model_.edge_segments[edge.segments.first].begin : end.end;
+    }
+    if (source_->vertex == kNoIndex) parameter = Settled(edge, parameter);
+    SeamSample sample{instance_, use.face, candidate.column,      candidate.row, 0, 0, 0,
+                      0,         odd,      candidate.distance_px, source_index_};
+    const Vec3 point = model_.instances[instance_].placement.Point(PointOf(edge, parameter));
+    sample.depth = Dot(point - frame_.eye, frame_.forward);
+    const Vec2 uv = PointOf(coedge, parameter);
+    const Surface& surface = model_.surfaces[model_.faces[use.face].surface];
+    const std::uint32_t i = SpanOf(surface.u_spans, uv.x), j = SpanOf(surface.v_spans, uv.y);
+    sample.patch = i * surface.v_spans.count + j;
+    sample.u = std::clamp(NativeToBezier(model_.spans[surface.u_spans.first + i], uv.x), 0.0, 1.0);
+    sample.v = std::clamp(NativeToBezier(model_.spans[surface.v_spans.first + j], uv.y), 0.0, 1.0);
+    found_->push_back(sample);
+  }
+
+  // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest point
+  // is known to half the digits only, and rays there and back are to meet the same one.
+  double Settled(const Edge& edge, double parameter) const {
+    std::uint32_t s = edge.segments.first;
+    while (s + 1 < edge.segments.end() && model_.edge_segments[s].end < parameter) ++s;
+    const EdgeSegment& segment = model_.edge_segments[s];
+    double length = 0, weight = INFINITY;
+    Vec2 before;
+    for (std::uint32_t i = 0; i <= segment.degree; ++i) {
+      const Vec3 h = edges_.Relative(model_.edge_points[segment.first_point + i], 0, 0);
+      const Vec2 at{h.x / h.z, h.y / h.z};
+      if (i > 0) length += Length(at - before);
+      before = at;
+      weight = std::min(weight, h.z);
+    }
+    constexpr double kShare = 1.0 / 16;  // of the reach, that a point may move
+    const double most = kShare * std::min(1.0, ReachPx(weight) / length);
+    const double grid = std::ldexp(1, std::ilogb(std::clamp(most, 0x1p-40, kShare)));
+    const double width = segment.end - segment.begin;
+    const double t = std::floor((parameter - segment.begin) / width / grid + 0.5) * grid;
+    return segment.begin + std::clamp(t, 0.0, 1.0) * width;
+  }
+
+  // A point of the edge's curve, part coordinates.
+  Vec3 PointOf(const Edge& edge, double parameter) const {
+    std::uint32_t s = edge.segments.first;
+    while (s + 1 < edge.segments.end() && model_.edge_segments[s].end < parameter) ++s;
+    const EdgeSegment& segment = model_.edge_segments[s];
+    const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
+    Vec4 p[kMaxPoints];
+    std::copy_n(model_.edge_points.data() + segment.first_point, segment.degree + 1, p);
+    for (int level = segment.degree; level > 0; --level)
+      for (int i = 0; i < level; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
+    return {p[0].x / p[0].w, p[0].y / p[0].w, p[0].z / p[0].w};
+  }
+
+  // A point of a coedge's p-curve.
+  Vec2 PointOf(const Coedge& coedge, double parameter) const {
+    double best = INFINITY;
+    Vec2 point;
+    for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
+      const TrimSegment& segment = model_.trim_segments[s];
+      const double width = segment.edge_end - segment.edge_begin;
+      const double t = width != 0 ? (parameter - segment.edge_begin) / width : 0.5;
+      const double inside = std::clamp(t, 0.0, 1.0), off = std::fabs((t - inside) * width);
+      if (!(off < best)) continue;
+      best = off;
+      point = PointOn({model_.trim_points.data() + segment.first_point, segment.degree}, inside);
+    }
+    return point;
+  }
+
+  std::uint32_t SpanOf(Range spans, double native) const {
+    std::uint32_t i = 0;
+    while (i + 1 < spans.count && model_.spans[spans.first + i].end < native) ++i;
+    return i;
+  }
+
+  const Model& model_;
+  const SeamTable& table_;
+  const CameraFrame& frame_;
+  const int columns_, rows_;
+  const std::uint32_t instance_;
+  const bool perspective_;
+  const ProjectedEdges edges_;
+  std::vector<SeamSample>* found_;
+  const SeamTable::Source* source_ = nullptr;
+  std::uint32_t source_index_ = 0;
+  std::vector<Candidate> candidates_;
+};
+
+auto Place(const SeamSample& s) {
+  return std::tie(s.instance, s.face, s.row, s.column);
+}
+
+}  // namespace
+
+std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
+                                        const CameraFrame& frame) {
+  tbb::enumerable_thread_specific<std::vector<SeamSample>> found;
+  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(model.instances.size()),
+                    [&](std::uint32_t i) {
+                      const Range sources = table.of_part[model.instances[i].part];
+                      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(sources.first, sources.end(), 16),
+                                        [&](const auto& range) {
+                                          Finder finder(model, table, camera, frame, i, &found.local());
+                                          for (std::uint32_t s = range.begin(); s < range.end(); ++s)
+                                            finder.Visit(s);
+                                        });
+                    });
+  std::vector<SeamSample> all;
+  for (const std::vector<SeamSample>& some : found) all.insert(all.end(), some.begin(), some.end());
+
+  // A face owes each ray once: on the nearest of the edges that the ray passes, whichever way it goes.
+  std::sort(all.begin(), all.end(), [](const SeamSample& a, const SeamSample& b) {
+    return std::tie(a.instance, a.face, a.row, a.column, a.distance_px, a.source) <
+           std::tie(b.instance, b.face, b.row, b.column, b.distance_px, b.source);
+  });
+  all.erase(std::unique(all.begin(), all.end(),
+                        [](const SeamSample& a, const SeamSample& b) { return Place(a) == Place(b); }),
+            all.end());
+  return all;
+}
+
+}  // namespace facetless
