@@ -21,9 +21,11 @@ namespace {
 
 // Arcs of p-curves and edges are at most an eighth of a turn: within one, parameter and angle differ by less than 1 % of its width.
 constexpr double kMaxArc = std::numbers::pi / 4;
-// Points per piece at which a gap is measured, ends included. Ninths: p-curves that were fitted are exact at halves and quarters,
-// and at their worst in between.
-constexpr int kGapSamples = 10;
+// Intervals at whose ends a gap is measured, per stretch on which p-curve, edge and surface are smooth. Ninths: p-curves that were fitted
+// are exact at halves and quarters, and at their worst in between.
+constexpr int kGapIntervals = 9;
+// … and at most so many per piece.
+constexpr int kMaxGapIntervals = 9000;
 // Below this share of the edge's size a computed p-curve is as good as it gets: the noise of projecting and interpolating.
 constexpr double kGapNoise = 1e-9;
 // A new p-curve must be this much better than the one it replaces.
@@ -71,12 +73,38 @@ double DistanceToEdge(const SpatialEdge& edge, const gp_Pnt& point, double s) {
   return best;
 }
 
+// How many of the sorted `knots` lie strictly between a and b.
+int KnotsBetween(const TColStd_Array1OfReal& knots, double a, double b) {
+  return static_cast<int>(std::count_if(knots.begin(), knots.end(), [&](double knot) {
+    return knot > std::min(a, b) && knot < std::max(a, b);
+  }));
+}
+
+// Where a curve or a surface, in one direction, is not smooth: an exact p-curve crosses such places unaware of them, and the gap turns there.
+template <typename Adaptor>
+TColStd_Array1OfReal BreaksOf(const Adaptor& adaptor, int count,
+                              void (Adaptor::*intervals)(TColStd_Array1OfReal&, GeomAbs_Shape) const) {
+  TColStd_Array1OfReal breaks(1, count + 1);
+  (adaptor.*intervals)(breaks, GeomAbs_CN);
+  return breaks;
+}
+
 double MeasureGap(const std::vector<CurvePiece>& pieces, const GeomAdaptor_Surface& surface,
                   const SpatialEdge& edge) {
+  const TColStd_Array1OfReal along =
+      BreaksOf(edge.curve, edge.curve.NbIntervals(GeomAbs_CN), &GeomAdaptor_Curve::Intervals);
+  const TColStd_Array1OfReal in_u =
+      BreaksOf(surface, surface.NbUIntervals(GeomAbs_CN), &GeomAdaptor_Surface::UIntervals);
+  const TColStd_Array1OfReal in_v =
+      BreaksOf(surface, surface.NbVIntervals(GeomAbs_CN), &GeomAdaptor_Surface::VIntervals);
   double gap = 0;
   for (const CurvePiece& piece : pieces) {
-    for (int i = 0; i < kGapSamples; ++i) {
-      const double t = static_cast<double>(i) / (kGapSamples - 1);
+    const Vec3 from = Cartesian(piece.points.front()), to = Cartesian(piece.points.back());
+    const int stretches = 1 + KnotsBetween(along, piece.begin, piece.end) + KnotsBetween(in_u, from.x, to.x) +
+                          KnotsBetween(in_v, from.y, to.y);
+    const int intervals = std::min(kGapIntervals * stretches, kMaxGapIntervals);
+    for (int i = 0; i <= intervals; ++i) {
+      const double t = static_cast<double>(i) / intervals;
       const Vec3 uv = Cartesian(EvaluateBezier(piece.points, t));
       const double distance = DistanceToEdge(edge, surface.Value(uv.x, uv.y),
                                              NativeParameter(piece.begin, piece.end, piece.map, t));
