@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include "render/nurbs/open_edges.h"
+
 namespace facetless {
 namespace {
 
@@ -47,6 +49,24 @@ json LossesJson(const std::vector<Loss>& losses) {
   json list = json::array();
   for (const Loss& loss : losses) list.push_back(LossJson(loss));
   return list;
+}
+
+json OpenEdgesJson(const Model& model) {
+  const std::vector<OpenEdge> open = FindOpenEdges(model);
+  json list = json::array();
+  for (std::size_t i = 0; i < std::min(open.size(), kMostListedEdges); ++i) {
+    json faces = json::array();
+    for (const std::uint32_t face : open[i].faces)
+      faces.push_back({{"id", face}, {"name", model.faces[face].name}, {"entity", model.faces[face].entity}});
+    list.push_back({{"edge", open[i].edge},
+                    {"cause", OpenCauseName(open[i].cause)},
+                    {"faces", std::move(faces)},
+                    {"gap_mm", open[i].gap_mm},
+                    {"tolerance_mm", open[i].tolerance_mm},
+                    {"length_mm", open[i].length_mm},
+                    {"at", Vector(open[i].at)}});
+  }
+  return {{"count", open.size()}, {"worst", std::move(list)}};
 }
 
 json UnseenJson(const DirectView& view) {
@@ -115,6 +135,7 @@ json ModelJson(const Model& model) {
           {"warnings", info.warnings},
           {"edge_gap_mm_max", info.max_edge_gap_mm},
           {"edge_gap_entity", info.max_edge_gap_entity},
+          {"open_edges", OpenEdgesJson(model)},
           {"import_ms", info.read_ms + info.transfer_ms + info.convert_ms},
           {"import_peak_bytes", info.peak_bytes}};
 }
