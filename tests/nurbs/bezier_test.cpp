@@ -91,7 +91,7 @@ TEST(Bezier, AnExtendedNetIsTheSamePolynomialOverALongerInterval) {
     for (std::size_t i = 0; i < before.size(); ++i) before[i] = std::sin(2.3 * double(i) + 0.1);
     after = before;
     net.value[kX] = after.data();
-    Extend(net, kX, direction, low, high);
+    Extend(&net, kX, direction, low, high);
     const bool along_u = direction == Direction::kU;
     const int degree = along_u ? pu : pv, lines = along_u ? pv + 1 : pu + 1;
     for (int line = 0; line < lines; ++line) {
@@ -115,7 +115,7 @@ TEST(Bezier, ExtendingOneEndLeavesTheOtherAsItIs) {
   for (const bool high : {false, true}) {
     std::vector<double> after = before;
     net.value[kX] = after.data();
-    Extend(net, kX, Direction::kU, high ? 0 : 0.1, high ? 0.1 : 0);
+    Extend(&net, kX, Direction::kU, high ? 0 : 0.1, high ? 0.1 : 0);
     for (int l = 0; l <= 3; ++l) {
       const int still = high ? l : 3 * net.stride() + l, moved = high ? 3 * net.stride() + l : l;
       EXPECT_EQ(after[still], before[still]);
