@@ -78,7 +78,8 @@ void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet*
 
 void Extend(BezierNet* net, NetComponent c, Direction direction, double low, double high) {
   const bool along_u = direction == Direction::kU;
-  const int degree = along_u ? net->degree_u : net->degree_v, lines = along_u ? net->stride() : net->degree_u + 1;
+  const int degree = along_u ? net->degree_u : net->degree_v,
+            lines = along_u ? net->stride() : net->degree_u + 1;
   const int step = along_u ? net->stride() : 1, next_line = along_u ? 1 : net->stride();
   // The far end first: over [0, 1 + high] the near end lies at −near.
   const double near = low / (1 + high);
@@ -93,7 +94,8 @@ void Extend(BezierNet* net, NetComponent c, Direction direction, double low, dou
   // Each of up to 2·degree steps magnifies what was there by 1 + 2·(low or high), and rounds three times.
   double growth = 1;
   for (int i = 0; i < degree; ++i) growth *= (1 + 2 * high) * (1 + 2 * near);
-  net->error[c] = growth * net->error[c] + 6 * degree * growth * 0x1p-53 * MaxAbs(net->value[c], net->points());
+  net->error[c] =
+      growth * net->error[c] + 6 * degree * growth * 0x1p-53 * MaxAbs(net->value[c], net->points());
 }
 
 const MonomialMatrix& CenteredMonomialMatrix(int degree) {

@@ -53,9 +53,10 @@ enum LeafFlag : std::uint16_t {
   kLeafTrimmed = 8,       // a hit must be asked of the face's trim index
   kLeafHard = 16,  // no certificate: coefficients are the Bézier net itself, for the subdivision solver, and
                    // c11, c12, c21, c22 the errors of its X, Y, W, Q
-  kLeafSeam = 32,  // with kLeafHard: one sample beside an edge, and the hit (s_low, t_low) at near_depth that its
-                   // face may owe the ray (trace/seams.h)
-  kLeafOdd = 64,   // with kLeafSeam: the ray should cross the face an odd number of times
+  kLeafSeam =
+      32,  // with kLeafHard: one sample beside an edge, and the hit (s_low, t_low) at near_depth that its
+           // face may owe the ray (trace/seams.h)
+  kLeafOdd = 64,  // with kLeafSeam: the ray should cross the face an odd number of times
 };
 
 struct Leaf {

@@ -177,6 +177,23 @@ TEST_F(SphereView, TheReportHasEveryPromisedName) {
   EXPECT_EQ(ModelJson(model_)["surfaces"]["sphere"], 1);
 }
 
+TEST(Report, ListsTheEdgesThatTheFileLeavesOpen) {
+  Model model = testing::LooseBox({10, 8, 6}, 0.05, 1);
+  EXPECT_EQ(ModelJson(model)["open_edges"]["count"], 0);
+  for (Edge& edge : model.edges) edge.tolerance_mm = 0.01;
+  model.faces[0].entity = "#12";
+  const nlohmann::json open = ModelJson(model)["open_edges"];
+  EXPECT_EQ(open["count"], 12);
+  ASSERT_EQ(open["worst"].size(), 12u);
+  const nlohmann::json& first = open["worst"][0];
+  EXPECT_EQ(first["cause"], "gap");
+  EXPECT_EQ(first["faces"].size(), 2u);
+  EXPECT_EQ(first["gap_mm"], 0.05);
+  EXPECT_EQ(first["tolerance_mm"], 0.01);
+  EXPECT_EQ(first["at"].size(), 3u);
+  EXPECT_EQ(open["worst"][0]["faces"][0]["entity"], "#12");
+}
+
 TEST_F(SphereView, RefusesBadOptionsAndCanBeCancelled) {
   const Camera camera = NamedView("iso", model_.bounds, Projection::kOrthographic, 16, 16).value();
   ViewOptions options;
