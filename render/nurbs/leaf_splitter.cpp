@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/nurbs/edge_on.h"
+
 namespace facetless {
 namespace {
 
@@ -207,14 +209,15 @@ void LeafSplitter::Visit(const Node& node) {
     const Verdict verdict = Certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
     const bool certified = verdict.certified;
     const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
-    const bool hard = !certified && (samples <= kHardSamples || last_level);
+    const bool edge_on = !certified && samples > kHardSamples && FitLine(net).is_line;
+    const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
     if ((certified && (trimmed_small || last_level)) || hard) {
       if (hard) {
         leaf = Leaf{};
-        leaf.flags =
-            static_cast<std::uint16_t>(kLeafHard | (patch_->rule.perspective ? kLeafPerspective : 0) |
-                                       (patch_->rule.weight_varies ? kLeafWeightVaries : 0) |
-                                       (patch_->rule.depth_varies ? kLeafDepthVaries : 0));
+        leaf.flags = static_cast<std::uint16_t>(
+            kLeafHard | (patch_->rule.perspective ? kLeafPerspective : 0) |
+            (patch_->rule.weight_varies ? kLeafWeightVaries : 0) |
+            (patch_->rule.depth_varies ? kLeafDepthVaries : 0) | (edge_on ? kLeafEdgeOn : 0));
         leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
         leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
         leaf.c11 = net.error[kX], leaf.c12 = net.error[kY];

@@ -5,7 +5,7 @@
 //     face, lies in a leaf that is returned. What is dropped is proven to be outside the window, behind the
 //     eye, between the sample centres, or trimmed away.
 //  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
-//     be split further.
+//     be split further, or are seen edge-on (edge_on.h), where splitting leads nowhere.
 //  3. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
 

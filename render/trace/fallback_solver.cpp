@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/nurbs/edge_on.h"
+
 namespace facetless {
 namespace {
 
@@ -116,6 +118,10 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
   std::copy_n(errors, int{kNetComponents}, root.net.error);
   root.s_mid = root.t_mid = 0;
   root.s_half = root.t_half = 1;
+  if (leaf.flags & kLeafEdgeOn) {
+    const LineImage line = FitLine(root.net);
+    return line.DistanceOf(x, y) > line.half_width ? 0 : kDoubtUnresolved;
+  }
   push(1);
 
   int pieces = 0;

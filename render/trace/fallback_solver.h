@@ -4,7 +4,8 @@
 //     be certified are solved and proven like any leaf. The rest is halved.
 //  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
 //     proof: a tangency, a pole, a cusp, met to that precision.
-//  3. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
+//  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved.
+//  4. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
 //  4. Bounds are those of the exact surface: the net's own error is part of them.
 #pragma once
 

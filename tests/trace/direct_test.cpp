@@ -273,6 +273,27 @@ TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
   EXPECT_LT(stats.leaves, 20000u);
 }
 
+TEST(Direct, APlaneSeenEdgeOnIsNotSplitForever) {
+  // Pixel centres lie in the plane, and neither of its parameters runs along a ray: every piece holds some of them
+  // and none has a certificate. In a close-up the pieces were millions.
+  const Model model = ModelOf({Rectangle({0, 0, 0}, {10, 3, 0}, {-2, 10, 0})});
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    Camera camera;
+    camera.eye = {3, -15, 0};
+    camera.target = {4, 6, 0};
+    camera.up = {0, 0, 1};
+    camera.projection = projection;
+    camera.height = 1e-3;
+    camera.fov_y_deg = 3e-3;
+    camera.width_px = camera.height_px = 33;
+    const DirectResult direct = TraceDirect(Scene(model), camera, {}).value();
+    EXPECT_LT(direct.stats.leaves, 10u);
+    EXPECT_EQ(direct.stats.unresolved, 33u) << "the row in the plane";
+    EXPECT_EQ(direct.stats.certified, direct.stats.rays - 33);
+    EXPECT_EQ(direct.stats.hits, 0u);
+  }
+}
+
 TEST(Direct, FarFromTheOriginLosesOnlyTheCoordinatesOwnDigits) {
   const Vec3 center{1e7, -1e7, 1e7};
   const Model model = ModelOf({Sphere(center, 1)});
