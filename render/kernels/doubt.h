@@ -9,7 +9,7 @@ namespace facetless {
 enum Doubt : std::uint8_t {
   kDoubtSilhouette = 1,   // a root without proof where the ray is tangent to the surface
   kDoubtPole = 2,         // a root without proof where the surface has no tangent plane of its own
-  kDoubtTwoRoots = 4,     // two roots of one face closer than their errors
+  kDoubtTwoRoots = 4,     // two roots of one face closer than their errors, or one on a border of two patches
   kDoubtTrim = 8,         // a trim curve or an edge lies within the error of the hit
   kDoubtCoincident = 16,  // another face lies within the error of the hit's depth
   kDoubtUnresolved = 32,  // neither hit nor miss

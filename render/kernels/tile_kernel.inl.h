@@ -308,13 +308,14 @@ class Packet {
   // A root in a certified leaf: trimming, then the depth test.
   void Take(const Leaf& leaf, std::uint32_t index, int lane, const TileHit& hit) {
     if (!(hit.depth > job_.near_depth) || (!job_.every_hit && !Matters(lane, hit))) return;
-    std::uint8_t doubt = 0;
+    std::uint8_t doubt = OnPatchBorder(leaf, hit.s, hit.t) ? kDoubtTwoRoots : 0;
+    bool keep = true;
     if (leaf.flags & kLeafTrimmed) {
       ++job_.counters->trim_tests;
-      const bool keep = job_.keep(job_.context, leaf, hit.s, hit.t, x_[lane], y_[lane], &doubt);
-      AddDoubt(lane, doubt, hit.depth - hit.error);
-      if (!keep) return;
+      keep = job_.keep(job_.context, leaf, hit.s, hit.t, x_[lane], y_[lane], &doubt);
     }
+    AddDoubt(lane, doubt, hit.depth - hit.error);
+    if (!keep) return;
     Keep(index, lane, hit, doubt);
   }
 

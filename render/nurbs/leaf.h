@@ -88,6 +88,17 @@ struct Leaf {
   }
 };
 
+// Whether a root lies on a border of its patch, within its error, or beyond it in the overlap. Beyond, the surface is
+// the neighbour's, and may turn away there. (Where leaves of one patch overlap, both are the same surface.) A side
+// that reaches farther than the overlap does so on purpose, across the gap to an edge, and is left out.
+inline bool OnPatchBorder(const Leaf& leaf, double s, double t) {
+  const double inside = 1 - leaf.root_error, overlap = 1 + leaf.overlap();
+  return (s < -inside && leaf.u_mid - leaf.u_half == 0 && leaf.s_low >= -overlap) ||
+         (s > inside && leaf.u_mid + leaf.u_half == 1 && leaf.s_high <= overlap) ||
+         (t < -inside && leaf.v_mid - leaf.v_half == 0 && leaf.t_low >= -overlap) ||
+         (t > inside && leaf.v_mid + leaf.v_half == 1 && leaf.t_high <= overlap);
+}
+
 struct DepthRule {
   bool perspective = false;
   bool weight_varies = false;  // W of the net is not constant

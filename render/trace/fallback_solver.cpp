@@ -143,6 +143,8 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     double monomials[kNetComponents * kMaxNetPoints];
     if (Certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
       piece.coefficients = monomials;
+      piece.u_mid = leaf.u_mid + work->s_mid * leaf.u_half, piece.u_half = work->s_half * leaf.u_half;
+      piece.v_mid = leaf.v_mid + work->t_mid * leaf.v_half, piece.v_half = work->t_half * leaf.v_half;
       // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors.
       piece.s_high = piece.t_high = 1 + piece.overlap();
       piece.s_low = piece.t_low = -piece.s_high;
@@ -150,6 +152,7 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
       const SampleRoot result = kernel_scalar::SolveSample(piece, x, y, &found.hit);
       if (result == SampleRoot::kMiss) continue;
       if (result == SampleRoot::kHit) {
+        found.proven = !OnPatchBorder(piece, found.hit.s, found.hit.t);
         found.hit.s = work->s_mid + found.hit.s * work->s_half;
         found.hit.t = work->t_mid + found.hit.t * work->t_half;
         found.error_s = piece.root_error * work->s_half;

@@ -190,6 +190,38 @@ TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
   EXPECT_GT(direct.stats.hits, 100u);
 }
 
+// A roof of two patches: continued beyond its border, each lies above the other. A root in the overlap of their leaves
+// is no point of the surface, and the nearer of the two is always the wrong one.
+TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
+  facetless::testing::PatchGrid grid;
+  grid.u_spans = {{0, 1}, {1, 2}};
+  grid.v_spans = {{0, 1}};
+  for (const auto& [x, z] : {std::pair{-1.0, -5.0}, {0.0, 0.0}, {0.0, 0.0}, {1.0, -5.0}})
+    for (const double y : {-1.0, 1.0}) grid.points.push_back({x, y, z, 1});
+  const Model model = facetless::testing::ModelOf({grid});
+  const Oracle oracle(model);
+  for (const double window : {1e-4, 1e-7, 1e-9, 1e-11, 1e-13}) {
+    Camera camera;
+    camera.eye = {0, 0.1, 10};
+    camera.target = {0, 0.1, 0};
+    camera.up = {1, 0.7, 0};  // aslant: no border along rows or columns
+    camera.height = window;
+    camera.width_px = camera.height_px = kSize;
+    DirectOptions options;
+    options.precision = GetParam();
+    options.depth_error = true;
+    const DirectResult direct = TraceDirect(Scene(model), camera, options).value();
+    const Judge judge(oracle, camera);
+    for (int column = 0; column < kSize; ++column) {
+      const Judgement judgement = judge.Ask(Judge::ClaimOf(direct.samples, column, kSize / 2));
+      EXPECT_TRUE(judgement.verdict == Verdict::kRight ||
+                  judgement.claim.certificate != Certificate::kCertified)
+          << window << ": " << Describe(judgement, model);
+      EXPECT_TRUE(judgement.claim.hit);
+    }
+  }
+}
+
 std::string PrecisionName(const ::testing::TestParamInfo<Precision>& info) {
   switch (info.param) {
     case Precision::kFast:

@@ -251,13 +251,15 @@ std::string Describe(const Judgement& judgement, const Model& model) {
   };
   char numbers[500];
   std::snprintf(numbers, sizeof numbers,
-                "%s, %s: pixel %d,%d; renderer %.17g mm, oracle %.17g mm, |N.D| %.3g, to the trim %.3g mm, "
+                "%s, %s: pixel %d,%d; renderer %.17g mm (stated error %.3g), oracle %.17g mm, |N.D| %.3g, to "
+                "the trim %.3g mm, "
                 "to the edge %.3g of "
                 "%.3g mm, ray to move by %.2g mm",
                 kCertificates[static_cast<int>(judgement.claim.certificate)], VerdictName(judgement.verdict),
                 judgement.claim.column, judgement.claim.row,
-                judgement.claim.hit ? judgement.claim.depth : INFINITY, judgement.oracle_depth,
-                judgement.cosine, judgement.trim_mm, judgement.edge_mm, judgement.gap_mm, judgement.reach_mm);
+                judgement.claim.hit ? judgement.claim.depth : INFINITY, judgement.claim.depth_error,
+                judgement.oracle_depth, judgement.cosine, judgement.trim_mm, judgement.edge_mm,
+                judgement.gap_mm, judgement.reach_mm);
   return std::string(numbers) + "; renderer " + name(judgement.claim.placed_face) + ", oracle " +
          name(judgement.oracle_face) + "; " + judgement.why;
 }

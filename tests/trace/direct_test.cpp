@@ -96,14 +96,14 @@ TEST(Direct, SphereFromEveryNamedView) {
 }
 
 TEST(Direct, PoleUnderThePixelCentre) {
-  // An odd image puts the pole of the top view exactly under the middle pixel, and a row of pixels exactly on
-  // the seam: without an edge there, the trimming can't prove on which side of the seam a hit lies, but it
-  // must not lose one.
+  // An odd image puts the pole of the top view exactly under the middle pixel, and a row and a column of pixels
+  // exactly on borders of patches, one of them the seam: nothing proves on which side of them a hit lies, but
+  // none may be lost.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   ExpectMatches(model, ViewOf(model, "top", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
-                201);
+                402);
   ExpectMatches(model, ViewOf(model, "bottom", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
-                201);
+                402);
 }
 
 TEST(Direct, CylinderAlongAndAcrossItsAxis) {
