@@ -58,11 +58,13 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
         HardPixels(direct.value(), Features(model, 20, random), kHardSamples, random);
     for (const std::uint32_t pixel : RandomPixels(samples, kRandomSamples, random)) pixels.push_back(pixel);
     pixels.push_back(static_cast<std::uint32_t>(samples.size() / 2));  // the middle
+    judged_.samples += pixels.size();
+    // The others are the slowest to judge, and may be wrong.
+    std::erase_if(pixels,
+                  [&](std::uint32_t pixel) { return samples.certificate[pixel] != Certificate::kCertified; });
+    judged_.certified += pixels.size();
     const Oracle oracle(model);
     const Tally tally = JudgePixels(Judge(oracle, camera), samples, pixels);
-    judged_.samples += tally.samples;
-    for (const std::uint64_t count : tally.counts[static_cast<std::size_t>(Certificate::kCertified)])
-      judged_.certified += count;
     if (tally.CertifiedWrong() == 0) return;
     std::string text = Numbers(camera);
     for (const Judgement& judgement : tally.list)
