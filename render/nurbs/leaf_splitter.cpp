@@ -190,12 +190,18 @@ void LeafSplitter::Visit(const Node& node) {
     row_begin = static_cast<int>(r0), row_end = static_cast<int>(r1);
   }
 
-  // Ask the trimming, unless the parent knew.
+  // Ask the trimming, unless the parent knew, about all that the leaf will answer for: its overlap with its
+  // neighbours too.
   RectClass trim = node.trim;
   if (trim == RectClass::kMixed && node.level > 0) {
-    trim = patch_->trim->Classify(
-        patch_->u_map.ToNative(node.u_mid - node.u_half), patch_->u_map.ToNative(node.u_mid + node.u_half),
-        patch_->v_map.ToNative(node.v_mid - node.v_half), patch_->v_map.ToNative(node.v_mid + node.v_half));
+    const auto u = [&](double s) {
+      return patch_->u_map.ToNative(std::clamp(node.u_mid + s * node.u_half, patch_->u_low, patch_->u_high));
+    };
+    const auto v = [&](double t) {
+      return patch_->v_map.ToNative(std::clamp(node.v_mid + t * node.v_half, patch_->v_low, patch_->v_high));
+    };
+    constexpr double kBorder = 1 + 2 * kBorderOverlap;
+    trim = patch_->trim->Classify(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder));
     if (trim == RectClass::kOutside) return;
   }
 

@@ -6,6 +6,7 @@
 namespace facetless {
 namespace {
 
+constexpr double kEpsilon = 0x1p-53;
 constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
 // The nearest point's place within its segment is rounded to multiples of this. Iterations that start in
 // different places agree to about 1e-14; on an edge of 1000 pixels the foot moves by 1e-7 pixels and the side
@@ -29,11 +30,20 @@ class ProjectedEdges::Segment {
     index_ = index;
     const EdgeSegment& segment = edges_.model_->edge_segments[segments_.first + index];
     degree_ = segment.degree;
+    double error = 0, size = 0, nearest = INFINITY;
     for (int i = 0; i <= degree_; ++i) {
       const Vec4& p = edges_.model_->edge_points[segment.first_point + static_cast<std::uint32_t>(i)];
       points_[i] = edges_.Relative(p, pixel_.x, pixel_.y);
+      const auto own = edges_.projection_.Error(p);
+      const double x = std::fabs(pixel_.x - edges_.center_x_), y = std::fabs(pixel_.y - edges_.center_y_);
+      error = std::max({error, own.x + x * own.w, own.y + y * own.w});
+      size = std::max(size, std::fabs(points_[i].x) + std::fabs(points_[i].y) + (x + y) * points_[i].z);
+      nearest = std::min(nearest, points_[i].z);
     }
+    // Making the point relative rounds twice, and each step of de Casteljau three times.
+    error_px_ = nearest > 0 ? (error + kEpsilon * (2 + 3 * degree_) * size) / nearest : INFINITY;
   }
+  double error_px() const { return error_px_; }
   std::uint32_t index() const { return index_; }
 
   // The point relative to the pixel and the tangent by t, in pixels. False behind the eye.
@@ -56,35 +66,16 @@ class ProjectedEdges::Segment {
   const Vec2 pixel_;
   std::uint32_t index_ = kNoIndex;
   int degree_ = 1;
+  double error_px_ = 0;
   Vec3 points_[kMaxPoints];
 };
 
 ProjectedEdges::ProjectedEdges(const Model& model, const Placement& placement, const CameraFrame& frame)
-    : model_(&model) {
-  // Part coordinates to (along right, along down, along forward), from the eye.
-  const Vec3 axes[3] = {frame.right, frame.down, frame.forward};
-  double camera[3][4];
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c)
-      camera[r][c] =
-          axes[r].x * placement.m[0][c] + axes[r].y * placement.m[1][c] + axes[r].z * placement.m[2][c];
-    camera[r][3] = Dot(axes[r], Vec3{placement.m[0][3], placement.m[1][3], placement.m[2][3]} - frame.eye);
-  }
-  // To pixels; the weight is the depth in perspective.
-  const bool perspective = frame.projection == Projection::kPerspective;
-  for (int c = 0; c < 4; ++c) {
-    const double weight = perspective ? camera[2][c] : (c == 3 ? 1 : 0);
-    rows_[0][c] = camera[0][c] / frame.pixel_x + frame.center_x * weight;
-    rows_[1][c] = camera[1][c] / frame.pixel_y + frame.center_y * weight;
-    rows_[2][c] = weight;
-  }
-}
+    : model_(&model), projection_(frame, placement), center_x_(frame.center_x), center_y_(frame.center_y) {}
 
 Vec3 ProjectedEdges::Relative(const Vec4& p, double x, double y) const {
-  double h[3];
-  for (int r = 0; r < 3; ++r)
-    h[r] = rows_[r][0] * p.x + rows_[r][1] * p.y + rows_[r][2] * p.z + rows_[r][3] * p.w;
-  return {h[0] - x * h[2], h[1] - y * h[2], h[2]};
+  const auto h = projection_(p);
+  return {h.x - (x - center_x_) * h.w, h.y - (y - center_y_) * h.w, h.w};
 }
 
 namespace {
@@ -170,6 +161,7 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   t = std::floor(t / kParameterGrid + 0.5) * kParameterGrid;
   if (!segment.At(t, point, tangent)) return result;
   result.side = SideOfLine(point, tangent);
+  result.error_px = segment.error_px();
   const std::uint32_t k = segment.index();
   const bool joins_next = t == 1 && (closed || k + 1 < count), joins_previous = t == 0 && (closed || k > 0);
   // Inside the edge the distance is that of the tangent line, which the rounding of t doesn't touch.
@@ -225,26 +217,27 @@ bool OutOfReach(const Coedge& coedge, const EdgeSide& side, double mm_per_px) {
 
 }  // namespace
 
-EdgeVerdict DecideAtEdge(const Model& model, const ProjectedEdges& edges, const TrimAnswer& answer, double x,
-                         double y, double mm_per_px, bool jacobian_positive) {
-  if (answer.coedge == kNoIndex) return EdgeVerdict::kUnknown;
+EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const TrimAnswer& answer, double x,
+                          double y, double mm_per_px, bool jacobian_positive) {
+  if (answer.coedge == kNoIndex) return {};
   const Coedge& one = model.coedges[answer.coedge];
   const EdgeSide side = edges.SideOf(one.edge, answer.edge_parameter, x, y);
-  if (side.side == Side::kUnknown) return EdgeVerdict::kUnknown;
+  if (side.side == Side::kUnknown) return {};
   // At grazing incidence the band in (u,v) is wide; seen along the ray it is not.
-  if (answer.certain && OutOfReach(one, side, mm_per_px)) return EdgeVerdict::kUnknown;
+  if (answer.certain && OutOfReach(one, side, mm_per_px)) return {};
   const bool keeps = EdgeKeeps(one, answer.material_left, side.side, jacobian_positive);
-  const EdgeVerdict verdict = keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop;
-  if (answer.other_coedge == kNoIndex || answer.other_material_left != answer.material_left) return verdict;
+  EdgeDecision decision{keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop, side.distance_px > side.error_px};
+  if (answer.other_coedge == kNoIndex || answer.other_material_left != answer.material_left) return decision;
 
   // The other coedge of the corner.
   const Coedge& two = model.coedges[answer.other_coedge];
   const EdgeSide other = edges.SideOf(two.edge, answer.other_edge_parameter, x, y);
-  if (other.side == Side::kUnknown) return verdict;
+  if (other.side == Side::kUnknown) return decision;
+  decision.proven = decision.proven && other.distance_px > other.error_px;
   const bool other_keeps = EdgeKeeps(two, answer.other_material_left, other.side, jacobian_positive);
-  if (other_keeps == keeps) return verdict;
+  if (other_keeps == keeps) return decision;
   // A seam that ends in a pole: the face lies all around.
-  if (one.edge == two.edge) return EdgeVerdict::kKeep;
+  if (one.edge == two.edge) return {EdgeVerdict::kKeep, decision.proven};
 
   // Which way the loop turns there, in the image.
   const Coedge& in = answer.other_is_next ? one : two;
@@ -254,9 +247,11 @@ EdgeVerdict DecideAtEdge(const Model& model, const ProjectedEdges& edges, const 
   const Vec2 arriving = (in.reversed ? -1.0 : 1.0) * edges.TangentAt(in.edge, in_end, !in.reversed);
   const Vec2 leaving = (out.reversed ? -1.0 : 1.0) * edges.TangentAt(out.edge, out_begin, out.reversed);
   const double turn = Cross(arriving, leaving);
-  if (turn == 0) return verdict;  // smooth, a cusp, or not known
+  if (turn == 0) return decision;  // smooth, a cusp, or not known
   const bool convex = (turn > 0) == (answer.material_left == jacobian_positive);
-  return (convex ? keeps && other_keeps : keeps || other_keeps) ? EdgeVerdict::kKeep : EdgeVerdict::kDrop;
+  const bool both = convex ? keeps && other_keeps : keeps || other_keeps;
+  decision.verdict = both ? EdgeVerdict::kKeep : EdgeVerdict::kDrop;
+  return decision;
 }
 
 }  // namespace facetless

@@ -10,8 +10,7 @@
 //     guesses that lead to one foot give bit-identical answers. It is clamped at the ends of an open edge;
 //     beyond an end the side is that of the tangent line there. A closed edge (equal vertices) has no ends.
 //     At a kink both tangent lines decide, as at a corner.
-//  3. Nothing is stored per edge: a question projects the segments that it meets. A ProjectedEdges is a
-//     matrix.
+//  3. Nothing is stored per edge: a question projects the segments that it meets, as patches are projected.
 //  4. kUnknown where the edge has no curve, where its nearest point isn't in front of the eye, or where its
 //     projection stands still.
 //  5. Deterministic: no libm but sqrt.
@@ -27,6 +26,7 @@
 #include "render/model/model.h"
 #include "render/nurbs/trim_index.h"
 #include "render/trace/camera.h"
+#include "render/trace/projection.h"
 
 namespace facetless {
 
@@ -38,6 +38,8 @@ struct EdgeSide {
       0;                 // from the pixel to the nearest point, >= 0; meaningless for kUnknown, like the rest
   double parameter = 0;  // of the nearest point, on the edge
   Vec2 tangent;          // of the projected edge there, pixels per unit of edge parameter
+  double error_px =
+      0;  // how far rounding may have moved the projected edge: nearer than that, no side is proven
 };
 
 class ProjectedEdges {
@@ -61,7 +63,8 @@ class ProjectedEdges {
   class Segment;
 
   const Model* model_;
-  double rows_[3][4];  // part coordinates -> (x·W, y·W, W)
+  ViewProjection projection_;
+  double center_x_, center_y_;  // of the image, in pixel coordinates
 };
 
 // Whether a hit counts by one coedge alone. `jacobian_positive`: x_u·y_v − x_v·y_u > 0 for the map (u,v) ->
@@ -70,10 +73,15 @@ bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobia
 
 enum class EdgeVerdict : std::uint8_t { kKeep, kDrop, kUnknown };
 
+struct EdgeDecision {
+  EdgeVerdict verdict = EdgeVerdict::kUnknown;
+  bool proven = true;  // every side that was asked for lies beyond the error of its edge's projection
+};
+
 // The whole rule for a trim answer with a coedge: one edge, or the two of a corner. `mm_per_px`: the size of
 // a pixel at the hit's depth. kUnknown: go by answer.inside, because the edge can't say, or because the ray
 // passes it farther off than its gap.
-EdgeVerdict DecideAtEdge(const Model& model, const ProjectedEdges& edges, const TrimAnswer& answer, double x,
-                         double y, double mm_per_px, bool jacobian_positive);
+EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const TrimAnswer& answer, double x,
+                          double y, double mm_per_px, bool jacobian_positive);
 
 }  // namespace facetless

@@ -25,8 +25,7 @@ namespace facetless {
 enum class Precision : std::uint8_t {
   kFast,       // kernels in single precision, in each leaf's own frame; bounds include their rounding
   kStandard,   // double precision
-  kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth, and
-               // the side of a shared edge beyond the error of the edge's projection
+  kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth
 };
 
 struct DirectOptions {

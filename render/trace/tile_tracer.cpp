@@ -137,10 +137,13 @@ bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y
   if (answer.coedge != kNoIndex && root.jacobian_sign != 0) {
     const double mm_per_px = std::max(shared_.frame.pixel_x, shared_.frame.pixel_y) *
                              (shared_.frame.projection == Projection::kPerspective ? geometry.depth : 1);
-    const EdgeVerdict verdict = DecideAtEdge(
+    const EdgeDecision decision = DecideAtEdge(
         *shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
         y + 0.5 * shared_.camera.height_px, mm_per_px, root.jacobian_sign > 0);
-    if (verdict != EdgeVerdict::kUnknown) return verdict == EdgeVerdict::kKeep;
+    if (decision.verdict != EdgeVerdict::kUnknown) {
+      if (!decision.proven) *hit_doubt |= kDoubtTrim;
+      return decision.verdict == EdgeVerdict::kKeep;
+    }
   }
   if (!answer.certain) *hit_doubt |= kDoubtTrim;
   return answer.inside;

@@ -227,7 +227,7 @@ void ExpectFanTiles(Random& random, int spokes) {
       if (answer.coedge != kNoIndex) {
         ++asked;
         const EdgeVerdict verdict =
-            DecideAtEdge(model, edges, answer, pixel.x, pixel.y, frame.pixel_x, false);
+            DecideAtEdge(model, edges, answer, pixel.x, pixel.y, frame.pixel_x, false).verdict;
         if (verdict != EdgeVerdict::kUnknown) keep = verdict == EdgeVerdict::kKeep;
       }
       kept += keep;
@@ -278,7 +278,7 @@ RC_GTEST_PROP(ProjectedEdges, NeighboursAreComplementaryAlongACurve, (std::uint3
     const auto keeps = [&](const FaceTrim& trim, const Model& model_of, const ProjectedEdges& edges) {
       const TrimAnswer answer = trim.Query(q.x, q.y, 1e-15, 1e-15);
       const EdgeVerdict verdict =
-          DecideAtEdge(model_of, edges, answer, pixel.x, pixel.y, frame.pixel_x, false);
+          DecideAtEdge(model_of, edges, answer, pixel.x, pixel.y, frame.pixel_x, false).verdict;
       return verdict == EdgeVerdict::kUnknown ? answer.inside : verdict == EdgeVerdict::kKeep;
     };
     RC_ASSERT(keeps(up, above, up_edges) != keeps(down, below, down_edges));
