@@ -86,12 +86,12 @@ TEST(MeshFile, TellsWhatTheMesherNeedsWithoutWhatWasReadBefore) {
   const std::vector<char> held(64 << 20, 'x');
   { const std::vector<char> freed(64 << 20, 'x'); }
   const Result<MeshReport> report =
-      WriteMesh(conversion.value(), {1e-4, 20}, folder.File("a.glb"), [](double) {});
+      WriteMesh(conversion.value(), {1e-2, 20}, folder.File("a.glb"), [](double) {});
   ASSERT_TRUE(report.ok());
-  // Above a hundred thousand triangles, three indices each, and far below what else the process holds.
-  EXPECT_GT(report.value().triangles, 100'000u);
+  // Above its triangles, three indices each, and below what else the process holds.
+  EXPECT_GT(report.value().triangles, 5'000u);
   EXPECT_GT(report.value().peak_bytes, 12 * report.value().triangles);
-  EXPECT_LT(report.value().peak_bytes, held.size() + 1000 * report.value().triangles);
+  EXPECT_LT(report.value().peak_bytes, held.size());
 }
 
 TEST(MeshFile, SphereNodesLieOnTheSphereWithItsNormals) {
