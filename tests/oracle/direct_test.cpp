@@ -98,7 +98,9 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
   void Check(const char* description, const Property& property) {
     judged_ = {};
     EXPECT_TRUE(rc::check(description, property));
-    EXPECT_GT(judged_.certified, judged_.samples * 8 / 10) << "of " << judged_.samples << " samples";
+    // Cameras look closely at seams, poles and edges, where doubts are many; but a property that certifies little
+    // proves little.
+    EXPECT_GT(judged_.certified, judged_.samples / 2) << "of " << judged_.samples << " samples";
   }
 
   Judged judged_;
