@@ -14,6 +14,10 @@ namespace {
 // The highest degree that OpenCASCADE, our only importer, accepts (Geom_BSplineSurface::MaxDegree).
 constexpr int kMaxDegree = 25;
 
+// A patch's largest weight: beyond, products with coordinates and errors of one unit roundoff leave the range in
+// which a double keeps all its digits.
+constexpr double kLeastWeight = 1e-250, kGreatestWeight = 1e250;
+
 // Consecutive trim segments meet to within rounding of a division by the weight and one shift by a period: a
 // few ulp of the largest coordinate involved.
 constexpr double kLoopClosureUlps = 64 * std::numeric_limits<double>::epsilon();
@@ -92,6 +96,14 @@ Violation CheckSurface(const Model& model, std::size_t index, const std::string&
     if (!(point.w > 0)) return Broken(where, At("control_points", i) + " has a weight that is not positive");
     if (!surface.rational && point.w != 1)
       return Broken(where, At("control_points", i) + " has a weight on a polynomial surface");
+  }
+  for (std::uint64_t patch = 0; surface.rational && patch < patches; ++patch) {
+    const Vec4* points =
+        model.control_points.data() + surface.first_control_point + patch * surface.PointsPerPatch();
+    double largest = 0;
+    for (std::uint32_t i = 0; i < surface.PointsPerPatch(); ++i) largest = std::fmax(largest, points[i].w);
+    if (!(largest >= kLeastWeight && largest <= kGreatestWeight))
+      return Broken(where, "all weights of a patch are below 1e-250, or one is above 1e250; scale them");
   }
   return {};
 }

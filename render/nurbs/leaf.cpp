@@ -73,9 +73,10 @@ Range RangeOf(const double* monomials, int degree_u, int degree_v) {
   return {b.value, b.ds + b.dt + std::fabs(monomials[degree_v + 1]) + std::fabs(monomials[1])};
 }
 
-// Forms the planes that the depth needs and its bounds (Law 6). False where Q may vanish.
+// Forms the planes that the depth needs and its bounds (Law 6). `weight`: the monomials of W/W(0,0), null where it
+// is constant. False where Q may vanish.
 bool CertifyDepth(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, double w0,
-                  double w_low, Range w, Leaf* leaf, double* monomials) {
+                  double w_low, Range w, const double* weight, Leaf* leaf, double* monomials) {
   const int n = net.points(), pu = net.degree_u, pv = net.degree_v;
   const int middle = (pu / 2) * net.stride() + pv / 2;
   const double growth = EnlargedPowers()[pu + pv];
@@ -93,10 +94,18 @@ bool CertifyDepth(const BezierNet& net, DepthRule rule, const KernelArithmetic& 
     }
     const double q_low = 1 - q.rest;
     if (!(q0 > 0 && q_low > 0)) return false;
-    // depth = scale + scale·(w − q)/(1 + q), w and q without their constant terms.
+    // depth = scale + scale·(w − q)/(1 + q), w and q without their constant terms. From afar, a rational patch
+    // has a w and a q that vary together, and their difference hardly at all.
     leaf->depth_scale = w0 / q0;
+    Range difference = w;
+    if (rule.depth_varies) {
+      double d[kMaxNetPoints];
+      for (int i = 0; i < n; ++i) d[i] = (weight ? weight[i] : 0) - monomials[i];
+      d[0] = 0;
+      difference = RangeOf(d, pu, pv);
+    }
     const double range = w.rest + q.rest;
-    slope = leaf->depth_scale * ((w.slope + q.slope) / q_low + range * q.slope / (q_low * q_low));
+    slope = leaf->depth_scale * (difference.slope / q_low + difference.rest * q.slope / (q_low * q_low));
     evaluation = leaf->depth_scale * (units * range / q_low * (1 + 1 / q_low) + 4 * kEpsilon);
     far = leaf->depth_scale * (1 + range / q_low);
     divisor = q0 * q_low / growth;
@@ -253,7 +262,8 @@ Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& ar
   leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) |
                                            (rule.perspective ? kLeafPerspective : 0) |
                                            (rule.depth_varies ? kLeafDepthVaries : 0));
-  if (!CertifyDepth(net, rule, arithmetic, w0, w_low, {bw.value, slope}, leaf, next)) return fail();
+  const double* weight = rule.weight_varies ? monomials + 2 * n : nullptr;
+  if (!CertifyDepth(net, rule, arithmetic, w0, w_low, {bw.value, slope}, weight, leaf, next)) return fail();
   leaf->degree_u = static_cast<std::uint8_t>(pu);
   leaf->degree_v = static_cast<std::uint8_t>(pv);
   return {true, 0, 0};

@@ -108,30 +108,43 @@ ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRu
   return box;
 }
 
-// How far the projected net extends along u and v, in samples: bounds of the first differences.
+// How far the projected net extends along u and v: bounds of the first differences of its control points, in
+// samples; across the eye plane, where a sample has no place, of their X, Y and W, the last times half the
+// window, which is what X is at the window's border.
 struct Extent {
   double u = 0, v = 0;
 };
 
-Extent MeasureExtent(const BezierNet& net, const DepthRule& rule) {
-  const int stride = net.stride(), pu = net.degree_u, pv = net.degree_v;
-  const int middle = (pu / 2) * stride + pv / 2;
-  const bool shift = rule.weight_varies && net.value[kW][middle] > 0;
+Extent MeasureExtent(const BezierNet& net, const SplitWindow& window, bool weight_varies, bool in_front) {
+  const int n = net.points(), stride = net.stride(), pu = net.degree_u, pv = net.degree_v;
+  double screen[2][kMaxNetPoints];
+  const double* components[3] = {net.value[kX], net.value[kY], nullptr};
+  double scales[3] = {1, 1, 0};
+  if (!in_front) {
+    components[2] = net.value[kW];
+    scales[2] = std::max(window.half_width, window.half_height);
+  } else if (weight_varies) {
+    for (int i = 0; i < n; ++i) {
+      const double inverse = 1 / net.value[kW][i];
+      screen[0][i] = net.value[kX][i] * inverse;
+      screen[1][i] = net.value[kY][i] * inverse;
+    }
+    components[0] = screen[0];
+    components[1] = screen[1];
+  }
   Extent extent;
-  for (const NetComponent c : {kX, kY}) {
-    const double* f = net.value[c];
-    const double* w = net.value[kW];
-    const double center = f[middle] / (shift ? w[middle] : 1);
+  for (int c = 0; c < 3 && components[c]; ++c) {
+    const double* f = components[c];
+    double u = 0, v = 0;
     for (int k = 0; k <= pu; ++k) {
       for (int l = 0; l <= pv; ++l) {
         const int i = k * stride + l;
-        if (k < pu)
-          extent.u =
-              std::max(extent.u, pu * std::fabs(f[i + stride] - f[i] - center * (w[i + stride] - w[i])));
-        if (l < pv)
-          extent.v = std::max(extent.v, pv * std::fabs(f[i + 1] - f[i] - center * (w[i + 1] - w[i])));
+        if (k < pu) u = std::max(u, std::fabs(f[i + stride] - f[i]));
+        if (l < pv) v = std::max(v, std::fabs(f[i + 1] - f[i]));
       }
     }
+    extent.u = std::max(extent.u, scales[c] * pu * u);
+    extent.v = std::max(extent.v, scales[c] * pv * v);
   }
   return extent;
 }
@@ -208,11 +221,11 @@ void LeafSplitter::Visit(const Node& node) {
   // Certify, or halve, or give up on a piece that is small enough.
   const double samples = double(col_end - col_begin) * (row_end - row_begin);
   const bool last_level = node.level >= kMaxLevels;
-  Direction direction = node.level % 2 ? Direction::kV : Direction::kU;
+  Verdict verdict;
   if (box.in_front) {
     Leaf leaf;
     double monomials[kNetComponents * kMaxNetPoints];
-    const Verdict verdict = Certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
+    verdict = Certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
     const bool certified = verdict.certified;
     const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
     const bool edge_on = !certified && samples > kHardSamples && FitLine(net).is_line;
@@ -256,16 +269,17 @@ void LeafSplitter::Visit(const Node& node) {
                                     std::memory_order_relaxed);
       return;
     }
-    // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there only the extent
-    // on the screen counts.
-    const Extent extent = MeasureExtent(net, patch_->rule);
-    direction = extent.v > extent.u ? Direction::kV : Direction::kU;
-    if (!certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {
-      const Direction best = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
-      if ((best == Direction::kV ? extent.v : extent.u) >= 1) direction = best;
-    }
   } else if (last_level) {
     return;  // a piece of 2^-32 of the patch across the eye plane, within the near plane's distance of the eye
+  }
+
+  // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there, as across the eye
+  // plane, only the extent counts.
+  const Extent extent = MeasureExtent(net, window_, patch_->rule.weight_varies, box.in_front);
+  Direction direction = extent.v > extent.u ? Direction::kV : Direction::kU;
+  if (!verdict.certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {
+    const Direction best = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
+    if ((best == Direction::kV ? extent.v : extent.u) >= 1) direction = best;
   }
 
   Node* low = Level(node.level + 1, 0);

@@ -14,6 +14,9 @@ constexpr int kMaxPixels = 65536;
 // The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16 /
 // sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
 constexpr double kMinUpSine = 1e-6;
+// Lengths, mm, between which products of four of them, and of what leaves divide them into, stay far inside the
+// range of a double, and a length inside that of a float.
+constexpr double kLeastLength = 1e-30, kGreatestLength = 1e30;
 // nearest depth that a perspective view shows, of the model's diagonal
 constexpr double kNearShare = 1e-9;
 // free border of a named view, of the image's width and height, on each side
@@ -33,6 +36,14 @@ double TanOfHalf(double fov_deg) {
 
 bool Finite(Vec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool IsLength(double mm) {
+  return mm >= kLeastLength && mm <= kGreatestLength;
+}
+
+bool IsPlace(Vec3 v) {
+  return Length(v) <= kGreatestLength;
 }
 
 Error Bad(const Camera& camera, const std::string& what) {
@@ -97,6 +108,11 @@ Result<CameraFrame> MakeFrame(const Camera& camera, double diagonal_mm) {
   if (!orthographic && !(camera.fov_y_deg > 0 && camera.fov_y_deg < 180))
     return Bad(camera, "fov_y_deg must lie between 0 and 180");
 
+  if (diagonal_mm != 0 && !IsLength(diagonal_mm))
+    return Bad(camera, "the model's size must lie between 1e-30 and 1e30 mm; scale it");
+  if (!IsPlace(camera.eye) || !IsPlace(camera.target))
+    return Bad(camera, "eye and target must lie within 1e30 mm of the origin");
+
   // Build the axes.
   CameraFrame frame;
   frame.projection = camera.projection;
@@ -113,8 +129,9 @@ Result<CameraFrame> MakeFrame(const Camera& camera, double diagonal_mm) {
   const double sample_y = window / camera.height_px;
   frame.pixel_y = sample_y;
   frame.pixel_x = sample_y * camera.samples_y / camera.samples_x;
-  if (!(frame.pixel_x > 0 && frame.pixel_y > 0 && std::isfinite(window)))
-    return Bad(camera, "the window is too small or too large for its number of pixels");
+  if (!IsLength(window))
+    return Bad(camera, orthographic ? "height must lie between 1e-30 and 1e30 mm"
+                                    : "fov_y_deg is too small to tell its pixels apart");
   frame.center_x = 0.5 * camera.width_px;
   frame.center_y = 0.5 * camera.height_px;
   frame.near_mm = orthographic ? 0 : kNearShare * diagonal_mm;

@@ -36,6 +36,7 @@ namespace {
 struct Residual {
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, error[2] = {0, 0};
   double extent_u = 0, extent_v = 0;
+  double weight = 0;  // the largest W: F is in samples times that
 
   bool Empty() const {
     for (int c = 0; c < 2; ++c) {
@@ -58,6 +59,7 @@ Residual Measure(const BezierNet& net, double x, double y) {
       f[i] = value[i] - pixel * net.value[kW][i];
       residual.low[c] = std::min(residual.low[c], f[i]);
       residual.high[c] = std::max(residual.high[c], f[i]);
+      residual.weight = std::max(residual.weight, net.value[kW][i]);
       magnitude = std::max(magnitude, std::fabs(value[i]) + std::fabs(pixel * net.value[kW][i]));
     }
     residual.error[c] =
@@ -152,7 +154,7 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
       const SampleRoot result = kernel_scalar::SolveSample(piece, x, y, &found.hit);
       if (result == SampleRoot::kMiss) continue;
       if (result == SampleRoot::kHit) {
-        found.proven = !OnPatchBorder(piece, found.hit.s, found.hit.t);
+        found.on_border = OnPatchBorder(piece, found.hit.s, found.hit.t);
         found.hit.s = work->s_mid + found.hit.s * work->s_half;
         found.hit.t = work->t_mid + found.hit.t * work->t_half;
         found.error_s = piece.root_error * work->s_half;
@@ -162,7 +164,8 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
         continue;
       }
     }
-    if (residual.size() <= std::max(kFloorSamples, 2 * std::max(residual.error[0], residual.error[1]))) {
+    if (residual.size() <=
+        std::max(kFloorSamples * residual.weight, 2 * std::max(residual.error[0], residual.error[1]))) {
       const double middle = 0.5 * (depths.near + depths.far);
       if (!std::isfinite(middle)) return kDoubtUnresolved;
       roots->push_back({{middle, work->s_mid, work->t_mid, depths.far - middle},

@@ -6,7 +6,7 @@
 //     proof: a tangency, a pole, a cusp, met to that precision.
 //  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved.
 //  4. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
-//  4. Bounds are those of the exact surface: the net's own error is part of them.
+//  5. Bounds are those of the exact surface: the net's own error is part of them.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,7 @@ struct FallbackRoot {
   double error_s = 0, error_t = 0;  // how far the root may lie from there
   double jacobian_sign = 0;         // sign of the Jacobian of (u,v) → pixel at the root; 0: not known
   bool proven = true;               // exists, and is the only one in its piece
+  bool on_border = false;           // of its patch, within its error (OnPatchBorder)
 };
 
 class FallbackSolver {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kEpsilon = 0x1p-53;
 // Units of rounding: an axis is a normalised cross product, pulled back by the placement and divided by the
-// pixel size, and its dot product adds three products; placing a point adds three products and a translation.
+// pixel size, and its dot product adds three products; placing the eye subtracts a translation and adds three products.
 constexpr double kAxisUnits = 16, kPlacingUnits = 8;
 
 // The placement's linear part, transposed, applied to a camera axis: the axis in part coordinates.
@@ -25,10 +25,12 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
       down_((1 / frame.pixel_y) * Pull(placement, frame.down)),
       forward_(Pull(placement, frame.forward)),
       perspective_(frame.projection == Projection::kPerspective) {
-  // The eye in part coordinates (exactly so for a rigid placement), and what that leaves over.
+  // The eye in part coordinates (exactly so for a rigid placement), and what that leaves over. Both are relative
+  // to where the part is placed: a part far from the origin loses no digits, if the eye is near it.
   const Vec3 translation{placement.m[0][3], placement.m[1][3], placement.m[2][3]};
-  origin_ = Pull(placement, frame.eye - translation);
-  const Vec3 rest = placement.Point(origin_) - frame.eye;
+  const Vec3 eye = frame.eye - translation;
+  origin_ = Pull(placement, eye);
+  const Vec3 rest = placement.Vector(origin_) - eye;
   x_ = Dot(rest, frame.right) / frame.pixel_x;
   y_ = Dot(rest, frame.down) / frame.pixel_y;
   z_ = Dot(rest, frame.forward);
@@ -37,7 +39,7 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
   const auto size = [](Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); };
   origin_size_ = size(origin_);
   if (size(rest) > 0 || size(translation) > 0)
-    placed_error_ = kPlacingUnits * kEpsilon * (size(translation) + size(frame.eye) + origin_size_);
+    placed_error_ = kPlacingUnits * kEpsilon * (size(eye) + origin_size_);
   scale_ = {Length(right_), Length(down_), Length(forward_)};
 }
 

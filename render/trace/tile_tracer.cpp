@@ -213,7 +213,7 @@ std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, do
 
 // Why a root of the fallback solver is not certified.
 std::uint8_t TileTracer::DoubtOf(const Leaf& hard_leaf, const FallbackRoot& root, double x, double y) const {
-  std::uint8_t result = 0;
+  std::uint8_t result = root.on_border ? kDoubtTwoRoots : 0;
   if (!root.proven) {
     const bool singular = EvaluateHit(hard_leaf, root.hit.s, root.hit.t, x, y, shared_.frame).singular;
     result |= singular ? kDoubtPole : kDoubtSilhouette;

@@ -229,6 +229,12 @@ INSTANTIATE_TEST_SUITE_P(
                   "control_points[5]"},
         Violation{"weight", [](Model& m) { m.control_points[6].w = 0; }, ErrorCode::kFormatBroken,
                   "not positive"},
+        Violation{"weights",
+                  [](Model& m) {
+                    for (std::size_t i = m.surfaces[1].first_control_point; i < m.control_points.size(); ++i)
+                      m.control_points[i] = 1e-260 * m.control_points[i];
+                  },
+                  ErrorCode::kFormatBroken, "scale them"},
         Violation{"polynomial", [](Model& m) { m.control_points[0].w = 2; }, ErrorCode::kFormatBroken,
                   "polynomial"},
         Violation{"gap", [](Model& m) { m.trim_points[3].x += 1e-9; }, ErrorCode::kFormatBroken, "(#8)"},

@@ -175,12 +175,23 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
   const Real floor = kFloorShare * model_.Diagonal();
   for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
     const std::size_t count = surface.PointsPerPatch();
-    const Vec4* points = model_.control_points.data() + surface.first_control_point + patch * count;
+    // A factor of all weights changes nothing: a power of two brings the largest near 1, exactly.
+    const Vec4* first = model_.control_points.data() + surface.first_control_point + patch * count;
+    double largest = 0, smallest = INFINITY;
+    for (std::size_t i = 0; i < count; ++i) {
+      largest = std::max(largest, first[i].w);
+      smallest = std::min(smallest, first[i].w);
+    }
+    const double scale = std::exp2(-std::floor(std::log2(largest)));
+    std::vector<Vec4> scaled(first, first + count);
+    for (Vec4& p : scaled) p = scale * p;
+    const Vec4* points = scaled.data();
     if (OneSide(across, points, count) || OneSide(down, points, count)) continue;
     BernsteinPair pair{n, m, {}, {}, 0};
     pair.f = Coefficients(across, points, count, pair.error);
     pair.g = Coefficients(down, points, count, pair.error);
-    const std::vector<PatchRoot> roots = FindRoots(pair, floor);
+    // Coefficients are lengths times weights.
+    const std::vector<PatchRoot> roots = FindRoots(pair, floor * (scale * smallest));
     if (roots.empty()) continue;
     Real unused = 0;
     const std::vector<Real> height = Coefficients(forth, points, count, unused);

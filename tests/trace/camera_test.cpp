@@ -148,6 +148,24 @@ TEST(Camera, RefusesWhatGivesNoRays) {
     })) << fov;
 }
 
+TEST(Camera, RefusesLengthsWhoseProductsLeaveTheRangeOfNumbers) {
+  for (const double length : {1e-310, 1e-40, 1e40, 1e300}) {
+    Camera window, narrow;
+    window.height = length;
+    EXPECT_FALSE(MakeFrame(window, 1).ok()) << length;
+    EXPECT_FALSE(MakeFrame(Camera{}, length).ok()) << length;
+    narrow.projection = Projection::kPerspective;
+    narrow.fov_y_deg = length;
+    EXPECT_FALSE(MakeFrame(narrow, 1).ok()) << length;
+  }
+  for (const double length : {1e-28, 1e28}) {
+    Camera camera;
+    camera.eye = {0, 0, length};
+    camera.height = length;
+    EXPECT_TRUE(MakeFrame(camera, length).ok()) << length;
+  }
+}
+
 struct Direction {
   const char* name;
   Vec3 forward, up, right;
