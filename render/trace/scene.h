@@ -17,6 +17,7 @@ struct FaceData {
   // The native rectangle that the patches are continued to: the grid's, and beyond it where the face ends with
   // the grid and its edges lie off the surface by a gap.
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  bool u_low_continued = false, u_high_continued = false, v_low_continued = false, v_high_continued = false;
 };
 
 struct Scene::Data {

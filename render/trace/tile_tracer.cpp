@@ -13,11 +13,11 @@ namespace {
 constexpr double kMaxBandScale = 64;
 
 // A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges
-// the other side of the seam may have left it to this one.
-double OntoPatch(double bezier, double half, double leaf_overlap) {
+// the other side of the seam may have left it to this one. Where the patch is continued it lies where it lies.
+double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
   const double overlap = 2 * leaf_overlap * half;
-  if (bezier < 0 && bezier >= -overlap) return 0;
-  if (bezier > 1 && bezier <= 1 + overlap) return 1;
+  if (!low_continued && bezier < 0 && bezier >= -overlap) return 0;
+  if (!high_continued && bezier > 1 && bezier <= 1 + overlap) return 1;
   return bezier;
 }
 
@@ -51,10 +51,13 @@ TraceShared::PlacedFace TraceShared::Placed(std::uint32_t placed_face) const {
 TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint32_t face, double s,
                                                     double t) const {
   const Surface& surface = scene.model->surfaces[scene.model->faces[face].surface];
-  return {&scene.spans[surface.u_spans.first + leaf.patch / surface.v_spans.count],
-          &scene.spans[surface.v_spans.first + leaf.patch % surface.v_spans.count],
-          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half, leaf.overlap()),
-          OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half, leaf.overlap())};
+  const FaceData& data = scene.faces[face];
+  const std::uint32_t i = leaf.patch / surface.v_spans.count, j = leaf.patch % surface.v_spans.count;
+  return {&scene.spans[surface.u_spans.first + i], &scene.spans[surface.v_spans.first + j],
+          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half, leaf.overlap(), i == 0 && data.u_low_continued,
+                    i + 1 == surface.u_spans.count && data.u_high_continued),
+          OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half, leaf.overlap(), j == 0 && data.v_low_continued,
+                    j + 1 == surface.v_spans.count && data.v_high_continued)};
 }
 
 RootTwin::RootTwin(const Leaf& leaf, const TileHit& hit) : depth(hit.depth) {
