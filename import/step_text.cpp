@@ -19,6 +19,9 @@ bool IsNotFinite(std::string_view word) {
   return std::find(kNames.begin(), kNames.end(), upper) != kNames.end();
 }
 
+// The largest power of ten that a number may have: its square is no double. OpenCASCADE can run for good on what is larger.
+constexpr int kGreatestExponent = 150;
+
 void AppendUtf8(std::uint32_t code, std::string& out) {
   if (code < 0x80) {
     out += static_cast<char>(code);
@@ -108,12 +111,19 @@ class Scanner {
         at_ = end == std::string_view::npos ? text_.size() : end + 2;
       } else if (c == '#') {
         TakeReference();
-      } else if (c == '.' && at_ + 1 < text_.size() &&
+      } else if (c == '.' && at_ > 0 && !IsNumeral(text_[at_ - 1]) && at_ + 1 < text_.size() &&
                  std::isalpha(static_cast<unsigned char>(text_[at_ + 1]))) {
         // An enumerator: .NAME.
         ++at_;
         TakeWord();
         if (at_ < text_.size() && text_[at_] == '.') ++at_;
+      } else if ((c == 'E' || c == 'e') && at_ > 0 && IsNumeral(text_[at_ - 1])) {
+        if (const int exponent = TakeExponent(); in_data_ && exponent > kGreatestExponent) {
+          return Error{ErrorCode::kNotFinite,
+                       name_ + ": entity #" + std::to_string(id_) + " holds a number of 1e" +
+                           std::to_string(exponent) +
+                           ", beyond what can be computed with; export the model again."};
+        }
       } else if (std::isalpha(static_cast<unsigned char>(c))) {
         const std::string_view word = TakeWord();
         if (in_data_ && IsNotFinite(word)) {
@@ -188,6 +198,19 @@ class Scanner {
     id_ = id;
     ++facts_.entities;
     at_ = next + 1;
+  }
+
+  static bool IsNumeral(char c) { return c == '.' || std::isdigit(static_cast<unsigned char>(c)); }
+
+  // Of a number whose E is next; 9999 stands for all that are larger.
+  int TakeExponent() {
+    ++at_;
+    const bool negative = at_ < text_.size() && text_[at_] == '-';
+    if (negative || (at_ < text_.size() && text_[at_] == '+')) ++at_;
+    int exponent = 0;
+    for (; at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])); ++at_)
+      exponent = std::min(10 * exponent + (text_[at_] - '0'), 9999);
+    return negative ? -exponent : exponent;
   }
 
   void TakeKeyword(std::string_view word) {

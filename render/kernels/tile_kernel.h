@@ -7,7 +7,7 @@
 //  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a
 //     miss or pin the root down to kSolverTolerance; then it is frozen. Lanes never influence each other, so
 //     all builds give the same bits.
-//  3. The kernel knows numbers only. Trimming and leaves without a certificate go through two plain
+//  3. The kernel knows numbers only. Trimming, borders of patches and leaves without a certificate go through plain
 //     functions.
 //  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
 //     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds to
@@ -60,6 +60,9 @@ struct TileJob {
   // Whether the hit at (s, t) of a leaf with kLeafTrimmed belongs to the face; adds to *doubt.
   bool (*keep)(void* context, const Leaf& leaf, double s, double t, double x, double y,
                std::uint8_t* doubt) = nullptr;
+  // Whether a root on the border of its patch is the leaf's own; adds to *doubt and to hit->error.
+  bool (*keep_on_border)(void* context, const Leaf& leaf, double x, double y, TileHit* hit,
+                         std::uint8_t* doubt) = nullptr;
   // The roots of a hard leaf nearer than `limit`: calls back `found` for each, `kept` if the trimming keeps it.
   // Returns the doubts that belong to no root.
   std::uint8_t (*solve_hard)(void* context, const Leaf& leaf, double x, double y, double limit, void* sink,

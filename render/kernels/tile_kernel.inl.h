@@ -306,9 +306,12 @@ class Packet {
   }
 
   // A root in a certified leaf: trimming, then the depth test.
-  void Take(const Leaf& leaf, std::uint32_t index, int lane, const TileHit& hit) {
+  void Take(const Leaf& leaf, std::uint32_t index, int lane, TileHit hit) {
     if (!(hit.depth > job_.near_depth) || (!job_.every_hit && !Matters(lane, hit))) return;
-    std::uint8_t doubt = OnPatchBorder(leaf, hit.s, hit.t) ? kDoubtTwoRoots : 0;
+    std::uint8_t doubt = 0;
+    if (OnPatchBorder(leaf, hit.s, hit.t) &&
+        !job_.keep_on_border(job_.context, leaf, x_[lane], y_[lane], &hit, &doubt))
+      return;
     bool keep = true;
     if (leaf.flags & kLeafTrimmed) {
       ++job_.counters->trim_tests;

@@ -22,23 +22,34 @@ LineImage FitLine(const BezierNet& net) {
   // Take the farthest control point from the first, and what the points are off by.
   line.x = image_x(0);
   line.y = image_y(0);
-  double along_x = 0, along_y = 0, length = 0, error = 0;
+  double along_x = 0, along_y = 0, length = 0, error = 0, ends = 0;
+  const auto error_of = [&](int i, double size) {
+    return (net.error[kX] + net.error[kY] + size * net.error[kW]) / net.value[kW][i] +
+           kRounding * (size + std::fabs(line.x) + std::fabs(line.y));
+  };
   for (int i = 0; i < net.points(); ++i) {
     const double x = image_x(i), y = image_y(i), size = std::fabs(x) + std::fabs(y);
     const double far = std::sqrt((x - line.x) * (x - line.x) + (y - line.y) * (y - line.y));
+    const double own = error_of(i, size);
+    if (i == 0 || far > length)
+      ends = std::max(i == 0 ? 0 : error_of(0, std::fabs(line.x) + std::fabs(line.y)), own);
     if (far > length) along_x = x - line.x, along_y = y - line.y, length = far;
-    error = std::max(error, (net.error[kX] + net.error[kY] + size * net.error[kW]) / net.value[kW][i] +
-                                kRounding * (size + std::fabs(line.x) + std::fabs(line.y)));
+    error = std::max(error, own);
   }
   if (!(length > 0)) return line;
   line.normal_x = -along_y / length;
   line.normal_y = along_x / length;
   // The control points hold the patch between two parallels. Both ends of the line are off, and so is each point.
+  // Each by its own: the image of a point with next to no weight may be off by anything, and pulls no surface
+  // with it.
   double farthest = 0;
-  for (int i = 0; i < net.points(); ++i)
-    farthest = std::max(farthest, line.DistanceOf(image_x(i), image_y(i)));
+  line.is_line = true;
+  for (int i = 0; i < net.points(); ++i) {
+    const double x = image_x(i), y = image_y(i), distance = line.DistanceOf(x, y);
+    farthest = std::max(farthest, distance);
+    line.is_line = line.is_line && distance <= 4 * std::max(ends, error_of(i, std::fabs(x) + std::fabs(y)));
+  }
   line.half_width = farthest + 4 * error;
-  line.is_line = farthest <= 4 * error;
   return line;
 }
 

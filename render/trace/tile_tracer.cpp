@@ -12,6 +12,18 @@ namespace {
 // the face.
 constexpr double kMaxBandScale = 64;
 
+// A border of a patch in one of its parameters.
+struct PatchBorder {
+  bool across_u, high;
+};
+
+// Which border a root lies on or beyond, within its error. None at a corner: there it has three neighbours.
+std::optional<PatchBorder> BorderOf(double u, double error_u, double v, double error_v) {
+  const bool low_u = u<error_u, high_u = u> 1 - error_u, low_v = v<error_v, high_v = v> 1 - error_v;
+  if (low_u + high_u + low_v + high_v != 1) return {};
+  return PatchBorder{low_u || high_u, high_u || high_v};
+}
+
 // A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges
 // the other side of the seam may have left it to this one. Where the patch is continued it lies where it lies.
 double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
@@ -81,6 +93,11 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certif
                  std::uint8_t* hit_doubt) {
     return static_cast<TileTracer*>(context)->Keep(hit_leaf, RootOf(hit_leaf, hit_s, hit_t), x, y, hit_doubt);
   };
+  job_.keep_on_border = [](void* context, const Leaf& hit_leaf, double x, double y, TileHit* hit,
+                           std::uint8_t* hit_doubt) {
+    return static_cast<TileTracer*>(context)->KeepOnBorder(hit_leaf, RootOf(hit_leaf, hit->s, hit->t), x, y,
+                                                           hit, hit_doubt);
+  };
   job_.solve_hard = [](void* context, const Leaf& hard_leaf, double x, double y, double limit, void* sink,
                        void (*found)(void*, const TileHit&, std::uint8_t, bool)) {
     return static_cast<TileTracer*>(context)->SolveHard(hard_leaf, x, y, limit, sink, found);
@@ -124,17 +141,24 @@ TileTracer::Root TileTracer::RootOf(const Leaf& leaf, double s, double t) {
   return {s, t, leaf.root_error, leaf.root_error, leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21};
 }
 
-bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y, std::uint8_t* hit_doubt) {
-  // Map the hit to native parameters: the hit, never the curve.
-  const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
-  const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, placed.face, root.s, root.t);
-  const double u = at.u_map->ToNative(at.u), v = at.v_map->ToNative(at.v);
-  const double error_u = root.error_s * hit_leaf.u_half / at.u_map->Rate(at.u),
-               error_v = root.error_t * hit_leaf.v_half / at.v_map->Rate(at.v);
+TileTracer::Root TileTracer::RootOf(const FallbackRoot& root) {
+  return {root.hit.s, root.hit.t, root.error_s, root.error_t, root.proven ? root.jacobian_sign : 0};
+}
 
+TrimAnswer TileTracer::QueryTrim(const Leaf& hit_leaf, const Root& root, double cosine) const {
+  // Map the hit to native parameters: the hit, never the curve.
+  const std::uint32_t face = shared_.Placed(hit_leaf.placed_face).face;
+  const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, face, root.s, root.t);
+  return shared_.scene.faces[face].trim.Query(at.u_map->ToNative(at.u), at.v_map->ToNative(at.v),
+                                              root.error_s * hit_leaf.u_half / at.u_map->Rate(at.u),
+                                              root.error_t * hit_leaf.v_half / at.v_map->Rate(at.v),
+                                              std::min(kMaxBandScale, 1 / cosine));
+}
+
+bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y, std::uint8_t* hit_doubt) {
+  const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
   const HitGeometry geometry = EvaluateHit(hit_leaf, root.s, root.t, x, y, shared_.frame);
-  const double band_scale = std::min(kMaxBandScale, 1 / geometry.cosine);
-  const TrimAnswer answer = shared_.scene.faces[placed.face].trim.Query(u, v, error_u, error_v, band_scale);
+  const TrimAnswer answer = QueryTrim(hit_leaf, root, geometry.cosine);
 
   // In an edge's band, both faces ask the edge itself.
   if (answer.coedge != kNoIndex && root.jacobian_sign != 0) {
@@ -144,12 +168,123 @@ bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y
         *shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
         y + 0.5 * shared_.camera.height_px, mm_per_px, root.jacobian_sign > 0);
     if (decision.verdict != EdgeVerdict::kUnknown) {
-      if (!decision.proven) *hit_doubt |= kDoubtTrim;
+      if (!decision.proven && !OnSeam(hit_leaf, root, answer, geometry.depth, x, y)) *hit_doubt |= kDoubtTrim;
       return decision.verdict == EdgeVerdict::kKeep;
     }
   }
-  if (!answer.certain) *hit_doubt |= kDoubtTrim;
+  if (answer.certain) return answer.inside;
+  // A whole surface that closes goes on across its border.
+  if (shared_.scene.faces[placed.face].trim.whole() && NeighbourOf(hit_leaf, root, x, y)) return true;
+  *hit_doubt |= kDoubtTrim;
   return answer.inside;
+}
+
+template <typename Found>
+void TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found) {
+  const int row = static_cast<int>(y - 0.5 + job_.half_height) - job_.row;
+  const int column = static_cast<int>(x - 0.5 + job_.half_width) - job_.column;
+  const std::uint64_t* rows = bitmaps_.Row(row);
+  const std::uint64_t* columns = bitmaps_.Column(column);
+  for (int word = 0; word < job_.words; ++word) {
+    for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
+      const Leaf& candidate = job_.leaves[job_.list[64 * word + __builtin_ctzll(bits)]];
+      if (candidate.placed_face != placed_face || (candidate.flags & kLeafSeam)) continue;
+      if (candidate.flags & kLeafHard) {
+        std::vector<FallbackRoot> roots;
+        solver_.Solve(candidate, x, y, INFINITY, &roots);
+        for (const FallbackRoot& root : roots) found(candidate, RootOf(root), root.hit);
+        continue;
+      }
+      TileHit hit;
+      if (SolveSample(candidate, x, y, &hit) == SampleRoot::kHit)
+        found(candidate, RootOf(candidate, hit.s, hit.t), hit);
+    }
+  }
+}
+
+std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, const Root& root, double x,
+                                                             double y) {
+  const double u = own.u_mid + root.s * own.u_half, v = own.v_mid + root.t * own.v_half;
+  const std::optional<PatchBorder> border =
+      BorderOf(u, root.error_s * own.u_half, v, root.error_t * own.v_half);
+  if (!border || root.jacobian_sign == 0) return {};
+
+  // The patch across it; on a closed surface, that at the other end.
+  const TraceShared::PlacedFace placed = shared_.Placed(own.placed_face);
+  const Surface& surface = shared_.scene.model->surfaces[shared_.scene.model->faces[placed.face].surface];
+  const std::uint32_t nu = surface.u_spans.count, nv = surface.v_spans.count;
+  std::uint32_t i = own.patch / nv, j = own.patch % nv;
+  std::uint32_t& across = border->across_u ? i : j;
+  const std::uint32_t count = border->across_u ? nu : nv;
+  across = border->high ? (across + 1) % count : (across + count - 1) % count;
+  const std::uint32_t patch = i * nv + j;
+
+  // How far apart the two may be along the border and off it: what neighbours overlap, in native parameters.
+  const auto native = [&](const Leaf& leaf, const Root& at) {
+    struct Native {
+      double along, reach_along, reach_off, rate_off;
+    };
+    const TraceShared::LeafParameters where = shared_.Parameters(leaf, placed.face, at.s, at.t);
+    const double rate_u = where.u_map->Rate(where.u), rate_v = where.v_map->Rate(where.v);
+    const double reach_u = (kBorderOverlap + 4 * at.error_s) * leaf.u_half / rate_u,
+                 reach_v = (kBorderOverlap + 4 * at.error_t) * leaf.v_half / rate_v;
+    return border->across_u ? Native{where.v_map->ToNative(where.v), reach_v, reach_u, rate_u}
+                            : Native{where.u_map->ToNative(where.u), reach_u, reach_v, rate_v};
+  };
+  const auto here = native(own, root);
+
+  std::optional<Neighbour> neighbour;
+  const auto consider = [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
+    const auto there = native(leaf, other);
+    const double beyond_low =
+        border->across_u ? leaf.u_mid + other.s * leaf.u_half : leaf.v_mid + other.t * leaf.v_half;
+    const double inside = border->high ? beyond_low : 1 - beyond_low;  // of the opposite border
+    const double error = border->across_u ? other.error_s * leaf.u_half : other.error_t * leaf.v_half;
+    if (other.jacobian_sign * root.jacobian_sign <= 0 ||
+        std::fabs(here.along - there.along) > here.reach_along + there.reach_along ||
+        std::fabs(inside) > (here.reach_off + there.reach_off) * there.rate_off)
+      return;
+    neighbour = Neighbour{hit.depth, hit.error, inside >= -error};
+  };
+
+  EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
+    if (leaf.patch == patch && !neighbour) consider(leaf, other, hit);
+  });
+  return neighbour;
+}
+
+bool TileTracer::OnSeam(const Leaf& own, const Root& root, const TrimAnswer& answer, double depth, double x,
+                        double y) {
+  // The face goes on there: whichever coedge the edge gives the ray to, the ray has its hit.
+  const Model& model = *shared_.scene.model;
+  bool again = false;
+  EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
+    if (again || other.jacobian_sign * root.jacobian_sign <= 0) return;
+    if (std::fabs(hit.depth - depth) > hit.error + own.depth_error) return;
+    const HitGeometry geometry = EvaluateHit(leaf, other.s, other.t, x, y, shared_.frame);
+    const TrimAnswer there = QueryTrim(leaf, other, geometry.cosine);
+    again = there.coedge != kNoIndex && there.coedge != answer.coedge &&
+            model.coedges[there.coedge].edge == model.coedges[answer.coedge].edge;
+  });
+  return again;
+}
+
+bool TileTracer::KeepOnBorder(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
+                              std::uint8_t* hit_doubt) {
+  // Where both patches have the root and turn the same way, the border runs between their images: one of them
+  // has the ray, and the surface there is seen by it once.
+  const std::optional<Neighbour> neighbour = NeighbourOf(leaf, root, x, y);
+  if (!neighbour || !neighbour->within) {
+    *hit_doubt |= kDoubtTwoRoots;
+    return true;
+  }
+  // A root beyond the border is the neighbour's, unless there is an edge to decide that.
+  const double u = leaf.u_mid + root.s * leaf.u_half, v = leaf.v_mid + root.t * leaf.v_half;
+  const double error_u = root.error_s * leaf.u_half, error_v = root.error_t * leaf.v_half;
+  const bool beyond = u < -error_u || u > 1 + error_u || v < -error_v || v > 1 + error_v;
+  if (beyond && !(leaf.flags & kLeafTrimmed)) return false;
+  hit->error += neighbour->error + std::fabs(neighbour->depth - hit->depth);
+  return true;
 }
 
 std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, void* sink,
@@ -157,31 +292,12 @@ std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, void* s
                                                  bool kept)) {
   // Every root of the face on this ray, with the trimming's answer.
   seam_roots_.clear();
-  struct Others {
-    TileTracer* self;
-    const Leaf* leaf;
-  };
-  const std::uint64_t* rows = bitmaps_.Row(seam.row_begin - job_.row);
-  const std::uint64_t* columns = bitmaps_.Column(seam.col_begin - job_.column);
-  for (int word = 0; word < job_.words; ++word) {
-    for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
-      const Leaf& leaf = job_.leaves[job_.list[64 * word + __builtin_ctzll(bits)]];
-      if (leaf.placed_face != seam.placed_face || (leaf.flags & kLeafSeam)) continue;
-      if (leaf.flags & kLeafHard) {
-        Others others{this, &leaf};
-        SolveHard(leaf, x, y, INFINITY, &others, [](void* to, const TileHit& hit, std::uint8_t, bool kept) {
-          Others* into = static_cast<Others*>(to);
-          if (kept) into->self->seam_roots_.emplace_back(*into->leaf, hit);
-        });
-        continue;
-      }
-      TileHit hit;
-      std::uint8_t doubt = 0;
-      if (SolveSample(leaf, x, y, &hit) != SampleRoot::kHit || !(hit.depth > job_.near_depth)) continue;
-      if ((leaf.flags & kLeafTrimmed) && !Keep(leaf, RootOf(leaf, hit.s, hit.t), x, y, &doubt)) continue;
-      seam_roots_.emplace_back(leaf, hit);
-    }
-  }
+  EveryRoot(seam.placed_face, x, y, [&](const Leaf& leaf, const Root& root, const TileHit& hit) {
+    std::uint8_t ignored = 0;
+    if (!(hit.depth > job_.near_depth)) return;
+    if ((leaf.flags & kLeafTrimmed) && !Keep(leaf, root, x, y, &ignored)) return;
+    seam_roots_.emplace_back(leaf, hit);
+  });
 
   // One more where they don't come out odd, or even, as the border says.
   std::sort(seam_roots_.begin(), seam_roots_.end(),
@@ -202,21 +318,23 @@ std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, do
   const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &roots_);
   for (const FallbackRoot& root : roots_) {
     if (!(root.hit.depth > job_.near_depth)) continue;
+    const Root at = RootOf(root);
     std::uint8_t root_doubt = DoubtOf(hard_leaf, root, x, y);
+    TileHit hit = root.hit;
+    if (root.on_border && !KeepOnBorder(hard_leaf, at, x, y, &hit, &root_doubt)) continue;
     bool kept = true;
     if (hard_leaf.flags & kLeafTrimmed) {
       ++counters.trim_tests;
-      kept = Keep(hard_leaf, {root.hit.s, root.hit.t, root.error_s, root.error_t, root.jacobian_sign}, x, y,
-                  &root_doubt);
+      kept = Keep(hard_leaf, at, x, y, &root_doubt);
     }
-    found(sink, root.hit, root_doubt, kept);
+    found(sink, hit, root_doubt, kept);
   }
   return result;
 }
 
 // Why a root of the fallback solver is not certified.
 std::uint8_t TileTracer::DoubtOf(const Leaf& hard_leaf, const FallbackRoot& root, double x, double y) const {
-  std::uint8_t result = root.on_border ? kDoubtTwoRoots : 0;
+  std::uint8_t result = 0;
   if (!root.proven) {
     const bool singular = EvaluateHit(hard_leaf, root.hit.s, root.hit.t, x, y, shared_.frame).singular;
     result |= singular ? kDoubtPole : kDoubtSilhouette;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "render/accel/bmssm.h"
@@ -97,6 +98,24 @@ class TileTracer {
     double jacobian_sign;  // of (s, t) → pixel; 0: not known
   };
   static Root RootOf(const Leaf& certified, double s, double t);
+  static Root RootOf(const FallbackRoot& root);
+  // With its errors, in native parameters.
+  TrimAnswer QueryTrim(const Leaf& leaf, const Root& root, double cosine) const;
+  // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed.
+  template <typename Found>
+  void EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
+  // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds to
+  // *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
+  bool KeepOnBorder(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
+                    std::uint8_t* doubt);
+  // The root of the same ray in the patch across the border.
+  struct Neighbour {
+    double depth, error;
+    bool within;  // not proven to lie beyond its own border
+  };
+  std::optional<Neighbour> NeighbourOf(const Leaf& leaf, const Root& root, double x, double y);
+  // Whether the face has the root again on the other side of the seam that `answer` names.
+  bool OnSeam(const Leaf& leaf, const Root& root, const TrimAnswer& answer, double depth, double x, double y);
   bool Keep(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
   // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they should.
   std::uint8_t SolveSeam(const Leaf& leaf, double x, double y, void* sink,

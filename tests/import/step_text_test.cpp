@@ -35,7 +35,8 @@ TEST(StepText, CountsTheFacesThatAreDeclared) {
 }
 
 TEST(StepText, ANumberThatIsNoneNamesItsEntity) {
-  for (const std::string token : {"NAN", "nan", "-inf", "Infinity", "1.#IND", "1.#QNAN"}) {
+  for (const std::string token :
+       {"NAN", "nan", "-inf", "Infinity", "1.#IND", "1.#QNAN", "1.E300", "-2.5e+151", "1.E99999999999"}) {
     const Result<StepFacts> facts = ScanStep(
         "a.step", File("#1=DIRECTION('',(1.,0.,0.));\n#77=CARTESIAN_POINT('',(0.," + token + ",1.E-3));\n"));
     ASSERT_FALSE(facts.ok()) << token;
@@ -43,7 +44,7 @@ TEST(StepText, ANumberThatIsNoneNamesItsEntity) {
     EXPECT_NE(facts.error().message.find("#77"), std::string::npos);
   }
   // Names, enumerators and exponents are none of that.
-  Scan(File("#1=CARTESIAN_POINT('NAN',(1.E5,0.,INFO(2.)));\n#2=X(.NAN.,.INF.);\n"));
+  Scan(File("#1=CARTESIAN_POINT('NAN',(1.E5,2.E+100,INFO(2.)));\n#2=X(.NAN.,.INF.,1.E-400);\n"));
 }
 
 TEST(StepText, ACutOffFileEndsAfterItsLastWholeEntity) {

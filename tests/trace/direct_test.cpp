@@ -343,6 +343,20 @@ TEST(Direct, NoMissIsCertifiedBetweenPiecesBesideAnApex) {
   }
 }
 
+TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
+  // The middle column runs along meridians in which two patches meet; a silhouette or a corner of patches is not certain.
+  const Model model = ModelOf({Sphere({0, 0, 0}, 1)});
+  for (const char* view : {"front", "top"}) {
+    for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
+      DirectOptions options;
+      options.precision = precision;
+      const Camera camera = ViewOf(model, view, Projection::kOrthographic, 101);
+      const DirectStats stats = TraceDirect(Scene(model), camera, options).value().stats;
+      EXPECT_GE(stats.certified, stats.rays - 1) << view;
+    }
+  }
+}
+
 TEST(Direct, AnEyeAtAPoleOrFarDownATubeCostsNoMoreLeavesThanAnyOther) {
   struct Case {
     const char* what;
