@@ -212,7 +212,7 @@ namespace {
 // edge, in samples.
 bool OutOfReach(const Coedge& coedge, const EdgeSide& side, double mm_per_px) {
   constexpr double kRoundingPx = 0x1p-20;
-  return side.distance_px > 2 * coedge.gap_mm / mm_per_px + kRoundingPx;
+  return side.distance_px > 2 * coedge.gap_mm / mm_per_px + std::max(kRoundingPx, side.error_px);
 }
 
 }  // namespace
@@ -223,8 +223,9 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   const Coedge& one = model.coedges[answer.coedge];
   const EdgeSide side = edges.SideOf(one.edge, answer.edge_parameter, x, y);
   if (side.side == Side::kUnknown) return {};
-  // At grazing incidence the band in (u,v) is wide; seen along the ray it is not.
-  if (answer.certain && OutOfReach(one, side, mm_per_px)) return {};
+  // At grazing incidence the band in (u,v) is wide, and so may the error box be; seen along the ray neither is.
+  // What lies farther off is another stretch of the edge: its side says nothing of this hit.
+  if (OutOfReach(one, side, mm_per_px)) return {};
   const bool keeps = EdgeKeeps(one, answer.material_left, side.side, jacobian_positive);
   EdgeDecision decision{keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop, side.distance_px > side.error_px};
   if (answer.other_coedge == kNoIndex || answer.other_material_left != answer.material_left) return decision;
