@@ -8,9 +8,11 @@
 //     or one lane of plain C++ with FACETLESS_SCALAR_KERNEL. A Real is a double, or a float with
 //     FACETLESS_FLOAT_KERNEL. Everything lives in a namespace of the target's, so that no two files define one
 //     symbol twice.
+//  3. A Wide holds doubles in every kernel: depths, of which a float has too few digits. Its masks are bits.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #if !defined(FACETLESS_SCALAR_KERNEL)
 #include <hwy/highway.h>
@@ -96,6 +98,50 @@ inline unsigned ToBits(Mask m) {
 }
 inline bool None(Mask m) {
   return !m.raw;
+}
+inline Lane Sqrt(Lane a) {
+  return {std::sqrt(a.raw)};
+}
+inline void StoreWide(Lane v, double* p) {
+  *p = v.raw;
+}
+inline Lane LoadNarrow(const double* p) {
+  return {static_cast<Real>(*p)};
+}
+
+inline constexpr int kWideLanes = 1;
+struct Wide {
+  double raw = 0;
+};
+inline Wide Load(const double* p) {
+  return {*p};
+}
+inline void Store(Wide v, double* p) {
+  *p = v.raw;
+}
+inline Wide SetWide(double x) {
+  return {x};
+}
+inline Wide operator+(Wide a, Wide b) {
+  return {a.raw + b.raw};
+}
+inline Wide operator*(Wide a, Wide b) {
+  return {a.raw * b.raw};
+}
+inline unsigned Less(Wide a, Wide b) {
+  return a.raw < b.raw ? 1u : 0u;
+}
+inline unsigned LessOrEqual(Wide a, Wide b) {
+  return a.raw <= b.raw ? 1u : 0u;
+}
+inline Wide Select(unsigned bits, Wide yes, Wide no) {
+  return (bits & 1) ? yes : no;
+}
+inline Wide Greater(Wide a, Wide b) {
+  return {a.raw > b.raw ? a.raw : b.raw};
+}
+inline double Greatest(Wide a) {
+  return a.raw;
 }
 
 #else
@@ -199,6 +245,78 @@ HWY_INLINE unsigned ToBits(Mask m) {
 HWY_INLINE bool None(Mask m) {
   return hn::AllFalse(Tag(), m.raw);
 }
+HWY_INLINE Lane Sqrt(Lane a) {
+  return {hn::Sqrt(a.raw)};
+}
+
+inline constexpr int kWideLanes = static_cast<int>(hn::MaxLanes(WideTag()));
+struct Wide {
+  hn::Vec<WideTag> raw;
+};
+HWY_INLINE Wide Load(const double* p) {
+  return {hn::LoadU(WideTag(), p)};
+}
+HWY_INLINE void Store(Wide v, double* p) {
+  hn::StoreU(v.raw, WideTag(), p);
+}
+HWY_INLINE Wide SetWide(double x) {
+  return {hn::Set(WideTag(), x)};
+}
+HWY_INLINE Wide operator+(Wide a, Wide b) {
+  return {hn::Add(a.raw, b.raw)};
+}
+HWY_INLINE Wide operator*(Wide a, Wide b) {
+  return {hn::Mul(a.raw, b.raw)};
+}
+HWY_INLINE unsigned WideBits(hn::Mask<WideTag> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(WideTag(), mask, bytes);
+  return bytes[0];
+}
+HWY_INLINE unsigned Less(Wide a, Wide b) {
+  return WideBits(hn::Lt(a.raw, b.raw));
+}
+HWY_INLINE unsigned LessOrEqual(Wide a, Wide b) {
+  return WideBits(hn::Le(a.raw, b.raw));
+}
+HWY_INLINE Wide Select(unsigned bits, Wide yes, Wide no) {
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits)};
+  return {hn::IfThenElse(hn::LoadMaskBits(WideTag(), bytes), yes.raw, no.raw)};
+}
+HWY_INLINE Wide Greater(Wide a, Wide b) {
+  return {hn::IfThenElse(hn::Lt(b.raw, a.raw), a.raw, b.raw)};
+}
+HWY_INLINE double Greatest(Wide a) {
+  return hn::GetLane(hn::MaxOfLanes(WideTag(), a.raw));
+}
+
+#if !defined(FACETLESS_FLOAT_KERNEL)
+HWY_INLINE void StoreWide(Lane v, double* p) {
+  Store(v, p);
+}
+HWY_INLINE Lane LoadNarrow(const double* p) {
+  return {hn::LoadU(Tag(), p)};
+}
+#else
+HWY_INLINE void StoreWide(Lane v, double* p) {
+#if HWY_STATIC_TARGET == HWY_AVX2
+  const hn::Rebind<float, WideTag> half;
+  hn::StoreU(hn::PromoteTo(WideTag(), hn::LowerHalf(half, v.raw)), WideTag(), p);
+  hn::StoreU(hn::PromoteTo(WideTag(), hn::UpperHalf(half, v.raw)), WideTag(), p + 4);
+#else
+  hn::StoreU(hn::PromoteTo(WideTag(), v.raw), WideTag(), p);
+#endif
+}
+HWY_INLINE Lane LoadNarrow(const double* p) {
+#if HWY_STATIC_TARGET == HWY_AVX2
+  const hn::Rebind<float, WideTag> half;
+  return {hn::Combine(Tag(), hn::DemoteTo(half, hn::LoadU(WideTag(), p + 4)),
+                      hn::DemoteTo(half, hn::LoadU(WideTag(), p)))};
+#else
+  return {hn::DemoteTo(Tag(), hn::LoadU(WideTag(), p))};
+#endif
+}
+#endif
 #endif
 
 }  // namespace facetless::FACETLESS_KERNEL_NAMESPACE

@@ -19,9 +19,11 @@
 // without the cancellation of 3×3 determinants.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "render/kernels/doubt.h"
+#include "render/model/vec.h"
 #include "render/nurbs/leaf.h"
 
 namespace facetless {
@@ -42,6 +44,12 @@ struct TileCounters {
   std::uint64_t iterations = 0;  // Newton steps of all lanes
   std::uint64_t fallbacks = 0;   // lanes × leaves without a certificate
   std::uint64_t trim_tests = 0;
+};
+
+// What turns a leaf's tangents into the model's axes.
+struct ViewAxes {
+  Vec3 right, down, forward;
+  double pixel_x = 1, pixel_y = 1;  // as CameraFrame's
 };
 
 struct TileJob {
@@ -73,13 +81,17 @@ struct TileJob {
                     std::uint8_t doubt) = nullptr;
   void* context = nullptr;
 
-  // tile_size² entries each, row by row. `leaf` is kNoIndex for a miss.
+  // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is kNoIndex for a miss.
   double* depth = nullptr;
   double* error = nullptr;
   double* s = nullptr;
   double* t = nullptr;
   std::uint32_t* leaf = nullptr;
   std::uint8_t* doubt = nullptr;
+  // Unit normals along ds × dt of the leaf's parameters, and what they need; zero for a miss, and for a hit where
+  // the two are too close to parallel, or the leaf has no certificate. Null: not wanted.
+  std::array<float, 3>* normal = nullptr;
+  ViewAxes axes;
   TileCounters* counters = nullptr;
 };
 

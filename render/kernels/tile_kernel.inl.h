@@ -1,6 +1,7 @@
 // The body of the tile kernel, included once by each tile_kernel_<isa>.cpp after its target is set. See
 // tile_kernel.h.
 
+#include <array>
 #include <cstdint>
 #include <limits>
 
@@ -11,7 +12,6 @@ namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 
 namespace {
 
-constexpr std::uint32_t kMiss = 0xffffffffu;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A polynomial's value and first derivatives. P, Q: degrees, or −1 to take them from the leaf.
@@ -22,19 +22,26 @@ struct Jet {
 template <int P, int Q>
 inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
   const int degree_u = P >= 0 ? P : p, degree_v = Q >= 0 ? Q : q;
-  Jet jet{Set(0), Set(0), Set(0)};
-  for (int i = degree_u; i >= 0; --i) {
-    // Horner along v of row i, with its derivative, …
+  // Horner along v of row i, with its derivative; the highest power costs nothing.
+  const auto row_at = [&](int i) {
     const Real* row = c + i * (degree_v + 1);
-    Lane value = Set(row[degree_v]), slope = Set(0);
-    for (int j = degree_v - 1; j >= 0; --j) {
-      slope = Fma(slope, t, value);
-      value = Fma(value, t, Set(row[j]));
+    struct {
+      Lane value, slope;
+    } at{Fma(Set(row[degree_v]), t, Set(row[degree_v - 1])), Set(row[degree_v])};
+    for (int j = degree_v - 2; j >= 0; --j) {
+      at.slope = Fma(at.slope, t, at.value);
+      at.value = Fma(at.value, t, Set(row[j]));
     }
-    // … then along u.
+    return at;
+  };
+  // Then along u.
+  const auto last = row_at(degree_u), before = row_at(degree_u - 1);
+  Jet jet{Fma(last.value, s, before.value), last.value, Fma(last.slope, s, before.slope)};
+  for (int i = degree_u - 2; i >= 0; --i) {
+    const auto row = row_at(i);
     jet.ds = Fma(jet.ds, s, jet.f);
-    jet.f = Fma(jet.f, s, value);
-    jet.dt = Fma(jet.dt, s, slope);
+    jet.f = Fma(jet.f, s, row.value);
+    jet.dt = Fma(jet.dt, s, row.slope);
   }
   return jet;
 }
@@ -162,85 +169,188 @@ inline Solution Solve(const Leaf& leaf, const double* x, const double* y, Mask l
   return solution;
 }
 
-inline double DepthOf(const Leaf& leaf, Real relative) {
-  const double depth = relative;
-  return leaf.depth_scale + ((leaf.flags & kLeafPerspective) ? leaf.depth_scale * depth : depth);
+// The depths of kLanes relative ones.
+inline void Depths(const Leaf& leaf, Lane relative, double* depth) {
+  const Wide scale = SetWide(leaf.depth_scale),
+             factor = SetWide((leaf.flags & kLeafPerspective) ? leaf.depth_scale : 1);
+  StoreWide(relative, depth);
+  for (int i = 0; i < kLanes; i += kWideLanes) Store(scale + factor * Load(depth + i), depth + i);
 }
 
-template <bool kWeightVaries>
-inline Solution SolveByDegree(const Leaf& leaf, const double* x, const double* y, Mask lanes) {
+// Below this sine of the angle between the tangents, or ratio of their lengths, most digits of a normal are rounding.
+#if defined(FACETLESS_FLOAT_KERNEL)
+constexpr double kSingular = 0x1p-6;
+#else
+constexpr double kSingular = 0x1p-26;
+#endif
+
+struct Normal {
+  Lane x, y, z;    // unit, along ds × dt, model axes
+  unsigned known;  // lanes in which it is
+};
+
+// The cross product of the derivatives by s and t of the leaf's points at roots (s, t).
+template <int P, int Q, bool kWeightVaries>
+inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane s, Lane t,
+                       const ViewAxes& axes) {
+  const int p = leaf.degree_u, q = leaf.degree_v;
+  const int n = (p + 1) * (q + 1);
+  const Real* g = Coefficients(leaf);
+  const Jet h1 = Evaluate<P, Q>(g, p, q, s, t), h2 = Evaluate<P, Q>(g + n, p, q, s, t);
+  const Real* next = g + 2 * n;
+  Jet w{Set(1), Set(0), Set(0)};
+  Lane h1s = h1.ds, h1t = h1.dt, h2s = h2.ds, h2t = h2.dt;
+  if constexpr (kWeightVaries) {
+    w = Evaluate<P, Q>(next, p, q, s, t);
+    next += n;
+    const Lane b1 = Local(x, leaf.center_x, leaf.c11, y, leaf.center_y, leaf.c12);
+    const Lane b2 = Local(x, leaf.center_x, leaf.c21, y, leaf.center_y, leaf.c22);
+    h1s = Fnma(b1, w.ds, h1s), h1t = Fnma(b1, w.dt, h1t);
+    h2s = Fnma(b2, w.ds, h2s), h2t = Fnma(b2, w.dt, h2t);
+  }
+  // Undo C, to pixels and then to mm; and the depth with them. All derivatives are off by one common factor.
+  const double scale = axes.pixel_x / (leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21),
+               stretch = axes.pixel_y / axes.pixel_x;
+  const Lane a11 = Set(scale * leaf.c22), a12 = Set(-scale * leaf.c12),
+             a21 = Set(-scale * stretch * leaf.c21), a22 = Set(scale * stretch * leaf.c11);
+  Lane xs = Fma(a11, h1s, a12 * h2s), xt = Fma(a11, h1t, a12 * h2t);
+  Lane ys = Fma(a21, h1s, a22 * h2s), yt = Fma(a21, h1t, a22 * h2t);
+  Lane zs = Set(0), zt = Set(0);
+  const bool perspective = (leaf.flags & kLeafPerspective) != 0;
+  if (leaf.flags & kLeafDepthVaries) {
+    const Jet d = Evaluate<P, Q>(next, p, q, s, t);
+    if (perspective) {
+      const Lane depth = w.f / d.f;
+      zs = Fnma(depth, d.ds, w.ds), zt = Fnma(depth, d.dt, w.dt);
+    } else {
+      const Lane depth = d.f / w.f;
+      zs = Fnma(depth, w.ds, d.ds), zt = Fnma(depth, w.dt, d.dt);
+    }
+  } else if (perspective) {
+    zs = w.ds, zt = w.dt;
+  }
+  if (perspective) {
+    const Lane tan_x = Local(x, 0, axes.pixel_x, y, 0, 0), tan_y = Local(x, 0, 0, y, 0, axes.pixel_y);
+    xs = Fma(tan_x, zs, xs), xt = Fma(tan_x, zt, xt);
+    ys = Fma(tan_y, zs, ys), yt = Fma(tan_y, zt, yt);
+  }
+  const Lane nx = Fma(ys, zt, Set(0) - zs * yt), ny = Fma(zs, xt, Set(0) - xs * zt),
+             nz = Fma(xs, yt, Set(0) - ys * xt);
+  const Lane square = Fma(nx, nx, Fma(ny, ny, nz * nz)), square_s = Fma(xs, xs, Fma(ys, ys, zs * zs)),
+             square_t = Fma(xt, xt, Fma(yt, yt, zt * zt));
+  const Lane longest = Select(square_s < square_t, square_t, square_s);
+  const Lane inverse = Set(1) / Sqrt(square);
+  const auto along = [&](double right, double down, double forward) {
+    return inverse * Fma(Set(right), nx, Fma(Set(down), ny, Set(forward) * nz));
+  };
+  return {along(axes.right.x, axes.down.x, axes.forward.x), along(axes.right.y, axes.down.y, axes.forward.y),
+          along(axes.right.z, axes.down.z, axes.forward.z),
+          ToBits(Set(kSingular * kSingular) * (longest * longest) < square)};
+}
+
+// Calls run.template operator()<P, Q, kWeightVaries>() for the leaf's degrees.
+template <bool kWeightVaries, typename Run>
+inline auto ByDegree(const Leaf& leaf, const Run& run) {
   switch (leaf.degree_u * 8 + leaf.degree_v) {
     case 1 * 8 + 1:
-      return Solve<1, 1, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<1, 1, kWeightVaries>();
     case 1 * 8 + 2:
-      return Solve<1, 2, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<1, 2, kWeightVaries>();
     case 2 * 8 + 1:
-      return Solve<2, 1, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<2, 1, kWeightVaries>();
     case 2 * 8 + 2:
-      return Solve<2, 2, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<2, 2, kWeightVaries>();
     case 1 * 8 + 3:
-      return Solve<1, 3, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<1, 3, kWeightVaries>();
     case 3 * 8 + 1:
-      return Solve<3, 1, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<3, 1, kWeightVaries>();
     case 2 * 8 + 3:
-      return Solve<2, 3, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<2, 3, kWeightVaries>();
     case 3 * 8 + 2:
-      return Solve<3, 2, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<3, 2, kWeightVaries>();
     case 3 * 8 + 3:
-      return Solve<3, 3, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<3, 3, kWeightVaries>();
     default:
-      return Solve<-1, -1, kWeightVaries>(leaf, x, y, lanes);
+      return run.template operator()<-1, -1, kWeightVaries>();
   }
 }
 
-// One packet: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of the tile.
+template <typename Run>
+inline auto ByLeaf(const Leaf& leaf, const Run& run) {
+  return (leaf.flags & kLeafWeightVaries) ? ByDegree<true>(leaf, run) : ByDegree<false>(leaf, run);
+}
+
+inline Solution SolveLeaf(const Leaf& leaf, const double* x, const double* y, unsigned lanes) {
+  return ByLeaf(leaf, [&]<int P, int Q, bool kWeightVaries>() {
+    return Solve<P, Q, kWeightVaries>(leaf, x, y, FromBits(lanes));
+  });
+}
+
+// One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of the
+// tile on.
 class Packet {
  public:
-  Packet(const TileJob& job, int row, int column) : job_(job), row_(row), column_(column) {
+  explicit Packet(const TileJob& job)
+      : job_(job), nearest_only_(!job.every_hit), plain_(!job.every_hit && !job.coincidences) {}
+
+  void Begin(int row, int column) {
+    row_ = row;
+    column_ = column;
+    valid_ = 0;
+    doubtful_ = false;
     for (int lane = 0; lane < kPacketLanes; ++lane) {
       const int i = row + lane / kPacketWidth, j = column + lane % kPacketWidth;
-      x_[lane] = job.column + j + 0.5 - job.half_width;
-      y_[lane] = job.row + i + 0.5 - job.half_height;
-      depth_[lane] = doubt_depth_[lane] = kInfinity;
+      const bool valid = i < job_.rows && j < job_.columns;
+      x_[lane] = job_.column + j + 0.5 - job_.half_width;
+      y_[lane] = job_.row + i + 0.5 - job_.half_height;
+      valid_ |= unsigned(valid) << lane;
+      depth_[lane] = kInfinity;
+      reach_[lane] = valid ? kInfinity : -kInfinity;
+      doubt_depth_[lane] = kInfinity;
       s_[lane] = t_[lane] = error_[lane] = 0;
       leaf_[lane] = kMiss;
       doubt_[lane] = 0;
-      if (i < job.rows && j < job.columns) valid_ |= 1u << lane;
     }
-    farthest_ = valid_ ? kInfinity : -kInfinity;
+    farthest_ = kInfinity;
   }
 
   void Trace() {
     const int words = job_.words;
-    const std::uint64_t* r0 = job_.row_bits + std::size_t(row_) * words;
-    const std::uint64_t* s0 = job_.column_bits + std::size_t(column_) * words;
+    const std::uint64_t* rows = job_.row_bits + std::size_t(row_) * words;
+    const std::uint64_t* columns = job_.column_bits + std::size_t(column_) * words;
     for (int k = 0; k < words; ++k) {
-      std::uint64_t candidates =
-          (r0[k] | r0[words + k]) & (s0[k] | s0[words + k] | s0[2 * words + k] | s0[3 * words + k]);
-      while (candidates) {
+      std::uint64_t in_rows = 0, in_columns = 0;
+      for (int i = 0; i < kPacketHeight; ++i) in_rows |= rows[i * words + k];
+      for (int j = 0; j < kPacketWidth; ++j) in_columns |= columns[j * words + k];
+      for (std::uint64_t candidates = in_rows & in_columns; candidates; candidates &= candidates - 1) {
         const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
-        candidates &= candidates - 1;
         const Leaf& leaf = job_.leaves[index];
-        if (!job_.every_hit && leaf.near_depth > farthest_) return;
+        if (nearest_only_ && leaf.near_depth > farthest_) return;
         Meet(leaf, index);
       }
     }
   }
 
   void Write() const {
-    for (int lane = 0; lane < kPacketLanes; ++lane) {
-      if (!(valid_ >> lane & 1)) continue;
-      const int i = SampleOf(lane);
-      job_.depth[i] = depth_[lane];
-      job_.error[i] = error_[lane];
-      job_.s[i] = s_[lane];
-      job_.t[i] = t_[lane];
-      job_.leaf[i] = leaf_[lane];
-      job_.doubt[i] = doubt_depth_[lane] <= Reach(lane) ? doubt_[lane] : 0;
+    for (int i = 0; i < kPacketHeight; ++i) {
+      const int from = i * kPacketWidth, to = SampleOf(from);
+      for (int j = 0; j < kPacketWidth; ++j) {
+        job_.depth[to + j] = depth_[from + j];
+        job_.error[to + j] = error_[from + j];
+        job_.s[to + j] = s_[from + j];
+        job_.t[to + j] = t_[from + j];
+        job_.leaf[to + j] =
+            leaf_[from + j] == kMiss ? 0xffffffffu : static_cast<std::uint32_t>(leaf_[from + j]);
+        job_.doubt[to + j] =
+            doubtful_ && doubt_depth_[from + j] <= Reach(from + j) ? doubt_[from + j] : std::uint8_t{0};
+      }
     }
+    if (job_.normal) WriteNormals();
   }
 
  private:
+  static constexpr double kMiss = -1;
+
   int SampleOf(int lane) const {
     return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
   }
@@ -250,21 +360,30 @@ class Packet {
 
   void AddDoubt(int lane, std::uint8_t doubt, double depth) {
     if (doubt == 0) return;
+    doubtful_ = true;
     doubt_[lane] |= doubt;
     if (depth < doubt_depth_[lane]) doubt_depth_[lane] = depth;
   }
 
+  // Bits [begin, end) of those from `first` on, `count` of them.
+  static unsigned Covered(int begin, int end, int first, int count) {
+    const int from = begin > first ? begin - first : 0;
+    const int to = end - first < count ? end - first : count;
+    return from < to ? (1u << to) - (1u << from) : 0;
+  }
+
   // The lanes whose sample lies in the leaf's box and that it could still serve.
   unsigned LanesIn(const Leaf& leaf) const {
+    const unsigned rows = Covered(leaf.row_begin, leaf.row_end, job_.row + row_, kPacketHeight);
+    const unsigned columns = Covered(leaf.col_begin, leaf.col_end, job_.column + column_, kPacketWidth);
     unsigned mask = 0;
-    for (int lane = 0; lane < kPacketLanes; ++lane) {
-      const int row = job_.row + row_ + lane / kPacketWidth,
-                column = job_.column + column_ + lane % kPacketWidth;
-      const bool in = row >= leaf.row_begin && row < leaf.row_end && column >= leaf.col_begin &&
-                      column < leaf.col_end && (job_.every_hit || leaf.near_depth <= Reach(lane));
-      mask |= unsigned(in) << lane;
-    }
-    return mask & valid_;
+    for (int i = 0; i < kPacketHeight; ++i) mask |= (rows >> i & 1 ? columns : 0) << i * kPacketWidth;
+    mask &= valid_;
+    if (!nearest_only_ || mask == 0) return mask;
+    unsigned reached = 0;
+    for (int i = 0; i < kPacketLanes; i += kWideLanes)
+      reached |= LessOrEqual(SetWide(leaf.near_depth), Load(reach_ + i)) << i;
+    return mask & reached;
   }
 
   void Meet(const Leaf& leaf, std::uint32_t index) {
@@ -275,29 +394,57 @@ class Packet {
       MeetHard(leaf, index, lanes);
       return;
     }
+    bool nearer = false;
     for (int first = 0; first < kPacketLanes; first += kLanes) {
       const unsigned group = lanes >> first & ((1u << kLanes) - 1);
       if (group == 0) continue;
-      const double* x = x_ + first;
-      const double* y = y_ + first;
-      const Solution solution = (leaf.flags & kLeafWeightVaries)
-                                    ? SolveByDegree<true>(leaf, x, y, FromBits(group))
-                                    : SolveByDegree<false>(leaf, x, y, FromBits(group));
+      const Solution solution = SolveLeaf(leaf, x_ + first, y_ + first, group);
       job_.counters->solves += solution.started;
       job_.counters->iterations += solution.iterations;
       for (unsigned rest = solution.unconverged; rest; rest &= rest - 1)
         AddDoubt(first + __builtin_ctz(rest), kDoubtUnresolved, leaf.near_depth);
       if (solution.hit == 0) continue;
-      Real s[kLanes], t[kLanes], depth[kLanes];
-      Store(solution.s, s);
-      Store(solution.t, t);
-      Store(solution.depth, depth);
-      for (unsigned rest = solution.hit; rest; rest &= rest - 1) {
+      double s[kLanes], t[kLanes], depth[kLanes];
+      StoreWide(solution.s, s);
+      StoreWide(solution.t, t);
+      Depths(leaf, solution.depth, depth);
+      unsigned one_by_one = solution.hit;
+      if (plain_ && !(leaf.flags & kLeafTrimmed)) {
+        one_by_one = (leaf.flags & kLeafAtBorder) ? solution.hit & NearBorder(leaf, solution) : 0;
+        nearer |= KeepNearer(leaf, index, first, solution.hit & ~one_by_one, s, t, depth);
+      }
+      for (unsigned rest = one_by_one; rest; rest &= rest - 1) {
         const int k = __builtin_ctz(rest);
-        Take(leaf, index, first + k, {DepthOf(leaf, depth[k]), s[k], t[k], leaf.depth_error});
+        nearer |= Take(leaf, index, first + k, {depth[k], s[k], t[k], leaf.depth_error});
       }
     }
-    UpdateFarthest();
+    if (nearer) UpdateFarthest();
+  }
+
+  // Lanes that OnPatchBorder might hold of.
+  static unsigned NearBorder(const Leaf& leaf, const Solution& solution) {
+    const Lane inside = Set(1 - 2 * leaf.root_error);
+    return ToBits((inside < Abs(solution.s)) | (inside < Abs(solution.t)));
+  }
+
+  // Hits that nothing else is to be asked of, kLanes from lane `first` on. Whether one is the nearest so far.
+  bool KeepNearer(const Leaf& leaf, std::uint32_t index, int first, unsigned hits, const double* s,
+                  const double* t, const double* depth) {
+    unsigned kept = 0;
+    for (int i = 0; i < kLanes; i += kWideLanes) {
+      const int lane = first + i;
+      const Wide found = Load(depth + i);
+      const unsigned nearer =
+          hits >> i & Less(found, Load(depth_ + lane)) & Less(SetWide(job_.near_depth), found);
+      kept |= nearer;
+      Store(Select(nearer, found, Load(depth_ + lane)), depth_ + lane);
+      Store(Select(nearer, found + SetWide(leaf.depth_error), Load(reach_ + lane)), reach_ + lane);
+      Store(Select(nearer, SetWide(leaf.depth_error), Load(error_ + lane)), error_ + lane);
+      Store(Select(nearer, Load(s + i), Load(s_ + lane)), s_ + lane);
+      Store(Select(nearer, Load(t + i), Load(t_ + lane)), t_ + lane);
+      Store(Select(nearer, SetWide(index), Load(leaf_ + lane)), leaf_ + lane);
+    }
+    return kept != 0;
   }
 
   // Whether a hit may be the nearest, or coincide with it.
@@ -305,35 +452,36 @@ class Packet {
     return job_.coincidences ? hit.depth - hit.error <= Reach(lane) : hit.depth < depth_[lane];
   }
 
-  // A root in a certified leaf: trimming, then the depth test.
-  void Take(const Leaf& leaf, std::uint32_t index, int lane, TileHit hit) {
-    if (!(hit.depth > job_.near_depth) || (!job_.every_hit && !Matters(lane, hit))) return;
+  // A root in a certified leaf: trimming, then the depth test. Whether it is the nearest so far.
+  bool Take(const Leaf& leaf, std::uint32_t index, int lane, TileHit hit) {
+    if (!(hit.depth > job_.near_depth) || (nearest_only_ && !Matters(lane, hit))) return false;
     std::uint8_t doubt = 0;
     if (OnPatchBorder(leaf, hit.s, hit.t) &&
         !job_.keep_on_border(job_.context, leaf, x_[lane], y_[lane], &hit, &doubt))
-      return;
+      return false;
     bool keep = true;
     if (leaf.flags & kLeafTrimmed) {
       ++job_.counters->trim_tests;
       keep = job_.keep(job_.context, leaf, hit.s, hit.t, x_[lane], y_[lane], &doubt);
     }
     AddDoubt(lane, doubt, hit.depth - hit.error);
-    if (!keep) return;
-    Keep(index, lane, hit, doubt);
+    return keep && Keep(index, lane, hit, doubt);
   }
 
-  void Keep(std::uint32_t index, int lane, const TileHit& hit, std::uint8_t doubt) {
+  bool Keep(std::uint32_t index, int lane, const TileHit& hit, std::uint8_t doubt) {
     if (job_.every_hit) job_.every_hit(job_.context, SampleOf(lane), index, hit, doubt);
     if (job_.coincidences && leaf_[lane] != kMiss && hit.depth - hit.error <= Reach(lane) &&
         depth_[lane] - error_[lane] <= hit.depth + hit.error &&
-        job_.leaves[leaf_[lane]].placed_face != job_.leaves[index].placed_face)
+        job_.leaves[static_cast<std::uint32_t>(leaf_[lane])].placed_face != job_.leaves[index].placed_face)
       AddDoubt(lane, kDoubtCoincident, std::fmin(hit.depth - hit.error, depth_[lane] - error_[lane]));
-    if (!(hit.depth < depth_[lane])) return;
+    if (!(hit.depth < depth_[lane])) return false;
     depth_[lane] = hit.depth;
     error_[lane] = hit.error;
+    reach_[lane] = Reach(lane);
     s_[lane] = hit.s;
     t_[lane] = hit.t;
     leaf_[lane] = index;
+    return true;
   }
 
   void MeetHard(const Leaf& leaf, std::uint32_t index, unsigned lanes) {
@@ -347,7 +495,7 @@ class Packet {
       ++job_.counters->fallbacks;
       Sink sink{this, index, lane};
       const std::uint8_t doubt =
-          job_.solve_hard(job_.context, leaf, x_[lane], y_[lane], job_.every_hit ? kInfinity : Reach(lane),
+          job_.solve_hard(job_.context, leaf, x_[lane], y_[lane], nearest_only_ ? Reach(lane) : kInfinity,
                           &sink, [](void* to, const TileHit& hit, std::uint8_t root_doubt, bool kept) {
                             Sink* found = static_cast<Sink*>(to);
                             found->packet->AddDoubt(found->lane, root_doubt, hit.depth - hit.error);
@@ -359,30 +507,79 @@ class Packet {
   }
 
   void UpdateFarthest() {
-    double farthest = -kInfinity;
-    for (int lane = 0; lane < kPacketLanes; ++lane) {
-      if ((valid_ >> lane & 1) && Reach(lane) > farthest) farthest = Reach(lane);
+    Wide farthest = Load(reach_);
+    for (int i = kWideLanes; i < kPacketLanes; i += kWideLanes)
+      farthest = Greater(farthest, Load(reach_ + i));
+    farthest_ = Greatest(farthest);
+  }
+
+  void WriteNormals() const {
+    unsigned rest = 0;
+    for (int i = 0; i < kPacketLanes; i += kWideLanes) rest |= Less(SetWide(kMiss), Load(leaf_ + i)) << i;
+    for (unsigned misses = ~rest & ((1ull << kPacketLanes) - 1); misses; misses &= misses - 1)
+      job_.normal[SampleOf(__builtin_ctz(misses))] = {0, 0, 0};
+    while (rest) {
+      // All lanes of one leaf at a time.
+      const Wide one = SetWide(leaf_[__builtin_ctz(rest)]);
+      unsigned lanes = 0;
+      for (int i = 0; i < kPacketLanes; i += kWideLanes)
+        lanes |= (LessOrEqual(one, Load(leaf_ + i)) & LessOrEqual(Load(leaf_ + i), one)) << i;
+      const Leaf& leaf = job_.leaves[static_cast<std::uint32_t>(leaf_[__builtin_ctz(rest)])];
+      rest &= ~lanes;
+      for (int first = 0; first < kPacketLanes; first += kLanes) {
+        const unsigned group = lanes >> first & ((1u << kLanes) - 1);
+        if (group != 0) WriteNormals(leaf, first, group);
+      }
     }
-    farthest_ = farthest;
+  }
+
+  // Of the lanes `group` from `first` on; zero where there is none.
+  void WriteNormals(const Leaf& leaf, int first, unsigned group) const {
+    Real x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
+    unsigned known = 0;
+    if (!(leaf.flags & kLeafHard)) {
+      const Lane s = LoadNarrow(s_ + first), t = LoadNarrow(t_ + first);
+      const Normal normal = ByLeaf(leaf, [&]<int P, int Q, bool kWeightVaries>() {
+        return NormalAt<P, Q, kWeightVaries>(leaf, x_ + first, y_ + first, s, t, job_.axes);
+      });
+      Store(normal.x, x);
+      Store(normal.y, y);
+      Store(normal.z, z);
+      known = normal.known;
+    }
+    for (; group; group &= group - 1) {
+      const int k = __builtin_ctz(group);
+      std::array<float, 3>& out = job_.normal[SampleOf(first + k)];
+      if (known >> k & 1) {
+        out = {static_cast<float>(x[k]), static_cast<float>(y[k]), static_cast<float>(z[k])};
+      } else {
+        out = {0, 0, 0};
+      }
+    }
   }
 
   const TileJob& job_;
-  int row_, column_;
+  const bool nearest_only_, plain_;
+  int row_ = 0, column_ = 0;
   unsigned valid_ = 0;
+  bool doubtful_ = false;
   double farthest_ = kInfinity;
-  double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes], t_[kPacketLanes];
+  alignas(64) double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes],
+      t_[kPacketLanes];
   double error_[kPacketLanes];        // of the depth
+  double reach_[kPacketLanes];        // Reach(); −inf outside the image
+  double leaf_[kPacketLanes];         // its index, or kMiss
   double doubt_depth_[kPacketLanes];  // no doubt arose nearer
-  std::uint32_t leaf_[kPacketLanes];
   std::uint8_t doubt_[kPacketLanes];
 };
 
 }  // namespace
 
 void TraceTile(const TileJob& job) {
+  Packet packet(job);
   for (int row = 0; row < job.rows; row += kPacketHeight) {
     for (int column = 0; column < job.columns; column += kPacketWidth) {
-      Packet packet(job, row, column);
+      packet.Begin(row, column);
       packet.Trace();
       packet.Write();
     }
@@ -391,12 +588,12 @@ void TraceTile(const TileJob& job) {
 
 #if defined(FACETLESS_SCALAR_KERNEL)
 SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
-  const Mask lane = FromBits(1);
-  const Solution solution = (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, &x, &y, lane)
-                                                             : SolveByDegree<false>(leaf, &x, &y, lane);
+  const Solution solution = SolveLeaf(leaf, &x, &y, 1);
   if (solution.unconverged) return SampleRoot::kUnconverged;
   if (!solution.hit) return SampleRoot::kMiss;
-  *hit = {DepthOf(leaf, solution.depth.raw), solution.s.raw, solution.t.raw, leaf.depth_error};
+  double depth;
+  Depths(leaf, solution.depth, &depth);
+  *hit = {depth, solution.s.raw, solution.t.raw, leaf.depth_error};
   return SampleRoot::kHit;
 }
 #endif

@@ -6,8 +6,9 @@
 namespace facetless {
 namespace {
 
-void HalveU(const double* in, int degree_u, int stride, double* low, double* high) {
-  const int n = degree_u + 1;
+template <int P, int Q>
+void HalveU(const double* in, int degree_u, int degree_v, double* low, double* high) {
+  const int n = (P > 0 ? P : degree_u) + 1, stride = (Q > 0 ? Q : degree_v) + 1;
   for (int i = 0; i < n * stride; ++i) high[i] = in[i];
   for (int j = 0; j < stride; ++j) low[j] = high[j];
   for (int level = 1; level < n; ++level) {
@@ -20,15 +21,16 @@ void HalveU(const double* in, int degree_u, int stride, double* low, double* hig
   }
 }
 
-void HalveV(const double* in, int degree_u, int stride, double* low, double* high) {
-  const int n = stride;
-  for (int k = 0; k <= degree_u; ++k) {
-    double* row = high + k * stride;
-    for (int j = 0; j < n; ++j) row[j] = in[k * stride + j];
-    low[k * stride] = row[0];
+template <int P, int Q>
+void HalveV(const double* in, int degree_u, int degree_v, double* low, double* high) {
+  const int rows = (P > 0 ? P : degree_u) + 1, n = (Q > 0 ? Q : degree_v) + 1;
+  for (int k = 0; k < rows; ++k) {
+    double* row = high + k * n;
+    for (int j = 0; j < n; ++j) row[j] = in[k * n + j];
+    low[k * n] = row[0];
     for (int level = 1; level < n; ++level) {
       for (int j = 0; j < n - level; ++j) row[j] = 0.5 * (row[j] + row[j + 1]);
-      low[k * stride + level] = row[0];
+      low[k * n + level] = row[0];
     }
   }
 }
@@ -65,15 +67,19 @@ double MaxAbs(const double* values, int count) {
 
 void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high) {
   // Each of a halving's `degree` averages rounds once, at no more than the net's size.
-  const double rounding = 0x1p-53 * (direction == Direction::kU ? net.degree_u : net.degree_v);
-  for (int c = 0; c < kNetComponents; ++c) {
+  const int pu = net.degree_u, pv = net.degree_v;
+  const double rounding = 0x1p-53 * (direction == Direction::kU ? pu : pv);
+  for (int c = 0; c < kNetComponents; ++c)
     low->error[c] = high->error[c] = net.error[c] + rounding * MaxAbs(net.value[c], net.points());
-    if (direction == Direction::kU) {
-      HalveU(net.value[c], net.degree_u, net.stride(), low->value[c], high->value[c]);
-    } else {
-      HalveV(net.value[c], net.degree_u, net.stride(), low->value[c], high->value[c]);
+  ByDegrees(pu, pv, [&]<int P, int Q>() {
+    for (int c = 0; c < kNetComponents; ++c) {
+      if (direction == Direction::kU) {
+        HalveU<P, Q>(net.value[c], pu, pv, low->value[c], high->value[c]);
+      } else {
+        HalveV<P, Q>(net.value[c], pu, pv, low->value[c], high->value[c]);
+      }
     }
-  }
+  });
 }
 
 void Extend(BezierNet* net, NetComponent c, Direction direction, double low, double high) {
@@ -98,25 +104,73 @@ void Extend(BezierNet* net, NetComponent c, Direction direction, double low, dou
       growth * net->error[c] + 6 * degree * growth * 0x1p-53 * MaxAbs(net->value[c], net->points());
 }
 
-const MonomialMatrix& CenteredMonomialMatrix(int degree) {
+namespace {
+
+// The matrices of all degrees, and their transposes.
+struct MonomialMatrices {
+  MonomialMatrix plain[kMaxDegree + 1], transposed[kMaxDegree + 1];
+};
+
+const MonomialMatrices& AllMonomialMatrices() {
   static const auto matrices = [] {
-    auto all = std::make_unique<std::array<MonomialMatrix, kMaxDegree + 1>>();
-    for (int d = 0; d <= kMaxDegree; ++d) (*all)[d] = MakeMonomialMatrix(d);
+    auto all = std::make_unique<MonomialMatrices>();
+    for (int d = 0; d <= kMaxDegree; ++d) {
+      all->plain[d] = MakeMonomialMatrix(d);
+      for (int i = 0; i <= d; ++i)
+        for (int k = 0; k <= d; ++k) all->transposed[d][k][i] = all->plain[d][i][k];
+    }
     return all;
   }();
-  return (*matrices)[degree];
+  return *matrices;
 }
 
-void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* out) {
+}  // namespace
+
+const MonomialMatrix& CenteredMonomialMatrix(int degree) {
+  return AllMonomialMatrices().plain[degree];
+}
+
+namespace {
+
+const MonomialMatrix& TransposedMonomialMatrix(int degree) {
+  return AllMonomialMatrices().transposed[degree];
+}
+
+// One line of a net, `step` apart, by the matrix written out: its even and odd rows share sums and differences.
+template <int N>
+inline void LineToMonomials(const double* in, double* out, int step) {
+  if constexpr (N == 1) {
+    const double a = in[0], b = in[step];
+    out[0] = 0.5 * (a + b);
+    out[step] = 0.5 * (b - a);
+  } else if constexpr (N == 2) {
+    const double ends = in[0] + in[2 * step], middle = 2 * in[step];
+    const double difference = in[2 * step] - in[0];
+    out[0] = 0.25 * (ends + middle);
+    out[step] = 0.5 * difference;
+    out[2 * step] = 0.25 * (ends - middle);
+  } else {
+    static_assert(N == 3);
+    const double a = in[0], b = in[step], c = in[2 * step], d = in[3 * step];
+    const double ends = a + d, middle = b + c, outer = d - a, inner = c - b;
+    out[0] = 0.125 * (ends + 3 * middle);
+    out[step] = 0.375 * (outer + inner);
+    out[2 * step] = 0.375 * (ends - middle);
+    out[3 * step] = 0.125 * (outer - 3 * inner);
+  }
+}
+
+void MultiplyByMatrices(const double* in, int degree_u, int degree_v, double* out) {
   const MonomialMatrix& tu = CenteredMonomialMatrix(degree_u);
-  const MonomialMatrix& tv = CenteredMonomialMatrix(degree_v);
+  const MonomialMatrix& tv = TransposedMonomialMatrix(degree_v);
   const int stride = degree_v + 1;
   double half[kMaxNetPoints];
   for (int k = 0; k <= degree_u; ++k) {
-    for (int j = 0; j < stride; ++j) {
-      double sum = 0;
-      for (int l = 0; l < stride; ++l) sum += tv[j][l] * in[k * stride + l];
-      half[k * stride + j] = sum;
+    double* row = half + k * stride;
+    for (int j = 0; j < stride; ++j) row[j] = 0;
+    for (int l = 0; l < stride; ++l) {
+      const double factor = in[k * stride + l];
+      for (int j = 0; j < stride; ++j) row[j] += tv[l][j] * factor;
     }
   }
   for (int i = 0; i <= degree_u; ++i) {
@@ -127,6 +181,20 @@ void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* o
       for (int j = 0; j < stride; ++j) row[j] += factor * half[k * stride + j];
     }
   }
+}
+
+}  // namespace
+
+void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* out) {
+  ByDegrees(degree_u, degree_v, [&]<int P, int Q>() {
+    if constexpr (P < 0) {
+      MultiplyByMatrices(in, degree_u, degree_v, out);
+    } else {
+      double half[(P + 1) * (Q + 1)];
+      for (int j = 0; j <= Q; ++j) LineToMonomials<P>(in + j, half + j, Q + 1);
+      for (int i = 0; i <= P; ++i) LineToMonomials<Q>(half + i * (Q + 1), out + i * (Q + 1), 1);
+    }
+  });
 }
 
 }  // namespace facetless

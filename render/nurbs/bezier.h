@@ -50,4 +50,32 @@ const MonomialMatrix& CenteredMonomialMatrix(int degree);
 // out[i·stride + j] = coefficient of s^i·t^j of the component `in`. `out` may not alias `in`.
 void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* out);
 
+// Calls run.template operator()<P, Q>() with the degrees as constants where both are at most 3, as most surfaces' are, and
+// with −1 for both otherwise: loops that the compiler knows the length of cost half.
+template <typename Run>
+inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
+  switch (degree_u * 8 + degree_v) {
+    case 1 * 8 + 1:
+      return run.template operator()<1, 1>();
+    case 1 * 8 + 2:
+      return run.template operator()<1, 2>();
+    case 2 * 8 + 1:
+      return run.template operator()<2, 1>();
+    case 2 * 8 + 2:
+      return run.template operator()<2, 2>();
+    case 1 * 8 + 3:
+      return run.template operator()<1, 3>();
+    case 3 * 8 + 1:
+      return run.template operator()<3, 1>();
+    case 2 * 8 + 3:
+      return run.template operator()<2, 3>();
+    case 3 * 8 + 2:
+      return run.template operator()<3, 2>();
+    case 3 * 8 + 3:
+      return run.template operator()<3, 3>();
+    default:
+      return run.template operator()<-1, -1>();
+  }
+}
+
 }  // namespace facetless

@@ -27,41 +27,62 @@ struct Bounds {
   double second = 0;      // |∂ss| + 2|∂st| + |∂tt|
 };
 
-Bounds Bound(const double* monomials, int degree_u, int degree_v) {
+template <int P, int Q>
+Bounds BoundOf(const double* monomials, int degree_u, int degree_v) {
+  const int pu = P > 0 ? P : degree_u, pv = Q > 0 ? Q : degree_v;
   const double* r = EnlargedPowers();
-  Bounds b;
-  for (int i = 0; i <= degree_u; ++i) {
-    for (int j = 0; j <= degree_v; ++j) {
-      if (i + j == 0) continue;
-      const double m = std::fabs(monomials[i * (degree_v + 1) + j]);
-      const int n = i + j;
-      b.value += m * r[n];
-      if (n == 1) continue;
-      b.ds += i * m * r[n - 1];
-      b.dt += j * m * r[n - 1];
-      b.second += (i * (i - 1) + 2 * i * j + j * (j - 1)) * m * r[n - 2];
+  // Terms of s^i·t^j are r^(i+j) at most; along a row their sum, and its first and second moments by j. Constant and
+  // linear terms apart: only values count the latter.
+  double value = 0, by_s = 0, by_t = 0, second = 0;
+  for (int i = 0; i <= pu; ++i) {
+    double sum = 0, first = 0, second_t = 0;
+    for (int j = i < 2 ? 2 - i : 0; j <= pv; ++j) {
+      const double term = std::fabs(monomials[i * (pv + 1) + j]) * r[i + j];
+      sum += term;
+      first += j * term;
+      second_t += j * (j - 1) * term;
     }
+    value += sum;
+    by_s += i * sum;
+    by_t += first;
+    second += i * (i - 1) * sum + 2 * i * first + second_t;
   }
+  Bounds b;
+  b.value = value + kEnlarged * (std::fabs(monomials[pv + 1]) + std::fabs(monomials[1]));
+  b.ds = by_s / kEnlarged;
+  b.dt = by_t / kEnlarged;
+  b.second = second / (kEnlarged * kEnlarged);
   return b;
 }
 
-// ‖I − H'‖ to expect after halving in u (scale_u = 1/2) or in v: the monomial s^i·t^j shrinks by
-// scale_u^i·scale_v^j, and the row of C that belongs to the halved direction doubles.
-double KappaAfterHalving(const double* g1, const double* g2, const double* w, int degree_u, int degree_v,
-                         double scale_u, double scale_v) {
-  double row1 = 0, row2 = 0, slope = 0, factor_u = 1;
-  for (int i = 0; i <= degree_u; ++i, factor_u *= scale_u) {
-    double factor = factor_u;
-    for (int j = 0; j <= degree_v; ++j, factor *= scale_v) {
-      const int k = i * (degree_v + 1) + j;
+Bounds Bound(const double* monomials, int degree_u, int degree_v) {
+  return ByDegrees(degree_u, degree_v,
+                   [&]<int P, int Q>() { return BoundOf<P, Q>(monomials, degree_u, degree_v); });
+}
+
+// ‖I − H'‖ to expect after halving in u or in v: the monomial s^i·t^j shrinks by 2^−i or 2^−j, and the row of C
+// that belongs to the halved direction doubles.
+template <int P, int Q>
+Verdict AfterHalving(const double* g1, const double* g2, const double* w, int degree_u, int degree_v) {
+  const int pu = P > 0 ? P : degree_u, pv = Q > 0 ? Q : degree_v;
+  struct Sums {
+    double row1 = 0, row2 = 0, slope = 0;
+  } u, v;
+  double factor_u = 1;
+  for (int i = 0; i <= pu; ++i, factor_u *= 0.5) {
+    double factor_v = 1;
+    for (int j = 0; j <= pv; ++j, factor_v *= 0.5) {
+      const int k = i * (pv + 1) + j;
+      const double by_u = (i + j) * factor_u, by_v = (i + j) * factor_v;
       if (i + j >= 2) {
-        row1 += (i + j) * std::fabs(g1[k]) * factor / scale_u;
-        row2 += (i + j) * std::fabs(g2[k]) * factor / scale_v;
+        const double one = std::fabs(g1[k]), two = std::fabs(g2[k]);
+        u.row1 += one * by_u, u.row2 += two * by_u;
+        v.row1 += one * by_v, v.row2 += two * by_v;
       }
-      if (w && i + j >= 1) slope += (i + j) * std::fabs(w[k]) * factor;
+      if (w) u.slope += std::fabs(w[k]) * by_u, v.slope += std::fabs(w[k]) * by_v;
     }
   }
-  return std::fmax(row1, row2) + slope;
+  return {false, std::fmax(2 * u.row1, u.row2) + u.slope, std::fmax(v.row1, 2 * v.row2) + v.slope};
 }
 
 // A bound of |f| and of |∂s f| + |∂t f| over the enlarged leaf, constant and linear terms included.
@@ -218,8 +239,7 @@ Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& ar
   b2.dt += std::fabs(g2[1] - 1);
   const auto fail = [&] {
     const double* w = rule.weight_varies ? monomials + 2 * n : nullptr;
-    return Verdict{false, KappaAfterHalving(g1, g2, w, pu, pv, 0.5, 1),
-                   KappaAfterHalving(g1, g2, w, pu, pv, 1, 0.5)};
+    return ByDegrees(pu, pv, [&]<int P, int Q>() { return AfterHalving<P, Q>(g1, g2, w, pu, pv); });
   };
   const double kappa_g = std::fmax(b1.ds + b1.dt, b2.ds + b2.dt);
   if (!(kappa_g <= kMaxKappa)) return fail();

@@ -56,8 +56,9 @@ enum LeafFlag : std::uint16_t {
   kLeafSeam =
       32,  // with kLeafHard: one sample beside an edge, and the hit (s_low, t_low) at near_depth that its
            // face may owe the ray (trace/seams.h)
-  kLeafOdd = 64,      // with kLeafSeam: the ray should cross the face an odd number of times
-  kLeafEdgeOn = 128,  // hard, and its image is a line (edge_on.h): a ray misses it, or nothing is known
+  kLeafOdd = 64,        // with kLeafSeam: the ray should cross the face an odd number of times
+  kLeafAtBorder = 256,  // touches a border of its patch: OnPatchBorder may hold
+  kLeafEdgeOn = 128,    // hard, and its image is a line (edge_on.h): a ray misses it, or nothing is known
 };
 
 struct Leaf {

@@ -252,6 +252,9 @@ void LeafSplitter::Visit(const Node& node) {
       leaf.placed_face = patch_->placed_face;
       leaf.patch = patch_->patch;
       if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
+      if (node.u_mid - node.u_half == 0 || node.u_mid + node.u_half == 1 || node.v_mid - node.v_half == 0 ||
+          node.v_mid + node.v_half == 1)
+        leaf.flags |= kLeafAtBorder;
       leaf.s_high = leaf.t_high = 1 + leaf.overlap();
       leaf.s_low = leaf.t_low = -leaf.s_high;
       const std::size_t count = static_cast<std::size_t>(leaf.planes()) * net.points();

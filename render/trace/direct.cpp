@@ -59,14 +59,18 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       if (tile.leaf[k] == kNoIndex) continue;
 
       const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
-      const double x = column + 0.5 - 0.5 * shared.camera.width_px,
-                   y = row + 0.5 - 0.5 * shared.camera.height_px;
-      const HitGeometry geometry = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame);
       const TraceShared::PlacedFace placed = shared.Placed(leaf.placed_face);
-      const Vec3 normal = placed.outward * geometry.normal;
+      std::array<float, 3> normal = tile.normal[k];
+      if (normal == std::array<float, 3>{0, 0, 0}) {
+        const double x = column + 0.5 - 0.5 * shared.camera.width_px,
+                     y = row + 0.5 - 0.5 * shared.camera.height_px;
+        const HitGeometry geometry = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame);
+        normal = {float(geometry.normal.x), float(geometry.normal.y), float(geometry.normal.z)};
+      }
+      const float outward = float(placed.outward);
       samples->depth[out] = tile.depth[k];
       samples->face[out] = leaf.placed_face;
-      samples->normal[out] = {float(normal.x), float(normal.y), float(normal.z)};
+      samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
       if (!samples->uv.empty()) {
         const TraceShared::LeafParameters at = shared.Parameters(leaf, placed.face, tile.s[k], tile.t[k]);
         samples->uv[out] = {at.u_map->ToNative(at.u), at.v_map->ToNative(at.v)};

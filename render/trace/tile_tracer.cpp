@@ -89,6 +89,8 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certif
   job_.half_width = 0.5 * shared.camera.width_px;
   job_.half_height = 0.5 * shared.camera.height_px;
   job_.near_depth = shared.frame.projection == Projection::kPerspective ? shared.frame.near_mm : -INFINITY;
+  job_.axes = {shared.frame.right, shared.frame.down, shared.frame.forward, shared.frame.pixel_x,
+               shared.frame.pixel_y};
   job_.keep = [](void* context, const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
                  std::uint8_t* hit_doubt) {
     return static_cast<TileTracer*>(context)->Keep(hit_leaf, RootOf(hit_leaf, hit_s, hit_t), x, y, hit_doubt);
@@ -123,6 +125,7 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   job_.t = t.data();
   job_.leaf = leaf.data();
   job_.doubt = doubt.data();
+  job_.normal = crossings ? nullptr : normal.data();
   crossings_ = crossings;
   job_.every_hit = nullptr;
   if (crossings) {

@@ -87,7 +87,8 @@ class TileTracer {
   std::array<double, kSamples> depth, error, s, t;
   std::array<std::uint32_t, kSamples> leaf;
   std::array<std::uint8_t, kSamples> doubt;
-  TileCounters counters;  // of all tiles so far
+  std::array<std::array<float, 3>, kSamples> normal;  // as TileJob's; not with crossings
+  TileCounters counters;                              // of all tiles so far
 
   std::size_t bitmap_bytes() const { return bitmaps_.bytes(); }
 
