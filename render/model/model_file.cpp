@@ -85,7 +85,12 @@ std::vector<T> UnpackEach(const flatbuffers::Vector<const Packed*>* items, Funct
   std::vector<T> out;
   if (!items) return out;
   out.reserve(items->size());
-  for (const Packed* item : *items) out.push_back(unpack(*item));
+  // By copies: the verifier does not promise that a vector's structs are aligned.
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    Packed item;
+    std::memcpy(&item, items->Data() + i * sizeof(Packed), sizeof(Packed));
+    out.push_back(unpack(item));
+  }
   return out;
 }
 
