@@ -1,9 +1,9 @@
 #include "render/accel/bmssm.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <tuple>
+
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -19,7 +19,7 @@ TileLeaves::TileLeaves(std::vector<Leaf> leaves, int columns, int rows)
     : tiles_x_((columns + kTileSize - 1) / kTileSize),
       tiles_y_((rows + kTileSize - 1) / kTileSize),
       leaves_(std::move(leaves)) {
-  tbb::parallel_sort(leaves_.begin(), leaves_.end(), FrontToBack);
+  ParallelSort(leaves_.begin(), leaves_.end(), FrontToBack);
 
   // Count, then fill: leaves come in order, so each tile's list is sorted.
   const auto for_each_tile = [this](const Leaf& leaf, auto&& visit) {

@@ -1,5 +1,3 @@
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/scene_data.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -224,8 +223,7 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads) {
   rtcSetDeviceMemoryMonitorFunction(data->device, CountBytes, &data->memory);
   bool built = false;
   try {
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    arena.execute([&] { built = Builder(*data).Build(); });
+    RunWithThreads(threads, [&] { built = Builder(*data).Build(); });
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
   }

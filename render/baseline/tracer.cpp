@@ -1,15 +1,12 @@
 #include "render/baseline/tracer.h"
 
-#include <tbb/blocked_range2d.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <new>
 
 #include "render/baseline/scene_data.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -188,16 +185,13 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
   try {
     result.samples.Resize(camera.width_px, camera.height_px);
     const TileTracer tracer(scene.data(), result.frame, result.samples);
-    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-    arena.execute([&] {
-      tbb::parallel_for(
-          tbb::blocked_range2d<int>(0, camera.height_px, kTile, 0, camera.width_px, kTile),
-          [&](const tbb::blocked_range2d<int>& tile) {
-            if (options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed)) return;
-            hits +=
-                tracer.Trace(tile.cols().begin(), tile.cols().end(), tile.rows().begin(), tile.rows().end());
-          },
-          tbb::simple_partitioner());
+    RunWithThreads(options.threads, [&] {
+      ParallelForTiles(camera.height_px, camera.width_px, kTile,
+                       [&](int row, int row_end, int column, int column_end) {
+                         if (options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed))
+                           return;
+                         hits += tracer.Trace(column, column_end, row, row_end);
+                       });
     });
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimitExceeded, "view '" + camera.name + "': its samples do not fit into memory"};

@@ -1,7 +1,5 @@
 #include "render/compare/difference.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 
 #include "render/compare/distance_transform.h"
 #include "render/shade/features.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -201,7 +200,7 @@ std::vector<FaceDifference> Ranked(std::map<std::uint32_t, FaceSums>& sums, cons
 std::vector<std::uint8_t> BorderPixels(const SampleBuffer& direct, const SampleBuffer& baseline,
                                        const CameraFrame& frame, bool faces_known) {
   std::vector<std::uint8_t> border(direct.size(), 0);
-  tbb::parallel_for(0, direct.height, [&](int y) {
+  ParallelFor(0, direct.height, [&](int y) {
     const std::size_t first = static_cast<std::size_t>(y) * direct.width;
     for (std::size_t i = first; i < first + direct.width; ++i)
       border[i] = IsBorder(direct, baseline, frame, faces_known, i);

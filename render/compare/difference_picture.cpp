@@ -1,7 +1,5 @@
 #include "render/compare/difference_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +8,7 @@
 #include "render/compare/color_map.h"
 #include "render/image/text.h"
 #include "render/shade/features.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -74,7 +73,7 @@ bool OnLine(const SampleBuffer& direct, const CameraFrame& frame, int x, int y) 
 
 void DrawView(Image8& image, const SampleBuffer& direct, const SampleBuffer& baseline,
               const CameraFrame& frame, double range) {
-  tbb::parallel_for(0, direct.height, [&](int y) {
+  ParallelFor(0, direct.height, [&](int y) {
     for (int x = 0; x < direct.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * direct.width + x;
       const bool in_direct = std::isfinite(direct.depth[i]), in_baseline = std::isfinite(baseline.depth[i]);

@@ -1,13 +1,12 @@
 #include "render/image/film.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -85,7 +84,7 @@ Result<Film> Resolve(const Film& samples, int samples_x, int samples_y) {
   film.height = samples.height / samples_y;
   film.pixels.resize(static_cast<std::size_t>(film.width) * film.height);
   const float share = 1.0f / static_cast<float>(samples_x * samples_y);
-  tbb::parallel_for(0, film.height, [&](int y) {
+  ParallelFor(0, film.height, [&](int y) {
     for (int x = 0; x < film.width; ++x) {
       std::array<float, 4> sum = {0, 0, 0, 0};
       for (int j = 0; j < samples_y; ++j)
@@ -119,8 +118,8 @@ Result<Image8> Encode(const Film& film) {
   image.height = film.height;
   image.channels = opaque ? 3 : 4;
   image.bytes.resize(film.pixels.size() * image.channels);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, film.pixels.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  ParallelForBlocks(0, film.pixels.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
       const auto& pixel = film.pixels[i];
       std::uint8_t* out = &image.bytes[i * image.channels];
       const float alpha = std::clamp(pixel[3], 0.0f, 1.0f);

@@ -1,9 +1,6 @@
 // FLIP for pictures of low dynamic range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild:
 // "FLIP: A Difference Evaluator for Alternating Images", HPG 2020. Section and table numbers are that
 // paper's.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +8,7 @@
 #include "render/image/compare_input.h"
 #include "render/image/metrics.h"
 #include "render/image/plane.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -140,8 +138,8 @@ Seen See(const Image8& image, double pixels_per_degree) {
   seen.luminance = Plane(image.width, image.height);
   const std::size_t count = planes[0].values.size();
   const auto each = [&](const auto& change) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    ParallelForBlocks(0, count, 4096, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
         const Triple out = change({planes[0].values[i], planes[1].values[i], planes[2].values[i]}, i);
         for (int c = 0; c < 3; ++c) planes[c].values[i] = static_cast<float>(out[c]);
       }
@@ -220,8 +218,8 @@ Result<std::vector<float>> FlipMap(const Image8& reference, const Image8& test, 
   // Equation 11: features amplify the colour error.
   const ColorError color_error;
   std::vector<float> map(a.luminance.values.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, map.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  ParallelForBlocks(0, map.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
       const double color = color_error({a.lab[0].values[i], a.lab[1].values[i], a.lab[2].values[i]},
                                        {b.lab[0].values[i], b.lab[1].values[i], b.lab[2].values[i]});
       const double feature = std::max(std::fabs(fa.edge.values[i] - fb.edge.values[i]),

@@ -1,8 +1,8 @@
 #include "render/image/plane.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 Plane FilterRows(const Plane& plane, const Taps& taps) {
   const int radius = static_cast<int>(taps.size() / 2);
   Plane out(plane.width, plane.height);
-  tbb::parallel_for(0, plane.height, [&](int y) {
+  ParallelFor(0, plane.height, [&](int y) {
     const float* row = &plane.values[static_cast<std::size_t>(y) * plane.width];
     for (int x = 0; x < plane.width; ++x) {
       double sum = 0;
@@ -25,7 +25,7 @@ Plane FilterRows(const Plane& plane, const Taps& taps) {
 Plane FilterColumns(const Plane& plane, const Taps& taps) {
   const int radius = static_cast<int>(taps.size() / 2);
   Plane out(plane.width, plane.height);
-  tbb::parallel_for(0, plane.height, [&](int y) {
+  ParallelFor(0, plane.height, [&](int y) {
     std::vector<double> sums(plane.width, 0.0);
     for (int k = -radius; k <= radius; ++k) {
       const float* row =

@@ -1,13 +1,12 @@
 #include "render/shade/edges.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "render/nurbs/angle_map.h"
 #include "render/shade/features.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -38,7 +37,7 @@ Borders FindAll(const SampleBuffer& samples, const CameraFrame& frame, double co
   Borders borders;
   borders.right.resize(samples.size());
   borders.below.resize(samples.size());
-  tbb::parallel_for(0, samples.height, [&](int y) {
+  ParallelFor(0, samples.height, [&](int y) {
     for (int x = 0; x < samples.width; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * samples.width + x;
       if (x + 1 < samples.width) borders.right[pixel] = Find(samples, frame, pixel, pixel + 1, cos_crease);
@@ -85,7 +84,7 @@ float CoverAlong(int position, int length, int width, const BorderAt& border) {
 void DrawEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
                Film& film) {
   const Borders borders = FindAll(samples, frame, Cosine(options.edge_angle_deg));
-  tbb::parallel_for(0, samples.height, [&](int y) {
+  ParallelFor(0, samples.height, [&](int y) {
     for (int x = 0; x < samples.width; ++x) {
       const std::size_t row = static_cast<std::size_t>(y) * samples.width;
       const float across = CoverAlong(x, samples.width, options.samples_x,

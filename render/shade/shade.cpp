@@ -1,8 +1,5 @@
 #include "render/shade/shade.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <atomic>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +9,7 @@
 
 #include "render/shade/edges.h"
 #include "render/shade/studio.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -96,9 +94,8 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
   film.height = samples.height;
   film.pixels.resize(samples.size());
   std::atomic<std::size_t> bad{kNoPixel};
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(0, samples.height, [&](int y) {
+  RunWithThreads(options.threads, [&] {
+    ParallelFor(0, samples.height, [&](int y) {
       const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, y, film);
       std::size_t known = bad.load();
       while (found < known && !bad.compare_exchange_weak(known, found)) {

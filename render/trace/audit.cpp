@@ -1,14 +1,11 @@
 #include "render/trace/audit.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <tuple>
 
+#include "render/trace/parallel.h"
 #include "render/trace/tile_tracer.h"
 
 namespace facetless {
@@ -23,8 +20,8 @@ std::vector<AuditHit> Collect(const Scene::Data& scene, const PreparedView& view
     TileTracer tracer;
     std::vector<Crossing> crossings;
   };
-  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(shared, kernel); });
-  tbb::parallel_for(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
+  PerThread<Worker> workers([&] { return Worker(shared, kernel); });
+  ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
     Worker& worker = workers.local();
     worker.tracer.Trace(tile, &worker.crossings);
   });
@@ -37,8 +34,8 @@ std::vector<AuditHit> Collect(const Scene::Data& scene, const PreparedView& view
     }
   }
   const auto key = [](const AuditHit& h) { return std::tie(h.sample, h.placed_face, h.root.depth); };
-  tbb::parallel_sort(hits.begin(), hits.end(),
-                     [&](const AuditHit& a, const AuditHit& b) { return key(a) < key(b); });
+  ParallelSort(hits.begin(), hits.end(),
+               [&](const AuditHit& a, const AuditHit& b) { return key(a) < key(b); });
   const auto twin = [](const AuditHit& a, const AuditHit& b) {
     return a.sample == b.sample && a.placed_face == b.placed_face && a.root.Is(b.root);
   };
@@ -102,8 +99,8 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   const auto by_depth = [](const AuditHit& a, const AuditHit& b) {
     return std::tie(a.sample, a.root.depth) < std::tie(b.sample, b.root.depth);
   };
-  tbb::parallel_sort(forward.begin(), forward.end(), by_depth);
-  tbb::parallel_sort(backward.begin(), backward.end(), by_depth);
+  ParallelSort(forward.begin(), forward.end(), by_depth);
+  ParallelSort(backward.begin(), backward.end(), by_depth);
   const double tolerance = kReverseTolerance * model.Diagonal();
   std::size_t i = 0, j = 0;
   while (i < forward.size() || j < backward.size()) {

@@ -1,17 +1,15 @@
 #include "render/trace/direct.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "render/kernels/dispatch.h"
 #include "render/trace/audit.h"
 #include "render/trace/hit_geometry.h"
+#include "render/trace/parallel.h"
 #include "render/trace/prepare.h"
 #include "render/trace/tile_tracer.h"
 
@@ -114,9 +112,9 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   samples.doubt.assign(samples.size(), 0);
   if (options.depth_error) samples.depth_error.assign(samples.size(), 0);
   if (options.uv) samples.uv.assign(samples.size(), {0, 0});
-  tbb::enumerable_thread_specific<TileTracer> tracers([&] { return TileTracer(shared, kernel, certify); });
-  tbb::enumerable_thread_specific<Tally> tallies;
-  tbb::parallel_for(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
+  PerThread<TileTracer> tracers([&] { return TileTracer(shared, kernel, certify); });
+  PerThread<Tally> tallies;
+  ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
     if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
     TileTracer& tracer = tracers.local();
     tracer.Trace(tile, nullptr);
@@ -167,8 +165,9 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
 }  // namespace
 
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options) {
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return Trace(scene, camera, options); });
+  std::optional<Result<DirectResult>> result;
+  RunWithThreads(options.threads, [&] { result = Trace(scene, camera, options); });
+  return *std::move(result);
 }
 
 Result<std::string> ActiveIsa() {

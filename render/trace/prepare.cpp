@@ -1,11 +1,9 @@
 #include "render/trace/prepare.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "render/trace/parallel.h"
 #include "render/trace/projection.h"
 
 namespace facetless {
@@ -40,8 +38,8 @@ class Preparation {
   }
 
   Result<PreparedView> Run(int columns, int rows) {
-    tbb::parallel_for(std::size_t{0}, model_.instances.size(),
-                      [this](std::size_t i) { VisitInstance(model_.instances[i]); });
+    ParallelFor(std::size_t{0}, model_.instances.size(),
+                [this](std::size_t i) { VisitInstance(model_.instances[i]); });
     VisitSeams();
     if (budget_.Exhausted()) {
       return Error{ErrorCode::kLimitExceeded,
@@ -77,7 +75,7 @@ class Preparation {
   void VisitInstance(const Instance& instance) {
     const ViewProjection projection(frame_, instance.placement);
     const Range faces = model_.parts[instance.part].faces;
-    tbb::parallel_for(faces.first, faces.end(), [&](std::uint32_t face) {
+    ParallelFor(faces.first, faces.end(), [&](std::uint32_t face) {
       if (!budget_.Stopped()) VisitFace(face, instance.first_placed_face + (face - faces.first), projection);
     });
   }
@@ -89,7 +87,7 @@ class Preparation {
     if (patches < kParallelPatches) {
       for (std::uint32_t patch = 0; patch < patches; ++patch) visit(patch);
     } else {
-      tbb::parallel_for(std::uint32_t{0}, patches, visit);
+      ParallelFor(std::uint32_t{0}, patches, visit);
     }
   }
 
@@ -231,7 +229,7 @@ class Preparation {
   const CameraFrame& frame_;
   SplitWindow window_;
   SplitBudget budget_;
-  tbb::enumerable_thread_specific<Worker> workers_;
+  PerThread<Worker> workers_;
 };
 
 }  // namespace

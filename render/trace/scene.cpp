@@ -1,9 +1,9 @@
 #include "render/trace/scene.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -115,9 +115,8 @@ std::size_t Scene::Data::bytes() const {
 Scene::Scene(const Model& model) : data_(std::make_unique<Data>()) {
   data_->model = &model;
   data_->faces.resize(model.faces.size());
-  tbb::parallel_for(std::size_t{0}, model.faces.size(), [&](std::size_t i) {
-    data_->faces[i] = MakeFaceData(model, static_cast<std::uint32_t>(i));
-  });
+  ParallelFor(std::size_t{0}, model.faces.size(),
+              [&](std::size_t i) { data_->faces[i] = MakeFaceData(model, static_cast<std::uint32_t>(i)); });
   data_->seams = SeamTable(model);
   data_->spans.reserve(model.spans.size());
   for (const Span& span : model.spans) data_->spans.emplace_back(span);

@@ -1,8 +1,5 @@
 #include "render/trace/seams.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,6 +10,7 @@
 #include "render/nurbs/edge_winding.h"
 #include "render/nurbs/monotone_curve.h"
 #include "render/nurbs/projected_edges.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -409,17 +407,14 @@ auto Place(const SeamSample& s) {
 
 std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
                                         const CameraFrame& frame) {
-  tbb::enumerable_thread_specific<std::vector<SeamSample>> found;
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(model.instances.size()),
-                    [&](std::uint32_t i) {
-                      const Range sources = table.of_part[model.instances[i].part];
-                      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(sources.first, sources.end(), 16),
-                                        [&](const auto& range) {
-                                          Finder finder(model, table, camera, frame, i, &found.local());
-                                          for (std::uint32_t s = range.begin(); s < range.end(); ++s)
-                                            finder.Visit(s);
-                                        });
-                    });
+  PerThread<std::vector<SeamSample>> found;
+  ParallelFor(std::uint32_t{0}, static_cast<std::uint32_t>(model.instances.size()), [&](std::uint32_t i) {
+    const Range sources = table.of_part[model.instances[i].part];
+    ParallelForBlocks(sources.first, sources.end(), 16, [&](std::size_t first, std::size_t last) {
+      Finder finder(model, table, camera, frame, i, &found.local());
+      for (std::size_t s = first; s < last; ++s) finder.Visit(static_cast<std::uint32_t>(s));
+    });
+  });
   std::vector<SeamSample> all;
   for (const std::vector<SeamSample>& some : found) all.insert(all.end(), some.begin(), some.end());
 

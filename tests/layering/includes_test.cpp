@@ -161,6 +161,8 @@ TEST(Layering, EachLibraryHasOneHome) {
   EXPECT_THAT(IncludersOutside("(flatbuffers/.*|.*_generated\\.h)", {"render/model/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("hwy/.*", {"render/kernels/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("cairo.*", {"render/compare/"}), IsEmpty());
+  EXPECT_THAT(IncludersOutside("(oneapi/)?tbb(/.*|\\.h)", {"render/trace/parallel.h"}), IsEmpty())
+      << "the thread sanitizer knows only the loops of parallel.h";
   EXPECT_THAT(IncludersOutside("openssl/.*", {"server/", "import/"}), IsEmpty());
 }
 

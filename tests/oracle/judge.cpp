@@ -1,11 +1,11 @@
 #include "tests/oracle/judge.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+
+#include "render/trace/parallel.h"
 
 namespace facetless::oracle {
 namespace {
@@ -233,7 +233,7 @@ void Tally::Add(const Judgement& judgement) {
 
 Tally JudgePixels(const Judge& judge, const SampleBuffer& samples, const std::vector<std::uint32_t>& pixels) {
   std::vector<Judgement> judgements(pixels.size());
-  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
+  ParallelFor(std::size_t{0}, pixels.size(), [&](std::size_t i) {
     const int column = static_cast<int>(pixels[i]) % samples.width,
               row = static_cast<int>(pixels[i]) / samples.width;
     judgements[i] = judge.Ask(Judge::ClaimOf(samples, column, row));

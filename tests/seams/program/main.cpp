@@ -4,8 +4,6 @@
 // One row per file on standard output, in Markdown; the first N leaking rays on standard error. With --edges, N views that aim at edges
 // instead of the 26 directions. Model files (.flm) are taken as they are. Exit status: 0 no odd ray and no mismatch, 2 some, 4 a file that
 // cannot be read, 64 bad usage.
-#include <tbb/global_control.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "render/model/model_file.h"
+#include "render/trace/parallel.h"
 #include "tests/seams/sweep.h"
 
 namespace facetless {
@@ -74,22 +73,20 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
   }
-  const tbb::global_control limit(
-      tbb::global_control::max_allowed_parallelism,
-      options.threads > 0 ? static_cast<std::size_t>(options.threads)
-                          : tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   std::printf(
       "| file | faces | closed solids | rays | crossings | seam samples | odd rays | | mismatches |\n");
   std::printf("|---|---|---|---|---|---|---|---|---|\n");
   int status = 0;
-  for (const std::string& file : options.files) {
-    const facetless::Result<bool> clean = facetless::AuditFile(file, options);
-    if (!clean.ok()) {
-      std::fprintf(stderr, "facetless_audit: %s: %s\n", file.c_str(), clean.error().message.c_str());
-      status = 4;
-    } else if (!clean.value() && status == 0) {
-      status = 2;
+  facetless::RunWithThreads(options.threads, [&] {
+    for (const std::string& file : options.files) {
+      const facetless::Result<bool> clean = facetless::AuditFile(file, options);
+      if (!clean.ok()) {
+        std::fprintf(stderr, "facetless_audit: %s: %s\n", file.c_str(), clean.error().message.c_str());
+        status = 4;
+      } else if (!clean.value() && status == 0) {
+        status = 2;
+      }
     }
-  }
+  });
   return status;
 }

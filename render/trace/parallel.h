@@ -1,0 +1,135 @@
+// Parallel loops: the only file that knows oneTBB.
+//
+//  1. A loop returns when all its bodies have ended. Bodies see what the caller wrote before the loop, and the
+//     caller sees what they wrote after it. Nothing orders the bodies of one loop among each other: two that
+//     touch the same memory are a race if one of them writes.
+//  2. A body may start another loop. While it waits there, its thread may take up other bodies, of the outer
+//     loop too: nothing that belongs to a thread (PerThread) is held across a loop.
+//  3. An exception in a body ends the loop, and leaves it as if thrown by the caller.
+//  4. oneTBB comes without the thread sanitizer's instrumentation, which therefore sees none of the
+//     synchronisation inside the library. A build with that sanitizer is told law 1 here, and no more: two
+//     bodies that race are still reported (tests/trace/parallel_test.cpp). What the library does to its own
+//     tasks is left out by tools/tsan.supp.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/blocked_range2d.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#if defined(__SANITIZE_THREAD__)
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace facetless {
+
+// A T for each thread that asks for its own by local(); after the loop, iterate over all of them.
+template <typename T>
+using PerThread = tbb::enumerable_thread_specific<T>;
+
+namespace parallel_detail {
+
+// A piece of work that threads hand to each other. The two addresses stand for its two facts: the caller's
+// writes come before each body, and each body's writes before the caller's return. One address for both would
+// order the bodies too, and hide their races.
+template <typename Body>
+class Work {
+ public:
+  explicit Work(const Body& body) : body_(body) { Release(&handed_out_); }
+  ~Work() { Acquire(&handed_in_); }
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+
+  template <typename... Arguments>
+  void Run(Arguments... arguments) const {
+    Acquire(&handed_out_);
+    const Returning returning{this};
+    body_(arguments...);
+  }
+
+ private:
+  struct Returning {  // also where the body throws
+    const Work* work;
+    ~Returning() { Release(&work->handed_in_); }
+  };
+
+#if defined(__SANITIZE_THREAD__)
+  static void Acquire(const char* address) {
+    __tsan_acquire(const_cast<char*>(address));
+  }
+  static void Release(const char* address) {
+    __tsan_release(const_cast<char*>(address));
+  }
+#else
+  static void Acquire(const char*) {}
+  static void Release(const char*) {}
+#endif
+
+  const Body& body_;
+  alignas(8) char handed_out_ = 0;
+  alignas(8) char handed_in_ = 0;
+};
+
+}  // namespace parallel_detail
+
+// body(i) for begin ≤ i < end.
+template <typename Index, typename Body>
+void ParallelFor(Index begin, Index end, const Body& body) {
+  if (!(begin < end)) return;
+  const auto all_of = [&body](Index first, Index last) {
+    for (Index i = first; i < last; ++i) body(i);
+  };
+  const parallel_detail::Work work(all_of);
+  tbb::parallel_for(tbb::blocked_range<Index>(begin, end), [&work](const tbb::blocked_range<Index>& block) {
+    work.Run(block.begin(), block.end());
+  });
+}
+
+// body(first, last) for blocks that make up begin ≤ i < end; a block of more than `grain` indices may be halved.
+template <typename Body>
+void ParallelForBlocks(std::size_t begin, std::size_t end, std::size_t grain, const Body& body) {
+  if (!(begin < end)) return;
+  const parallel_detail::Work work(body);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(begin, end, grain),
+      [&work](const tbb::blocked_range<std::size_t>& block) { work.Run(block.begin(), block.end()); });
+}
+
+// body(row, row_end, column, column_end) for tiles of at most tile × tile that make up rows × columns.
+template <typename Body>
+void ParallelForTiles(int rows, int columns, int tile, const Body& body) {
+  if (rows <= 0 || columns <= 0) return;
+  const parallel_detail::Work work(body);
+  tbb::parallel_for(
+      tbb::blocked_range2d<int>(0, rows, tile, 0, columns, tile),
+      [&work](const tbb::blocked_range2d<int>& part) {
+        work.Run(part.rows().begin(), part.rows().end(), part.cols().begin(), part.cols().end());
+      },
+      tbb::simple_partitioner());
+}
+
+// Sorts; elements that compare equal come in any order.
+template <typename Iterator, typename Less>
+void ParallelSort(Iterator begin, Iterator end, const Less& less) {
+#if defined(__SANITIZE_THREAD__)
+  // oneTBB's own moves of elements can't be announced.
+  std::sort(begin, end, less);
+#else
+  tbb::parallel_sort(begin, end, less);
+#endif
+}
+
+// Runs body() with this many threads for its loops, 0 for as many as there are cores.
+template <typename Body>
+void RunWithThreads(int threads, const Body& body) {
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  const parallel_detail::Work work(body);
+  arena.execute([&work] { work.Run(); });
+}
+
+}  // namespace facetless
