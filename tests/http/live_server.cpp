@@ -80,7 +80,10 @@ LiveServer::LiveServer(const std::vector<std::string>& arguments, const std::str
 }
 
 LiveServer::~LiveServer() {
-  if (Running()) Stop(SIGKILL);
+  if (pid_ <= 0) return;
+  const bool running = Running();
+  EXPECT_TRUE(running) << "the server ended by itself";
+  if (running) Stop(SIGKILL);
 }
 
 bool LiveServer::Running() {
