@@ -165,10 +165,10 @@ class Preparation {
   // A leaf of one sample for every seam sample: front to back it takes its turn among the others.
   void VisitSeams() {
     if (budget_.Stopped()) return;
+    const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_);
     Worker& worker = workers_.local();
     const SeamSample* before = nullptr;
     const double* coefficients = nullptr;
-    const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_);
     for (const SeamSample& sample : samples) {
       const Instance& instance = model_.instances[sample.instance];
       const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
