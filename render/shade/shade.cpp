@@ -37,11 +37,17 @@ Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options
   return {};
 }
 
+// A unit vector of the model's axes in the viewer's: right, up, towards the viewer. Unit vectors stay so, to rounding.
+Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
+  return {Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
+}
+
 // Shades the row's samples; returns the first that is no number, or kNoPixel.
 std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, const std::vector<Vec3>& albedo,
                      Vec3 fallback, const std::array<float, 4>& background, int y, Film& film) {
   const bool perspective = frame.projection == Projection::kPerspective;
   const std::size_t first = static_cast<std::size_t>(y) * samples.width;
+  StudioView view(Normalized(ToViewer(frame, -frame.forward)));
   for (std::size_t i = first; i < first + samples.width; ++i) {
     // Nothing hit: the background. NaN and −inf are no misses.
     if (samples.depth[i] == INFINITY) {
@@ -53,20 +59,17 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
         !std::isfinite(n[2]))
       return i;
 
-    // Turn normal and view into the viewer's axes, and the normal to the viewer.
-    const Vec3 direction = perspective
-                               ? PixelRay(frame, static_cast<double>(i - first) + 0.5, y + 0.5).direction
-                               : frame.forward;
-    const auto to_viewer = [&](Vec3 v) {
-      return Vec3{Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
-    };
-    const Vec3 view = Normalized(to_viewer(-direction));
-    Vec3 normal = Normalized(to_viewer({n[0], n[1], n[2]}));
-    if (!(Dot(normal, normal) > 0)) normal = view;
-    if (Dot(normal, view) < 0) normal = -normal;
+    if (perspective) {
+      const Ray ray = PixelRay(frame, static_cast<double>(i - first) + 0.5, y + 0.5);
+      view = StudioView(Normalized(ToViewer(frame, -ray.direction)));
+    }
+    // Turn the normal to the viewer. One that the tracer could not find is zero.
+    Vec3 normal = ToViewer(frame, {n[0], n[1], n[2]});
+    if (!(Dot(normal, normal) > 0)) normal = view.toward();
+    if (Dot(normal, view.toward()) < 0) normal = -normal;
 
     const std::uint32_t face = samples.face[i];
-    const Vec3 light = StudioLight(normal, view, face < albedo.size() ? albedo[face] : fallback);
+    const Vec3 light = view.Light(normal, face < albedo.size() ? albedo[face] : fallback);
     film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z),
                       1.0f};
   }

@@ -43,7 +43,9 @@ double Shoulder(double x) {
 
 }  // namespace
 
-Vec3 StudioLight(Vec3 normal, Vec3 view, Vec3 albedo) {
+StudioView::StudioView(Vec3 toward) : toward_(toward), half_(Normalized(kKey.toward + toward)) {}
+
+Vec3 StudioView::Light(Vec3 normal, Vec3 albedo) const {
   // Diffuse light of both lamps and the room.
   const double up = 0.5 + 0.5 * normal.y;
   const Vec3 incoming =
@@ -51,13 +53,13 @@ Vec3 StudioLight(Vec3 normal, Vec3 view, Vec3 albedo) {
   Vec3 light = Times(albedo, incoming);
 
   // Highlights of the key around the half vector: cosines to the powers 8 and 64.
-  const double half = std::max(Dot(normal, Normalized(kKey.toward + view)), 0.0);
+  const double half = std::max(Dot(normal, half_), 0.0);
   const double half2 = half * half, half4 = half2 * half2, half8 = half4 * half4;
   const double half16 = half8 * half8, half32 = half16 * half16, half64 = half32 * half32;
   light = light + (kWide * half8 + kTight * half64) * kKey.color;
 
   // The rim: Schlick's fifth power of the grazing angle, brighter where it faces up.
-  const double grazing = 1 - std::clamp(Dot(normal, view), 0.0, 1.0);
+  const double grazing = 1 - std::clamp(Dot(normal, toward_), 0.0, 1.0);
   const double grazing2 = grazing * grazing;
   light = light + (kRim * grazing2 * grazing2 * grazing * (0.35 + 0.65 * up)) * Vec3{0.93, 0.97, 1.0};
 

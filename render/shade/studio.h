@@ -9,9 +9,20 @@
 
 namespace facetless {
 
-// Reflected light, linear, 0 … 1 per channel. `normal` and `view` are unit vectors with normal · view >= 0;
-// `view` points from the surface to the eye; `albedo` is linear.
-Vec3 StudioLight(Vec3 normal, Vec3 view, Vec3 albedo);
+// What the lights do for one direction of view: everybody's in an orthographic view.
+class StudioView {
+ public:
+  // `toward`: unit, from the surface to the eye.
+  explicit StudioView(Vec3 toward);
+
+  Vec3 toward() const { return toward_; }
+  // Reflected light, linear, 0 … 1 per channel. `normal` is a unit vector with normal · toward >= 0; `albedo` is
+  // linear.
+  Vec3 Light(Vec3 normal, Vec3 albedo) const;
+
+ private:
+  Vec3 toward_, half_;  // half_: between the eye and the key light, unit
+};
 
 // Linear light of the studio's background.
 Vec3 StudioBackground();

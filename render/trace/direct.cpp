@@ -42,28 +42,39 @@ float RoundedUp(double x) {
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
+  const std::vector<Leaf>& leaves = shared.view.tiles->leaves();
+  std::uint32_t known_face = kNoIndex;  // what `placed` is of: neighbours mostly share it
+  TraceShared::PlacedFace placed{};
   for (int i = 0; i < tile.rows(); ++i) {
+    const int row = tile.row() + i;
     for (int j = 0; j < tile.columns(); ++j) {
       const int k = i * kTileSize + j;
-      const int row = tile.row() + i, column = tile.column() + j;
+      const int column = tile.column() + j;
       const std::size_t out = std::size_t(row) * samples->width + column;
-      const Certificate certificate = CertificateOf(tile.doubt[k]);
-      samples->certificate[out] = certificate;
-      samples->doubt[out] = tile.doubt[k];
-      for (std::size_t bit = 0; tile.doubt[k] >> bit; ++bit) tally->doubts[bit] += tile.doubt[k] >> bit & 1;
-      tally->certified += certificate == Certificate::kCertified;
-      tally->converged += certificate == Certificate::kConverged;
-      tally->unresolved += certificate == Certificate::kUnresolved;
+      const std::uint8_t doubt = tile.doubt[k];
+      const Certificate certificate = CertificateOf(doubt);
+      if (doubt != 0) {
+        samples->certificate[out] = certificate;
+        samples->doubt[out] = doubt;
+        for (std::size_t bit = 0; doubt >> bit; ++bit) tally->doubts[bit] += doubt >> bit & 1;
+        tally->converged += certificate == Certificate::kConverged;
+        tally->unresolved += certificate == Certificate::kUnresolved;
+      } else {
+        ++tally->certified;
+      }
       if (tile.leaf[k] == kNoIndex) continue;
 
-      const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
-      const TraceShared::PlacedFace placed = shared.Placed(leaf.placed_face);
+      const Leaf& leaf = leaves[tile.leaf[k]];
+      if (leaf.placed_face != known_face) {
+        placed = shared.Placed(leaf.placed_face);
+        known_face = leaf.placed_face;
+      }
       std::array<float, 3> normal = tile.normal[k];
       if (normal == std::array<float, 3>{0, 0, 0}) {
         const double x = column + 0.5 - 0.5 * shared.camera.width_px,
                      y = row + 0.5 - 0.5 * shared.camera.height_px;
-        const HitGeometry geometry = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame);
-        normal = {float(geometry.normal.x), float(geometry.normal.y), float(geometry.normal.z)};
+        const Vec3 alone = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame).normal;
+        normal = {float(alone.x), float(alone.y), float(alone.z)};
       }
       const float outward = float(placed.outward);
       samples->depth[out] = tile.depth[k];

@@ -159,6 +159,9 @@ TrimAnswer TileTracer::QueryTrim(const Leaf& hit_leaf, const Root& root, double 
 }
 
 bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y, std::uint8_t* hit_doubt) {
+  // Most hits lie farther from every edge than the widest band.
+  const TrimAnswer far = QueryTrim(hit_leaf, root, 1 / kMaxBandScale);
+  if (far.certain && far.coedge == kNoIndex) return far.inside;
   const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
   const HitGeometry geometry = EvaluateHit(hit_leaf, root.s, root.t, x, y, shared_.frame);
   const TrimAnswer answer = QueryTrim(hit_leaf, root, geometry.cosine);

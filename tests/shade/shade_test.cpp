@@ -64,7 +64,7 @@ TEST(Studio, LightStaysBetweenBlackAndWhite) {
     const Vec3 view = Normalized({number() / 3, number() / 3, 1});
     if (Dot(normal, view) < 0) normal = -normal;
     const auto share = [] { return *rc::gen::inRange(0, 101) / 100.0; };
-    const Vec3 light = StudioLight(normal, view, {share(), share(), share()});
+    const Vec3 light = StudioView(view).Light(normal, {share(), share(), share()});
     for (double channel : {light.x, light.y, light.z}) RC_ASSERT(channel >= 0 && channel <= 1);
   }));
 }
@@ -72,8 +72,8 @@ TEST(Studio, LightStaysBetweenBlackAndWhite) {
 TEST(Studio, TheKeyIsAboveLeftAndWarmTheFillIsCool) {
   const Vec3 view{0, 0, 1}, white{1, 1, 1};
   const auto sum = [](Vec3 v) { return v.x + v.y + v.z; };
-  const Vec3 lit = StudioLight(Normalized({-1, 1, 1}), view, 0.5 * white);
-  const Vec3 shaded = StudioLight(Normalized({1, -1, 1}), view, 0.5 * white);
+  const Vec3 lit = StudioView(view).Light(Normalized({-1, 1, 1}), 0.5 * white);
+  const Vec3 shaded = StudioView(view).Light(Normalized({1, -1, 1}), 0.5 * white);
   EXPECT_GT(sum(lit), 1.5 * sum(shaded));
   EXPECT_GT(lit.x, lit.z);
   EXPECT_LT(shaded.x, shaded.z);
@@ -82,11 +82,11 @@ TEST(Studio, TheKeyIsAboveLeftAndWarmTheFillIsCool) {
 TEST(Studio, ShadingIsContinuous) {
   // Neighbouring normals, a tenth of a degree apart, differ by less than what an eye sees.
   const Vec3 view{0, 0, 1};
-  Vec3 last = StudioLight({-1, 0, 0}, view, {0.45, 0.45, 0.45});
+  Vec3 last = StudioView(view).Light({-1, 0, 0}, {0.45, 0.45, 0.45});
   for (int i = 1; i <= 1800; ++i) {
     const double angle = 3.14159265358979 * (1 - i / 1800.0);
     const Vec3 light =
-        StudioLight({std::cos(angle), 0, std::fabs(std::sin(angle))}, view, {0.45, 0.45, 0.45});
+        StudioView(view).Light({std::cos(angle), 0, std::fabs(std::sin(angle))}, {0.45, 0.45, 0.45});
     EXPECT_LT(std::fabs(light.y - last.y), 0.008) << i;
     last = light;
   }
