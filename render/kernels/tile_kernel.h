@@ -81,15 +81,16 @@ struct TileJob {
                     std::uint8_t doubt) = nullptr;
   void* context = nullptr;
 
-  // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is kNoIndex for a miss.
+  // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is kNoIndex for a
+  // miss, and then only depth (+inf) and doubt are set besides.
   double* depth = nullptr;
   double* error = nullptr;
   double* s = nullptr;
   double* t = nullptr;
   std::uint32_t* leaf = nullptr;
   std::uint8_t* doubt = nullptr;
-  // Unit normals along ds × dt of the leaf's parameters, and what they need; zero for a miss, and for a hit where
-  // the two are too close to parallel, or the leaf has no certificate. Null: not wanted.
+  // Of hits, unit normals along ds × dt of the leaf's parameters, and what they need; zero where the two are too close
+  // to parallel, or the leaf has no certificate. Null: not wanted.
   std::array<float, 3>* normal = nullptr;
   ViewAxes axes;
   TileCounters* counters = nullptr;

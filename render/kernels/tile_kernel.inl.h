@@ -1,6 +1,7 @@
 // The body of the tile kernel, included once by each tile_kernel_<isa>.cpp after its target is set. See
 // tile_kernel.h.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,7 @@ namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 
 namespace {
 
+constexpr std::uint32_t kNoLeaf = 0xffffffff;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A polynomial's value and first derivatives. P, Q: degrees, or −1 to take them from the leaf.
@@ -293,25 +295,47 @@ class Packet {
   explicit Packet(const TileJob& job)
       : job_(job), nearest_only_(!job.every_hit), plain_(!job.every_hit && !job.coincidences) {}
 
-  void Begin(int row, int column) {
+  // Traces the packet and writes its results; those of a packet that no leaf meets stay as they are.
+  void Run(int row, int column) {
     row_ = row;
     column_ = column;
-    valid_ = 0;
+    begun_ = false;
+    Trace();
+    if (begun_) Write();
+  }
+
+ private:
+  static constexpr double kMiss = -1;
+
+  void Begin() {
+    begun_ = true;
     doubtful_ = false;
-    for (int lane = 0; lane < kPacketLanes; ++lane) {
-      const int i = row + lane / kPacketWidth, j = column + lane % kPacketWidth;
-      const bool valid = i < job_.rows && j < job_.columns;
-      x_[lane] = job_.column + j + 0.5 - job_.half_width;
-      y_[lane] = job_.row + i + 0.5 - job_.half_height;
-      valid_ |= unsigned(valid) << lane;
-      depth_[lane] = kInfinity;
-      reach_[lane] = valid ? kInfinity : -kInfinity;
-      doubt_depth_[lane] = kInfinity;
-      s_[lane] = t_[lane] = error_[lane] = 0;
-      leaf_[lane] = kMiss;
-      doubt_[lane] = 0;
-    }
     farthest_ = kInfinity;
+    const double x = job_.column + column_ + 0.5 - job_.half_width,
+                 y = job_.row + row_ + 0.5 - job_.half_height;
+    for (int i = 0; i < kPacketHeight; ++i) {
+      for (int j = 0; j < kPacketWidth; ++j) {
+        x_[i * kPacketWidth + j] = x + j;
+        y_[i * kPacketWidth + j] = y + i;
+      }
+    }
+    for (int i = 0; i < kPacketLanes; i += kWideLanes) {
+      Store(SetWide(kInfinity), depth_ + i);
+      Store(SetWide(kInfinity), reach_ + i);
+      Store(SetWide(kInfinity), doubt_depth_ + i);
+      Store(SetWide(0), s_ + i);
+      Store(SetWide(0), t_ + i);
+      Store(SetWide(0), error_ + i);
+      Store(SetWide(kMiss), leaf_ + i);
+    }
+    std::fill_n(doubt_, kPacketLanes, std::uint8_t{0});
+    valid_ = (1u << kPacketLanes) - 1;
+    if (row_ + kPacketHeight <= job_.rows && column_ + kPacketWidth <= job_.columns) return;
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      if (row_ + lane / kPacketWidth < job_.rows && column_ + lane % kPacketWidth < job_.columns) continue;
+      valid_ &= ~(1u << lane);
+      reach_[lane] = -kInfinity;
+    }
   }
 
   void Trace() {
@@ -325,6 +349,7 @@ class Packet {
       for (std::uint64_t candidates = in_rows & in_columns; candidates; candidates &= candidates - 1) {
         const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
         const Leaf& leaf = job_.leaves[index];
+        if (!begun_) Begin();
         if (nearest_only_ && leaf.near_depth > farthest_) return;
         Meet(leaf, index);
       }
@@ -339,17 +364,13 @@ class Packet {
         job_.error[to + j] = error_[from + j];
         job_.s[to + j] = s_[from + j];
         job_.t[to + j] = t_[from + j];
-        job_.leaf[to + j] =
-            leaf_[from + j] == kMiss ? 0xffffffffu : static_cast<std::uint32_t>(leaf_[from + j]);
-        job_.doubt[to + j] =
-            doubtful_ && doubt_depth_[from + j] <= Reach(from + j) ? doubt_[from + j] : std::uint8_t{0};
+        job_.leaf[to + j] = leaf_[from + j] == kMiss ? kNoLeaf : static_cast<std::uint32_t>(leaf_[from + j]);
       }
+      for (int j = 0; doubtful_ && j < kPacketWidth; ++j)
+        if (doubt_depth_[from + j] <= Reach(from + j)) job_.doubt[to + j] = doubt_[from + j];
     }
     if (job_.normal) WriteNormals();
   }
-
- private:
-  static constexpr double kMiss = -1;
 
   int SampleOf(int lane) const {
     return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
@@ -516,8 +537,6 @@ class Packet {
   void WriteNormals() const {
     unsigned rest = 0;
     for (int i = 0; i < kPacketLanes; i += kWideLanes) rest |= Less(SetWide(kMiss), Load(leaf_ + i)) << i;
-    for (unsigned misses = ~rest & ((1ull << kPacketLanes) - 1); misses; misses &= misses - 1)
-      job_.normal[SampleOf(__builtin_ctz(misses))] = {0, 0, 0};
     while (rest) {
       // All lanes of one leaf at a time.
       const Wide one = SetWide(leaf_[__builtin_ctz(rest)]);
@@ -562,7 +581,7 @@ class Packet {
   const bool nearest_only_, plain_;
   int row_ = 0, column_ = 0;
   unsigned valid_ = 0;
-  bool doubtful_ = false;
+  bool begun_ = false, doubtful_ = false;
   double farthest_ = kInfinity;
   alignas(64) double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes],
       t_[kPacketLanes];
@@ -576,14 +595,14 @@ class Packet {
 }  // namespace
 
 void TraceTile(const TileJob& job) {
+  const std::size_t count = std::size_t(job.tile_size) * job.tile_size;
+  std::fill_n(job.depth, count, kInfinity);
+  std::fill_n(job.leaf, count, kNoLeaf);
+  std::fill_n(job.doubt, count, std::uint8_t{0});
+  if (job.words == 0) return;
   Packet packet(job);
-  for (int row = 0; row < job.rows; row += kPacketHeight) {
-    for (int column = 0; column < job.columns; column += kPacketWidth) {
-      packet.Begin(row, column);
-      packet.Trace();
-      packet.Write();
-    }
-  }
+  for (int row = 0; row < job.rows; row += kPacketHeight)
+    for (int column = 0; column < job.columns; column += kPacketWidth) packet.Run(row, column);
 }
 
 #if defined(FACETLESS_SCALAR_KERNEL)

@@ -43,6 +43,10 @@ float RoundedUp(double x) {
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   const std::vector<Leaf>& leaves = shared.view.tiles->leaves();
+  if (tile.empty()) {
+    tally->certified += std::uint64_t(tile.rows()) * tile.columns();
+    return;
+  }
   std::uint32_t known_face = kNoIndex;  // what `placed` is of: neighbours mostly share it
   TraceShared::PlacedFace placed{};
   for (int i = 0; i < tile.rows(); ++i) {

@@ -137,7 +137,7 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
                                    leaf_index, hit, hit_doubt});
     };
   }
-  kernel_(job_);
+  if (!empty()) kernel_(job_);
 }
 
 TileTracer::Root TileTracer::RootOf(const Leaf& leaf, double s, double t) {

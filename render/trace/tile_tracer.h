@@ -83,6 +83,8 @@ class TileTracer {
   int columns() const { return job_.columns; }
   int rows() const { return job_.rows; }
 
+  bool empty() const { return job_.words == 0; }  // no leaf meets it: nothing below is set
+
   static constexpr int kSamples = kTileSize * kTileSize;
   std::array<double, kSamples> depth, error, s, t;
   std::array<std::uint32_t, kSamples> leaf;
