@@ -20,17 +20,23 @@ std::vector<unsigned char> Bytes(const TraceShared& shared, TileKernel kernel, T
   TileTracer tracer(shared, kernel, /*certify=*/true);
   for (int tile = 0; tile < shared.view.tiles->tiles_x() * shared.view.tiles->tiles_y(); ++tile) {
     tracer.Trace(tile, nullptr);
-    for (int i = 0; i < tracer.rows(); ++i) {
-      const auto append = [&](const auto& array) {
-        const auto* first = reinterpret_cast<const unsigned char*>(&array[std::size_t(i) * kTileSize]);
-        bytes.insert(bytes.end(), first, first + sizeof(array[0]) * tracer.columns());
-      };
-      append(tracer.depth);
-      append(tracer.error);
-      append(tracer.s);
-      append(tracer.t);
-      append(tracer.leaf);
-      append(tracer.doubt);
+    const auto append = [&](const auto& value) {
+      const auto* first = reinterpret_cast<const unsigned char*>(&value);
+      bytes.insert(bytes.end(), first, first + sizeof(value));
+    };
+    append(tracer.empty());
+    for (int i = 0; i < tracer.rows() && !tracer.empty(); ++i) {
+      for (int j = 0; j < tracer.columns(); ++j) {
+        const int k = i * kTileSize + j;
+        append(tracer.depth[k]);
+        append(tracer.leaf[k]);
+        append(tracer.doubt[k]);
+        if (tracer.leaf[k] == kNoIndex) continue;
+        append(tracer.error[k]);
+        append(tracer.s[k]);
+        append(tracer.t[k]);
+        append(tracer.normal[k]);
+      }
     }
   }
   *counters = tracer.counters;
