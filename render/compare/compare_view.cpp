@@ -113,7 +113,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
 }
 
 // For a mesh that names no faces: those that the direct image shows at the same sample, else the one it shows most often.
-std::vector<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
+PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
   std::map<std::uint32_t, std::size_t> counts;
   for (std::uint32_t face : direct.face)
     if (face != kNoIndex) ++counts[face];
@@ -124,7 +124,7 @@ std::vector<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleB
       commonest = face;
       most = count;
     }
-  std::vector<std::uint32_t> faces = baseline.face;
+  PerSample<std::uint32_t> faces = baseline.face;
   for (std::size_t i = 0; i < faces.size(); ++i)
     if (faces[i] != kNoIndex) faces[i] = direct.face[i] != kNoIndex ? direct.face[i] : commonest;
   return faces;

@@ -12,13 +12,14 @@
 #include <span>
 #include <vector>
 
+#include "render/model/large_pages.h"
 #include "render/model/result.h"
 
 namespace facetless {
 
 struct Film {
   int width = 0, height = 0;
-  std::vector<std::array<float, 4>> pixels;  // r·a, g·a, b·a, a
+  std::vector<std::array<float, 4>, LargePages<std::array<float, 4>>> pixels;  // r·a, g·a, b·a, a
 };
 
 struct Image8 {

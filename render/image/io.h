@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "render/image/film.h"
+#include "render/model/large_pages.h"
 #include "render/model/result.h"
 #include "render/trace/samples.h"
 
@@ -25,7 +26,7 @@ Result<Image8> ReadPng(const std::string& path);
 
 struct DepthImage {
   int width = 0, height = 0;
-  std::vector<double> depth;  // mm; +inf: nothing hit
+  std::vector<double, LargePages<double>> depth;  // mm; +inf: nothing hit
 };
 Result<void> WriteDepth(const std::string& path, int width, int height, std::span<const double> depth);
 // Also reads TIFF files of float32. Numbers are returned as they are, NaN included: comparing is what

@@ -43,6 +43,19 @@ float RoundedUp(double x) {
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   const std::vector<Leaf>& leaves = shared.view.tiles->leaves();
+  // All misses first: most tiles are of one kind or the other.
+  for (int i = 0; i < tile.rows(); ++i) {
+    const std::size_t first = std::size_t(tile.row() + i) * samples->width + tile.column();
+    std::fill_n(samples->depth.begin() + first, tile.columns(), INFINITY);
+    std::fill_n(samples->normal.begin() + first, tile.columns(), std::array<float, 3>{0, 0, 0});
+    std::fill_n(samples->face.begin() + first, tile.columns(), kNoIndex);
+    std::fill_n(samples->certificate.begin() + first, tile.columns(), Certificate::kCertified);
+    std::fill_n(samples->doubt.begin() + first, tile.columns(), std::uint8_t{0});
+    if (!samples->depth_error.empty())
+      std::fill_n(samples->depth_error.begin() + first, tile.columns(), 0.0f);
+    if (!samples->uv.empty())
+      std::fill_n(samples->uv.begin() + first, tile.columns(), std::array<double, 2>{0, 0});
+  }
   if (tile.empty()) {
     tally->certified += std::uint64_t(tile.rows()) * tile.columns();
     return;
@@ -122,11 +135,11 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   // Trace tile by tile.
   const Clock::time_point traced = Clock::now();
   SampleBuffer& samples = result.samples;
-  samples.Resize(camera.width_px, camera.height_px);
-  samples.certificate.assign(samples.size(), Certificate::kCertified);
-  samples.doubt.assign(samples.size(), 0);
-  if (options.depth_error) samples.depth_error.assign(samples.size(), 0);
-  if (options.uv) samples.uv.assign(samples.size(), {0, 0});
+  samples.Allocate(camera.width_px, camera.height_px);
+  samples.certificate.resize(samples.size());
+  samples.doubt.resize(samples.size());
+  if (options.depth_error) samples.depth_error.resize(samples.size());
+  if (options.uv) samples.uv.resize(samples.size());
   PerThread<TileTracer> tracers([&] { return TileTracer(shared, kernel, certify); });
   PerThread<Tally> tallies;
   ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/model/large_pages.h"
 #include "render/model/model.h"
 #include "render/model/vec.h"
 
@@ -18,21 +19,26 @@ enum class Certificate : std::uint8_t {
   kUnresolved,  // neither
 };
 
+// One entry per sample.
+template <typename T>
+using PerSample = std::vector<T, LargePages<T>>;
+
 struct SampleBuffer {
   int width = 0, height = 0;
-  std::vector<double> depth;  // mm from the eye plane; +inf: nothing hit
-  std::vector<std::array<float, 3>>
+  PerSample<double> depth;  // mm from the eye plane; +inf: nothing hit
+  PerSample<std::array<float, 3>>
       normal;  // unit, outward by the face's orientation (not flipped to the viewer); 0 where nothing is hit
-  std::vector<std::uint32_t> face;  // placed-face id; kNoIndex where nothing is hit
-  std::vector<std::array<double, 2>>
+  PerSample<std::uint32_t> face;  // placed-face id; kNoIndex where nothing is hit
+  PerSample<std::array<double, 2>>
       uv;  // native surface parameters; empty if the tracer has none or nobody asked
-  std::vector<Certificate> certificate;  // empty for the baseline
-  std::vector<std::uint8_t> doubt;  // bits of Doubt, why a sample is not certified; empty for the baseline
+  PerSample<Certificate> certificate;  // empty for the baseline
+  PerSample<std::uint8_t> doubt;       // bits of Doubt, why a sample is not certified; empty for the baseline
   // Bound of the depth's error, mm, against the exact surface; 0 where nothing is hit, +inf where there is no
   // bound. Holds for certified samples. Empty unless asked for.
-  std::vector<float> depth_error;
+  PerSample<float> depth_error;
 
-  void Resize(int w, int h);  // depth, normal and face; filled with the values of a miss
+  void Resize(int w, int h);    // depth, normal and face; filled with the values of a miss
+  void Allocate(int w, int h);  // the same, not filled
   std::size_t size() const { return depth.size(); }
 };
 
