@@ -18,6 +18,12 @@ constexpr char kHelp[] =
     "0.001)\n"
     "    --deflection-mm MM   the same in millimetres\n"
     "    --angular DEG        turn of the normal from facet to facet (default 20)\n"
+    "  --rays IN --depths OUT\n"
+    "                       also ask OpenCASCADE's exact intersector: six doubles for each ray in (origin, "
+    "direction),\n"
+    "                       one out (depth in directions, infinite for a miss)\n"
+    "    --rays-seconds S     answer as many as S seconds allow (default 10)\n"
+    "    --rays-near D        only hits at a depth of at least D count\n"
     "  --deadline-s N       give up after N seconds\n"
     "\n"
     "Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.\n";
@@ -53,15 +59,23 @@ Result<CommandLine> ParseCommandLine(int argc, const char* const* argv) {
     const std::string value = argv[++i];
     if (option == "--model") {
       line.model = value;
+    } else if (option == "--rays") {
+      line.rays = value;
+    } else if (option == "--depths") {
+      line.depths = value;
     } else if (option == "--mesh") {
       line.meshes.push_back({});
       line.meshes.back().path = value;
     } else if (option == "--deflection" || option == "--deflection-mm" || option == "--angular" ||
-               option == "--deadline-s") {
+               option == "--deadline-s" || option == "--rays-seconds" || option == "--rays-near") {
       const double number = PositiveNumber(value);
       if (number == 0) return Usage(option + " needs a number above 0, not \"" + value + "\".");
       if (option == "--deadline-s") {
         line.deadline_s = static_cast<unsigned>(std::ceil(std::fmin(number, 1e9)));
+        continue;
+      }
+      if (option.starts_with("--rays-")) {
+        (option == "--rays-near" ? line.rays_near : line.rays_seconds) = number;
         continue;
       }
       if (line.meshes.empty()) return Usage(option + " must follow the --mesh that it belongs to.");
@@ -75,6 +89,7 @@ Result<CommandLine> ParseCommandLine(int argc, const char* const* argv) {
   }
   if (line.input.empty()) return Usage("There is no input file.");
   if (line.model.empty()) return Usage("--model OUT.flm is missing.");
+  if (line.rays.empty() != line.depths.empty()) return Usage("--rays and --depths go together.");
   return line;
 }
 

@@ -21,6 +21,10 @@ struct CommandLine {
   std::string input, model;
   std::vector<MeshRequest> meshes;
   unsigned deadline_s = 0;  // 0: none
+  // Rays for OpenCASCADE's exact intersector (exact_intersector.h); none if `rays` is empty.
+  std::string rays, depths;
+  double rays_seconds = 10;
+  double rays_near = 0;  // 0: hits may lie anywhere on the line
 };
 
 // Error: kBadUsage, with the option that is wrong.

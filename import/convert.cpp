@@ -1,5 +1,7 @@
 #include "import/convert.h"
 
+#include <TopLoc_Location.hxx>
+#include <TopoDS.hxx>
 #include <cmath>
 
 #include "import/bounds.h"
@@ -77,11 +79,25 @@ Result<Conversion> Convert(CadDocument document, const Progress& progress) {
     });
   }
   AddInstances(document, model);
+  for (const Occurrence& occurrence : document.occurrences) result.placements.push_back(occurrence.placement);
   model.info.faces_imported = model.faces.size();
   if (model.PlacedFaceCount() == 0) return NothingUsable(model.info);
   FindLargestGap(model);
   model.bounds = PlacedBounds(model);
   return result;
+}
+
+std::vector<TopoDS_Face> PlacedFaces(const Conversion& conversion) {
+  std::vector<TopoDS_Face> faces;
+  faces.reserve(conversion.model.PlacedFaceCount());
+  for (std::size_t i = 0; i < conversion.model.instances.size(); ++i) {
+    const TopLoc_Location location(conversion.placements[i]);
+    const Range range = conversion.model.parts[conversion.model.instances[i].part].faces;
+    // Placements of files may scale or mirror, which a location must be told to allow.
+    for (std::uint32_t face = range.first; face < range.end(); ++face)
+      faces.push_back(TopoDS::Face(conversion.faces[face].Moved(location, false)));
+  }
+  return faces;
 }
 
 }  // namespace facetless

@@ -3,6 +3,7 @@
 
 #include <TopoDS_Face.hxx>
 #include <functional>
+#include <gp_Trsf.hxx>
 #include <vector>
 
 #include "import/document.h"
@@ -13,7 +14,8 @@ namespace facetless {
 
 struct Conversion {
   Model model;
-  std::vector<TopoDS_Face> faces;  // the shape of each of model.faces, placed within its part
+  std::vector<TopoDS_Face> faces;   // the shape of each of model.faces, placed within its part
+  std::vector<gp_Trsf> placements;  // of each of model.instances
 };
 
 // Called with the share of prototypes' faces done, 0 … 1.
@@ -22,5 +24,8 @@ using Progress = std::function<void(double)>;
 // Faces that cannot be converted are listed in info.faces_lost; loops and edges that are missing in loops_lost and
 // edges_lost. Error: kNothingUsable (no face is left).
 Result<Conversion> Convert(CadDocument document, const Progress& progress);
+
+// The shapes of all placed faces, by placed-face id. They share their geometry.
+std::vector<TopoDS_Face> PlacedFaces(const Conversion& conversion);
 
 }  // namespace facetless

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,6 +25,7 @@
 
 #include "import/command_line.h"
 #include "import/convert.h"
+#include "import/exact_intersector.h"
 #include "import/mesh_file.h"
 #include "import/readers.h"
 #include "import/source_file.h"
@@ -209,6 +211,16 @@ int Import(const CommandLine& options, const Answer& answer) {
     model.info.mesh_ms += mesh.value().mesh_ms;
     meshes.push_back(std::move(mesh.value()));
   }
+  // Ask the exact intersector.
+  nlohmann::json exact;
+  if (!options.rays.empty()) {
+    Stages::Report("intersect", 0);
+    const double near = options.rays_near > 0 ? options.rays_near : -std::numeric_limits<double>::infinity();
+    const Result<ExactTiming> timing = TimeExactIntersector(PlacedFaces(conversion.value()), options.rays,
+                                                            options.depths, near, options.rays_seconds);
+    if (!timing.ok()) return Fail(timing.error(), answer);
+    exact = {{"rays", timing.value().rays}, {"trace_ms", timing.value().trace_ms}};
+  }
   // Write the model last: it carries the times and the memory of everything before.
   model.info.read_ms = Stages::read_ms;
   model.info.transfer_ms = Stages::transfer_ms;
@@ -216,7 +228,9 @@ int Import(const CommandLine& options, const Answer& answer) {
   model.info.peak_bytes = PeakBytes();
   if (Result<void> written = WriteModel(model, options.model); !written.ok())
     return Fail(written.error(), answer);
-  answer.Write(Summary(model, meshes, options.meshes));
+  nlohmann::json summary = Summary(model, meshes, options.meshes);
+  if (!exact.is_null()) summary["exact"] = std::move(exact);
+  answer.Write(summary);
   return kExitDone;
 }
 

@@ -23,6 +23,7 @@ constexpr const char* kFooter = R"(Examples:
   facetless compare part.step --out report             exact image, tessellation, difference; open report/report.html
   facetless compare part.step --out r --mesh web.glb   is this mesh good enough?
   facetless trade part.step --out trade                what does accuracy cost, on the mesh and direct?
+  facetless bench part.step                            how fast is it here?
   facetless serve                                      the same in a browser
 
 Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost; 2 failed under --strict or a --fail-* threshold;
@@ -56,6 +57,14 @@ constexpr const char* kTradeFooter = R"(Examples:
 Both tracers are measured at many accuracies: time, memory, and error against the certified exact image. --out receives
 report.json, report.html, the plots trade-time and trade-memory (.svg, .png) and NAME.direct.png; standard output gets the path of
 report.json, standard error a table and the answers. docs/trade.md says how it is measured.)";
+
+constexpr const char* kBenchFooter = R"(Examples:
+  facetless bench part.step other.igs                    the aims, what was measured, and each file
+  facetless bench parts/*.step --json bench.json --plot bench.svg --markdown
+  facetless bench --published                            the papers' tables, on this machine
+  facetless bench --published part.step                  and acceleration structures over this file's leaves
+
+Both sides take turns on an otherwise idle machine, and medians count. docs/performance.md has results and what they mean.)";
 
 constexpr const char* kMeshFooter = R"(Examples:
   facetless mesh part.step --out part.glb
@@ -179,6 +188,25 @@ void AddTradeOptions(CLI::App* app, OptionCollector& options) {
                "What stands for a point's error: mean, p95, p99 (default) or max of the deviation", "NAME");
 }
 
+void AddBenchOptions(CLI::App* command, CommandArguments& arguments) {
+  BenchSettings& bench = arguments.bench;
+  command->add_option("FILE", arguments.files, "STEP, IGES, BREP or model files");
+  command
+      ->add_option("--repeats", bench.repeats, "Runs of each measurement after a warm-up; the median counts")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--time-limit", bench.time_limit_s, "Seconds of one mesh; it counts at the limit")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--json", arguments.json_out, "Also write everything that was measured")
+      ->type_name("FILE");
+  command->add_option("--plot", arguments.plot_out, "Also draw the rows")->type_name("FILE.svg");
+  command->add_flag("--markdown", bench.markdown, "Print the tables as Markdown");
+  command->add_flag("--published", bench.published, "Measure the tables of the papers instead");
+}
+
 void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments& arguments) {
   options.Number(app, "import-timeout", "Seconds that the import may take (default 300)", "S");
   options.Number(app, "import-memory", "Megabytes of address space that the import may use (default 8192)",
@@ -263,6 +291,8 @@ int RunCommandLine(int argc, char** argv) {
                      kCompareFooter, arguments);
   CLI::App* trade = AddFileCommand(app, "trade", "Measure speed against accuracy, of both tracers",
                                    kTradeFooter, arguments);
+  CLI::App* bench = app.add_subcommand("bench", "Measure the performance tables, on files or as published");
+  bench->footer(kBenchFooter);
   CLI::App* regress = app.add_subcommand("regress", "Compare renderings with reference images, for CI");
   regress->footer(kRegressFooter);
   regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
@@ -281,6 +311,8 @@ int RunCommandLine(int argc, char** argv) {
       ->type_name("DIR");
   AddCameraOptions(trade, options);
   AddTradeOptions(trade, options);
+  AddCameraOptions(bench, options);
+  AddBenchOptions(bench, arguments);
   mesh->add_option("--out", arguments.out, "The glTF file to write")->required()->type_name("FILE.glb");
   options.Text(compare, "mesh", "glTF binary or STL file to compare with, instead of our own tessellation",
                "FILE");
@@ -297,7 +329,7 @@ int RunCommandLine(int argc, char** argv) {
   regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
   regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
   options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
-  for (CLI::App* command : {inspect, render, mesh, compare, trade, regress})
+  for (CLI::App* command : {inspect, render, mesh, compare, trade, bench, regress})
     AddImportOptions(command, options, arguments);
   AddServeOptions(serve_command, serve);
 
@@ -313,6 +345,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {mesh, &MeshCommand},
                                      {compare, &CompareCommand},
                                      {trade, &TradeCommand},
+                                     {bench, &BenchCommand},
                                      {regress, &RegressCommand}}) {
     if (*command) return Dispatch(run, arguments, options);
   }

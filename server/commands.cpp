@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
@@ -125,6 +126,26 @@ int TradeCommand(const CommandArguments& arguments) {
   std::fputs(text.c_str(), stderr);
   Print((std::filesystem::path(arguments.out) / "report.json").string());
   return exit_code;
+}
+
+int BenchCommand(const CommandArguments& arguments) {
+  BenchReport report;
+  {
+    Progress progress(arguments.progress);
+    ImportRequest request = ToImportRequest(arguments, progress);
+    request.progress = nullptr;
+    auto measured =
+        RunBench(arguments.files, request, arguments.options, arguments.bench, ToContext(progress));
+    if (!measured) return PrintError(measured.error());
+    report = std::move(measured).value();
+  }
+  for (const auto& [path, text] : {std::pair{arguments.json_out, JsonText(report.json) + "\n"},
+                                   std::pair{arguments.plot_out, report.plot}}) {
+    if (path.empty()) continue;
+    if (auto written = WriteFileAtomically(path, text); !written) return PrintError(written.error());
+  }
+  std::fputs(report.text.c_str(), stdout);
+  return kExitDone;
 }
 
 int RegressCommand(const CommandArguments& arguments) {

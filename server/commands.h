@@ -3,8 +3,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "render/model/result.h"
+#include "server/bench.h"
 #include "server/options.h"
 
 namespace facetless {
@@ -14,6 +16,10 @@ struct CommandArguments {
   std::string out;        // --out
   bool progress = false;  // --progress
   bool update = false;    // regress --update
+  // bench
+  std::vector<std::string> files;
+  std::string json_out, plot_out;  // --json, --plot; empty: none
+  BenchSettings bench;
   RunOptions options;
 };
 
@@ -22,6 +28,7 @@ int RenderCommand(const CommandArguments& arguments);
 int MeshCommand(const CommandArguments& arguments);
 int CompareCommand(const CommandArguments& arguments);
 int TradeCommand(const CommandArguments& arguments);
+int BenchCommand(const CommandArguments& arguments);
 int RegressCommand(const CommandArguments& arguments);
 
 // Prints the sentence to standard error and returns the exit code.

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "server/child_process.h"
+#include "server/files.h"
 #include "server/sandbox.h"
 
 namespace facetless {
@@ -146,6 +147,15 @@ std::string LastLine(const std::string& text) {
   return last;
 }
 
+// What the importer wrote for at most `count` rays.
+Result<std::vector<double>> ReadDepths(const std::string& path, std::size_t count) {
+  auto bytes = ReadFile(path, count * sizeof(double));
+  if (!bytes) return bytes.error();
+  std::vector<double> depths(bytes.value().size() / sizeof(double));
+  std::memcpy(depths.data(), bytes.value().data(), depths.size() * sizeof(double));
+  return depths;
+}
+
 }  // namespace
 
 ErrorCode ErrorCodeFromName(const std::string& name) {
@@ -178,6 +188,19 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
         child.arguments.end(),
         {"--mesh", files.mesh_paths.back(), absolute ? "--deflection-mm" : "--deflection",
          Number(absolute ? mesh.deflection_mm : mesh.deflection), "--angular", Number(mesh.angular_deg)});
+  }
+
+  const std::string depths_path = files.directory.File("depths.bin");
+  if (!request.exact.rays.empty()) {
+    const ExactRays& exact = request.exact;
+    const std::string rays_path = files.directory.File("rays.bin");
+    if (auto written = WriteFileAtomically(rays_path, {reinterpret_cast<const char*>(exact.rays.data()),
+                                                       exact.rays.size() * sizeof exact.rays[0]});
+        !written)
+      return written.error();
+    child.arguments.insert(child.arguments.end(), {"--rays", rays_path, "--depths", depths_path,
+                                                   "--rays-seconds", Number(exact.seconds)});
+    if (exact.near > 0) child.arguments.insert(child.arguments.end(), {"--rays-near", Number(exact.near)});
   }
 
   // The limits. Processor time is that of all cores together, so that the wall clock is what a user meets.
@@ -215,6 +238,11 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
     return Error{ErrorCode::kImporterCrashed, name + ": the importer gave up with exit code " +
                                                   std::to_string(outcome.exit_code) +
                                                   LastLine(outcome.error_tail)};
+  if (!request.exact.rays.empty()) {
+    auto depths = ReadDepths(depths_path, request.exact.rays.size());
+    if (!depths) return depths.error();
+    files.exact_depths = std::move(depths).value();
+  }
   return files;
 }
 

@@ -9,6 +9,7 @@
 //     another one.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -34,13 +35,21 @@ struct ImportLimits {
   std::uint64_t file_mb = 4096;    // of each file that it writes
 };
 
+// Rays for OpenCASCADE's exact intersector, which only the importer's process knows.
+struct ExactRays {
+  std::vector<std::array<double, 6>> rays;  // origin, direction
+  double near = 0;                          // above 0: only hits at a depth of at least this count
+  double seconds = 10;                      // answer as many as this allows
+};
+
 struct ImportRequest {
   std::string input;
   std::vector<TessellationOptions> meshes;  // one file each; none: the model only
+  ExactRays exact;                          // without rays: nothing is asked
   ImportLimits limits;
   std::string temp_parent;  // where the files go; empty: $TMPDIR or /tmp
   const std::atomic<bool>* cancel = nullptr;
-  // `stage` is read, transfer, convert or mesh; fraction 0 … 1. Called on the caller's thread.
+  // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
 };
 
@@ -49,6 +58,7 @@ struct ImportedFiles {
   std::string model_path;
   std::vector<std::string> mesh_paths;  // in the order of ImportRequest::meshes
   nlohmann::json summary;               // the importer's own answer
+  std::vector<double> exact_depths;     // of the first of ImportRequest::exact's rays; infinite for a miss
   double wall_ms = 0;
   std::uint64_t peak_bytes = 0;
   std::uint64_t peak_address_bytes = 0;  // what ImportLimits::memory_mb limits

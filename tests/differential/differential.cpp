@@ -152,7 +152,7 @@ Result<ViewComparison> CompareView(ComparedFile& file, const Scene& scene, const
                              static_cast<std::size_t>(column);
       const Ray ray = PixelRay(frame, column + 0.5, row + 0.5);
       begin = std::chrono::steady_clock::now();
-      const ReferenceHit hit = file.reference.Nearest(frame, ray, near);
+      const ReferenceHit hit = file.reference.Nearest(ray, near);
       view.reference_ms += MillisecondsSince(begin);
       const double ours = samples.depth[at];
       const bool ours_hit = samples.face[at] != kNoIndex;

@@ -2,14 +2,11 @@
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepBndLib.hxx>
 #include <BRepClass_FaceClassifier.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
 #include <ElCLib.hxx>
 #include <IGESControl_Reader.hxx>
-#include <IntCurvesFace_Intersector.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Precision.hxx>
@@ -23,10 +20,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <gp_Lin.hxx>
 #include <gp_Pln.hxx>
 #include <unordered_set>
 #include <utility>
+
+#include "import/exact_intersector.h"
 
 namespace facetless {
 namespace {
@@ -35,46 +33,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct ReferenceFace {
   TopoDS_Face face;
-  Box3 box;
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
-  // Made when first needed.
-  std::unique_ptr<IntCurvesFace_Intersector> intersector;
-  Handle(ShapeAnalysis_Surface) surface;
+  Handle(ShapeAnalysis_Surface) surface;  // made when first needed
 };
-
-// The depths between which the ray is inside the box; first > second: nowhere.
-std::pair<double, double> DepthsInside(const Box3& box, const Ray& ray) {
-  const double origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
-  const double direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  const double low[3] = {box.low.x, box.low.y, box.low.z};
-  const double high[3] = {box.high.x, box.high.y, box.high.z};
-  double enter = -kInfinity, leave = kInfinity;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0) {
-      if (origin[axis] < low[axis] || origin[axis] > high[axis]) return {kInfinity, -kInfinity};
-      continue;
-    }
-    const double a = (low[axis] - origin[axis]) / direction[axis];
-    const double b = (high[axis] - origin[axis]) / direction[axis];
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  }
-  return {enter, leave};
-}
-
-// OpenCASCADE's box of the face, widened by a hundredth of its diagonal: the box selects, it must not decide.
-Box3 FaceBox(const TopoDS_Face& face) {
-  Bnd_Box bound;
-  BRepBndLib::Add(face, bound, false);
-  Box3 box;
-  if (bound.IsVoid()) return box;
-  double x0, y0, z0, x1, y1, z1;
-  bound.Get(x0, y0, z0, x1, y1, z1);
-  const double slack = 0.01 * std::hypot(x1 - x0, y1 - y0, z1 - z0);
-  box.Add({x0 - slack, y0 - slack, z0 - slack});
-  box.Add({x1 + slack, y1 + slack, z1 + slack});
-  return box;
-}
 
 TopoDS_Shape ReadWith(XSControl_Reader& reader, const std::string& path) {
   try {
@@ -226,7 +187,7 @@ double IntoRange(double t, double low, double high, bool periodic, double period
 
 struct ExactReference::Data {
   std::vector<ReferenceFace> faces;
-  std::vector<std::pair<double, int>> queue;  // of one ray: depth at which it enters the box, face
+  std::unique_ptr<ExactIntersector> intersector;  // of the same faces
 
   Judgement JudgeFace(int index, const Ray& ray, double depth, double tolerance_mm);
 };
@@ -246,11 +207,12 @@ Result<ExactReference> ExactReference::Load(const std::string& path, bool one_pl
     if (one_placement && !known.insert(faces.Current().TShape().get()).second) continue;
     ReferenceFace face;
     face.face = TopoDS::Face(faces.Current());
-    face.box = FaceBox(face.face);
-    if (face.box.empty()) continue;
     BRepTools::UVBounds(face.face, face.u_low, face.u_high, face.v_low, face.v_high);
     data->faces.push_back(std::move(face));
   }
+  std::vector<TopoDS_Face> shapes;
+  for (const ReferenceFace& face : data->faces) shapes.push_back(face.face);
+  data->intersector = std::make_unique<ExactIntersector>(shapes);
   if (data->faces.empty()) return Error{ErrorCode::kNothingUsable, path + " has no faces."};
   return ExactReference(std::move(data));
 }
@@ -286,37 +248,9 @@ std::string ExactReference::SurfaceName(int face) const {
   }
 }
 
-ReferenceHit ExactReference::Nearest(const CameraFrame& frame, const Ray& ray, double near) {
-  // Queue the faces whose boxes the ray meets.
-  data_->queue.clear();
-  for (std::size_t i = 0; i < data_->faces.size(); ++i) {
-    const auto [enter, leave] = DepthsInside(data_->faces[i].box, ray);
-    if (enter <= leave && leave >= near) data_->queue.emplace_back(enter, static_cast<int>(i));
-  }
-  std::sort(data_->queue.begin(), data_->queue.end());
-  // Ask each, until the next box begins behind the hit. The line's parameter is a length; depth is its share along the axis.
-  const double length = Length(ray.direction);
-  const gp_Lin line(ToPoint(ray.origin), gp_Dir(ray.direction.x, ray.direction.y, ray.direction.z));
-  const double from = frame.projection == Projection::kOrthographic ? -RealLast() : near * length;
-  ReferenceHit best;
-  for (const auto& [enter, index] : data_->queue) {
-    if (enter > best.depth) break;
-    ReferenceFace& face = data_->faces[static_cast<std::size_t>(index)];
-    try {
-      OCC_CATCH_SIGNALS
-      if (!face.intersector)
-        face.intersector = std::make_unique<IntCurvesFace_Intersector>(face.face, Precision::Confusion());
-      face.intersector->Perform(line, from, RealLast());
-      if (!face.intersector->IsDone()) continue;
-      for (int i = 1; i <= face.intersector->NbPnt(); ++i) {
-        const double depth = face.intersector->WParameter(i) / length;
-        if (depth >= near && depth < best.depth) best.depth = depth, best.face = index;
-      }
-    } catch (const Standard_Failure&) {
-      best.failed = true;
-    }
-  }
-  return best;
+ReferenceHit ExactReference::Nearest(const Ray& ray, double near) {
+  const ExactHit hit = data_->intersector->Nearest(ray.origin, ray.direction, near);
+  return {hit.depth, hit.face, hit.failed};
 }
 
 Judgement ExactReference::Data::JudgeFace(int index, const Ray& ray, double depth, double tolerance_mm) {
@@ -361,9 +295,9 @@ Judgement ExactReference::Judge(const Ray& ray, double depth, double tolerance_m
   const Vec3 point = ray.origin + depth * ray.direction;
   Judgement best;
   for (std::size_t i = 0; i < data_->faces.size(); ++i) {
-    const Box3& box = data_->faces[i].box;
-    if (point.x < box.low.x || point.x > box.high.x || point.y < box.low.y || point.y > box.high.y ||
-        point.z < box.low.z || point.z > box.high.z)
+    const Box3& box = data_->intersector->box(static_cast<int>(i));
+    if (box.empty() || point.x < box.low.x || point.x > box.high.x || point.y < box.low.y ||
+        point.y > box.high.y || point.z < box.low.z || point.z > box.high.z)
       continue;
     const Judgement judgement = data_->JudgeFace(static_cast<int>(i), ray, depth, tolerance_mm);
     if (judgement.standing < best.standing ||

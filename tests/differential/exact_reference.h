@@ -1,8 +1,7 @@
 // OpenCASCADE's own answer to a ray: the second opinion that the direct renderer is compared with.
 //
 //  1. The shape is read by OpenCASCADE's plain readers, in mm, with nothing of import/ in between. Faces keep the order of its explorer.
-//  2. Nearest() asks IntCurvesFace_Intersector of every face whose box the ray meets, nearest box first. It is neither
-//     checked nor repaired: what it loses is lost.
+//  2. Nearest() is that of import/exact_intersector.h. It is neither checked nor repaired: what it loses is lost.
 //  3. Judge() decides who is right, by other means than both tracers: a point is projected onto the face's surface, the
 //     foot is classified against the face's p-curves, and the ray's distance to the face's 3D edges is measured.
 //  4. Not for several threads at once: OpenCASCADE's intersectors keep state.
@@ -58,8 +57,8 @@ class ExactReference {
   // The kind of the face's surface, for tables: "plane", "cylinder", "B-spline", …
   std::string SurfaceName(int face) const;
 
-  // The hit nearest to the eye, not nearer than `near` (depths as in camera.h).
-  ReferenceHit Nearest(const CameraFrame& frame, const Ray& ray, double near);
+  // The hit nearest to the eye, not nearer than `near` (depths as in camera.h), which may be −infinity.
+  ReferenceHit Nearest(const Ray& ray, double near);
 
   // How the point at `depth` on `ray` stands to the faces near it; `tolerance_mm` is what counts as on the surface.
   Judgement Judge(const Ray& ray, double depth, double tolerance_mm);

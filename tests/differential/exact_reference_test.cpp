@@ -44,11 +44,11 @@ class Cone : public ::testing::Test {
 };
 
 TEST_F(Cone, NearestIsTheClosedForm) {
-  const ReferenceHit hit = cone_->Nearest(Orthographic(), Down(3, 4), -INFINITY);
+  const ReferenceHit hit = cone_->Nearest(Down(3, 4), -INFINITY);
   ASSERT_TRUE(hit.hit());
   EXPECT_NEAR(hit.depth, 100 - 10, 1e-9);  // z = 20 − 2·5
   EXPECT_EQ(cone_->SurfaceName(hit.face), "cone");
-  EXPECT_FALSE(cone_->Nearest(Orthographic(), Down(9, 9), -INFINITY).hit());
+  EXPECT_FALSE(cone_->Nearest(Down(9, 9), -INFINITY).hit());
 }
 
 TEST_F(Cone, NothingBeforeTheEyeIsHit) {

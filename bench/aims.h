@@ -1,0 +1,70 @@
+// The aims of the performance table, and what was measured against them.
+//
+//  1. A value compares the direct renderer with something else, on one file and view, at one number of threads. Its `ratio` is how
+//     many times better the direct renderer is, except where an aim is an upper bound (memory, the next view, growth): there it is
+//     the direct renderer's share.
+//  2. A row is met if the geometric mean over its values meets the aim for the mean, and every value the aim for each.
+//  3. A competitor that did not finish counts at the limit; the value says so.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/table.h"
+
+namespace facetless {
+
+enum class AimKind : std::uint8_t { kAtLeast, kAtMost };
+
+struct Aim {
+  const char* id;       // "first_image_default_mesh"
+  const char* number;   // of the row: "1", "4 fast"
+  const char* what;     // "first exact image"
+  const char* against;  // "default mesh (1e-3): meshing, tree, trace, shade"
+  const char* text;     // "2× on average, never below 0.67×"
+  AimKind kind;
+  std::optional<double> mean, each;
+};
+
+// All rows, in the order of the table.
+const std::vector<Aim>& Aims();
+// Requires an id of Aims().
+const Aim& AimOf(const std::string& id);
+
+enum class ValueUnit : std::uint8_t { kMilliseconds, kRaysPerSecond, kBytes, kNone };
+
+struct BenchValue {
+  std::string aim;  // Aim::id
+  std::string file, view;
+  int threads = 1;
+  double direct = 0, other = 0;  // medians
+  double ratio = 0;
+  ValueUnit unit = ValueUnit::kMilliseconds;
+  int repetitions = 1;
+  bool at_limit = false;  // the other side was stopped at the time limit
+  std::string skipped;    // instead of numbers: why there are none
+};
+
+struct AimSummary {
+  const Aim* aim = nullptr;
+  int threads = 1;
+  int values = 0;
+  double mean = 0, worst = 0;
+  std::string worst_file;
+  bool met = false;
+};
+
+// One summary for each aim and number of threads that has values.
+std::vector<AimSummary> Summarise(const std::vector<BenchValue>& values);
+
+// The rows with their aims; and every value of every file.
+Table AimTable(const std::vector<BenchValue>& values);
+Table ValueTable(const std::vector<BenchValue>& values);
+
+nlohmann::json ValueJson(const BenchValue& value);
+nlohmann::json SummaryJson(const AimSummary& summary);
+
+}  // namespace facetless

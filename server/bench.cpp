@@ -1,0 +1,197 @@
+#include "server/bench.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "bench/aims.h"
+#include "bench/model_bench.h"
+#include "render/baseline/mesh_file.h"
+#include "render/compare/quantity_text.h"
+#include "render/model/model_file.h"
+#include "server/interrupt.h"
+#include "server/version.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+// "Intel(R) Xeon(R) Processor", from the system; empty if it does not tell.
+std::string ProcessorName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t begin = line.find(": ");
+    return begin == std::string::npos ? "" : line.substr(begin + 2);
+  }
+  return "";
+}
+
+Json MachineJson() {
+  double load = 0;
+  if (getloadavg(&load, 1) != 1) load = 0;
+  return {{"processor", ProcessorName()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"load_at_start", load}};
+}
+
+// The importer's process for one file.
+class FileImporter {
+ public:
+  FileImporter(const ImportRequest& request, const Model& model, const BenchSettings& settings)
+      : request_(request), model_(model), settings_(settings) {}
+
+  Result<BenchMesh> Tessellate(double deflection) {
+    // A mesher that has just started waits for its memory: where it is quick, the second of two meshes counts.
+    constexpr double kQuickMeshMs = 200;
+    double& last_ms = last_mesh_ms_[deflection];
+    ImportRequest request = request_;
+    request.meshes.assign(last_ms > 0 && last_ms < kQuickMeshMs ? 2 : 1, {.deflection = deflection});
+    // The limit is of meshing, whatever reading takes.
+    Deadline limit(0, request_.cancel);
+    bool meshing = false;
+    request.cancel = limit.flag();
+    request.progress = [&](const std::string& stage, double) {
+      if (stage != "mesh" || meshing) return;
+      meshing = true;
+      limit.Start(settings_.time_limit_s * static_cast<double>(request.meshes.size()));
+    };
+    request.limits.timeout_s += settings_.time_limit_s * static_cast<double>(request.meshes.size());
+    auto files = RunImporter(request);
+    BenchMesh made;
+    if (!files) {
+      const bool out_of_memory = meshing && files.error().code == ErrorCode::kLimitExceeded;
+      if (!limit.expired() && !out_of_memory) return files.error();
+      made.mesh_ms = 1000 * settings_.time_limit_s;
+      made.stopped = limit.expired()
+                         ? "meshing takes longer than " + NumberText(settings_.time_limit_s) + " s"
+                         : "meshing needs more memory than --import-memory allows";
+      return made;
+    }
+    auto mesh = LoadMesh(files.value().mesh_paths.back(), {}, &model_);
+    if (!mesh) return mesh.error();
+    made.mesh = std::make_shared<const Mesh>(std::move(mesh).value());
+    const Json& report = files.value().summary.at("meshes").back();
+    made.mesh_ms = last_ms = report.at("mesh_ms");
+    made.mesher_peak_bytes = report.value("peak_bytes", std::uint64_t{0});
+    made.import_ms = files.value().wall_ms;
+    return made;
+  }
+
+  Result<ExactAnswers> Intersect(const std::vector<Ray>& rays, double near) {
+    ImportRequest request = request_;
+    request.exact.near = near;
+    request.exact.seconds = settings_.exact_s;
+    for (const Ray& ray : rays)
+      request.exact.rays.push_back(
+          {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z});
+    request.limits.timeout_s += settings_.exact_s;
+    auto files = RunImporter(request);
+    if (!files) return files.error();
+    return ExactAnswers{std::move(files.value().exact_depths),
+                        files.value().summary.at("exact").at("trace_ms")};
+  }
+
+ private:
+  const ImportRequest request_;
+  const Model& model_;
+  const BenchSettings& settings_;
+  std::map<double, double> last_mesh_ms_;  // by deflection
+};
+
+class Bench {
+ public:
+  Bench(const ImportRequest& request, const RunOptions& options, const BenchSettings& settings,
+        const RunContext& context)
+      : request_(request), options_(options), settings_(settings), context_(context) {
+    json_ = {{"facetless", ProgramJson(options.threads)},
+             {"command", "bench"},
+             {"machine", MachineJson()},
+             {"files", Json::array()}};
+  }
+
+  Result<void> MeasureFile(const std::string& path) {
+    Step(std::filesystem::path(path).filename().string());
+    ImportRequest request = request_;
+    request.input = path;
+    // A model file, or what the importer makes of a CAD file.
+    Result<Model> read = ReadModel(path);
+    const bool imported = !read;
+    ImportedModel from_file;
+    if (imported) {
+      auto import = Import(request);
+      if (!import) return import.error();
+      from_file = std::move(import).value();
+    } else {
+      from_file.model = std::make_unique<const Model>(std::move(read).value());
+    }
+    const Model& model = *from_file.model;
+    auto cameras = ResolveCameras(options_, model.bounds);
+    if (!cameras) return cameras.error();
+
+    FileImporter importer(request, model, settings_);
+    Json views = Json::array();
+    for (const Camera& camera : cameras.value()) {
+      const double near = camera.projection == Projection::kPerspective ? kNearShare * model.Diagonal() : 0;
+      ImporterSide side;
+      if (imported) {
+        side.tessellate = [&](double deflection) { return importer.Tessellate(deflection); };
+        side.intersect = [&](const std::vector<Ray>& rays) { return importer.Intersect(rays, near); };
+      }
+      const BenchCase bench_case{std::filesystem::path(path).filename().string(), &model, camera};
+      auto costs = MeasureModel(bench_case, side, {options_.threads, settings_.repeats, context_.cancel});
+      if (!costs) return costs.error();
+      values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
+      views.push_back(std::move(costs.value().details));
+    }
+    json_["files"].push_back({{"model", ImportedModelJson(from_file)},
+                              {"convert_ms", model.info.convert_ms},
+                              {"views", std::move(views)}});
+    return {};
+  }
+
+  BenchReport Take() && {
+    json_["rows"] = Json::array();
+    for (const AimSummary& summary : Summarise(values_)) json_["rows"].push_back(SummaryJson(summary));
+    json_["values"] = Json::array();
+    for (const BenchValue& value : values_) json_["values"].push_back(ValueJson(value));
+    const TableStyle style = settings_.markdown ? TableStyle::kMarkdown : TableStyle::kText;
+    if (!values_.empty()) tables_.insert(tables_.begin(), {AimTable(values_), ValueTable(values_)});
+    BenchReport report;
+    for (const Table& table : tables_) report.text += TableText(table, style);
+    report.json = std::move(json_);
+    return report;
+  }
+
+ private:
+  // As MakeFrame has it: nothing nearer is seen.
+  static constexpr double kNearShare = 1e-9;
+
+  void Step(const std::string& what) const {
+    if (context_.progress) context_.progress(what, 0);
+  }
+
+  const ImportRequest& request_;
+  const RunOptions& options_;
+  const BenchSettings& settings_;
+  const RunContext& context_;
+  Json json_;
+  std::vector<BenchValue> values_;
+  std::vector<Table> tables_;
+};
+
+}  // namespace
+
+Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
+                             const RunOptions& options, const BenchSettings& settings,
+                             const RunContext& context) {
+  Bench bench(request, options, settings, context);
+  for (const std::string& file : files)
+    if (auto done = bench.MeasureFile(file); !done) return done.error();
+  return std::move(bench).Take();
+}
+
+}  // namespace facetless
