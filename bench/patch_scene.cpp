@@ -1,0 +1,281 @@
+#include "bench/patch_scene.h"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+namespace facetless {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Vec4 Weighted(Vec3 p, double w) {
+  return {w * p.x, w * p.y, w * p.z, w};
+}
+
+// Adds a face of u_spans × v_spans patches; `points` in the model's order.
+void AddFace(Model& model, SurfaceKind kind, int degree_u, int degree_v, const std::vector<Span>& u_spans,
+             const std::vector<Span>& v_spans, const std::vector<Vec4>& points) {
+  Surface surface;
+  surface.kind = kind;
+  surface.degree_u = static_cast<std::uint8_t>(degree_u);
+  surface.degree_v = static_cast<std::uint8_t>(degree_v);
+  for (const Vec4& p : points) {
+    surface.rational = surface.rational || p.w != 1;
+    model.bounds.Add({p.x / p.w, p.y / p.w, p.z / p.w});
+  }
+  const auto append = [&](const std::vector<Span>& spans) {
+    const Range range{static_cast<std::uint32_t>(model.spans.size()),
+                      static_cast<std::uint32_t>(spans.size())};
+    model.spans.insert(model.spans.end(), spans.begin(), spans.end());
+    return range;
+  };
+  surface.u_spans = append(u_spans);
+  surface.v_spans = append(v_spans);
+  surface.first_control_point = static_cast<std::uint32_t>(model.control_points.size());
+  model.control_points.insert(model.control_points.end(), points.begin(), points.end());
+  Face face;
+  face.surface = static_cast<std::uint32_t>(model.surfaces.size());
+  model.surfaces.push_back(surface);
+  model.faces.push_back(face);
+}
+
+void FinishPart(Model& model, const std::string& name) {
+  model.parts.push_back({name, {0, static_cast<std::uint32_t>(model.faces.size())}, {}});
+  model.instances.push_back({});
+}
+
+std::vector<Span> UnitSpans(int count) {
+  std::vector<Span> spans;
+  for (int i = 0; i < count; ++i) spans.push_back({static_cast<double>(i), i + 1.0, SpanMap::kLinear});
+  return spans;
+}
+
+// A uniform bicubic B-spline whose control point (i, j), i < columns + 3, j < rows + 3, is net(i, j), cut into its
+// columns × rows Bézier patches.
+void AddUniformBspline(Model& model, int columns, int rows, const std::function<Vec4(int, int)>& net) {
+  // The control points of one span from its four B-spline ones, times 6.
+  constexpr double kToBezier[4][4] = {{1, 4, 1, 0}, {0, 4, 2, 0}, {0, 2, 4, 0}, {0, 1, 4, 1}};
+  std::vector<Vec4> points;
+  for (int i = 0; i < columns; ++i)
+    for (int j = 0; j < rows; ++j)
+      for (int k = 0; k < 4; ++k)
+        for (int l = 0; l < 4; ++l) {
+          Vec4 sum{0, 0, 0, 0};
+          for (int a = 0; a < 4; ++a)
+            for (int b = 0; b < 4; ++b) {
+              const double share = kToBezier[k][a] * kToBezier[l][b] / 36;
+              const Vec4 p = net(i + a, j + b);
+              sum = {sum.x + share * p.x, sum.y + share * p.y, sum.z + share * p.z, sum.w + share * p.w};
+            }
+          points.push_back(sum);
+        }
+  AddFace(model, SurfaceKind::kBspline, 3, 3, UnitSpans(columns), UnitSpans(rows), points);
+}
+
+// A closed tube around z whose radius and middle follow from (angle, share of the height), with weights that differ.
+void AddTube(Model& model, int around, int along, double height,
+             const std::function<Vec3(double, double)>& at, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::vector<double> weights;
+  for (int i = 0; i < around * (along + 3); ++i)
+    weights.push_back(0.75 + 0.5 * static_cast<double>(engine() >> 11) * 0x1p-53);
+  AddUniformBspline(model, around, along, [&](int i, int j) {
+    const double angle = 2 * kPi * (i % around) / around, share = (j - 1.0) / along;
+    const Vec3 p = at(angle, share);
+    return Weighted({p.x, p.y, p.z + height * share}, weights[(i % around) * (along + 3) + j]);
+  });
+}
+
+// One free-form body, about 60 mm high.
+Model Bird() {
+  Model model;
+  AddTube(
+      model, 12, 8, 60,
+      [](double angle, double share) {
+        const double belly = 22 * std::sin(kPi * std::fmin(1.0, std::fmax(0.02, 0.9 * share + 0.05))) + 3;
+        const double wave = 1 + 0.18 * std::cos(3 * angle + 4 * share);
+        return Vec3{belly * wave * std::cos(angle) + 12 * share * share, 0.8 * belly * wave * std::sin(angle),
+                    0};
+      },
+      1);
+  // A beak.
+  AddTube(
+      model, 8, 3, 22,
+      [](double angle, double share) {
+        const double radius = 7 * (1.05 - share) + 0.5;
+        return Vec3{20 + 14 * share + radius * std::cos(angle), radius * std::sin(angle), 40};
+      },
+      2);
+  FinishPart(model, "bird");
+  return model;
+}
+
+Model Birds() {
+  Model model = Bird();
+  const Box3 one = model.bounds;
+  const std::uint32_t faces = model.parts[0].faces.count;
+  model.instances.clear();
+  model.bounds = {};
+  for (int k = 0; k < 27; ++k) {
+    Instance instance;
+    const Vec3 offset{90.0 * (k % 3), 80.0 * (k / 3 % 3), 90.0 * (k / 9)};
+    instance.placement.m[0][3] = offset.x, instance.placement.m[1][3] = offset.y,
+    instance.placement.m[2][3] = offset.z;
+    instance.first_placed_face = static_cast<std::uint32_t>(k) * faces;
+    model.bounds.Add(one.low + offset);
+    model.bounds.Add(one.high + offset);
+    model.instances.push_back(instance);
+  }
+  return model;
+}
+
+// A dome over a square of the plane z = height.
+void AddDome(Model& model, Vec3 middle, double half, double rise, int degree) {
+  std::vector<Vec4> points;
+  for (int i = 0; i <= degree; ++i)
+    for (int j = 0; j <= degree; ++j) {
+      const double x = 2.0 * i / degree - 1, y = 2.0 * j / degree - 1;
+      const bool border = i == 0 || j == 0 || i == degree || j == degree;
+      points.push_back(Weighted({middle.x + half * x, middle.y + half * y, middle.z + (border ? 0 : rise)},
+                                border ? 1 : 0.9));
+    }
+  AddFace(model, SurfaceKind::kBezier, degree, degree, UnitSpans(1), UnitSpans(1), points);
+}
+
+Model Handset() {
+  Model model;
+  AddTube(
+      model, 16, 4, 110,
+      [](double angle, double) {
+        // A rounded rectangle.
+        const double c = std::cos(angle), s = std::sin(angle);
+        const auto rounded = [](double x) { return std::copysign(std::sqrt(std::fabs(x)), x); };
+        return Vec3{24 * rounded(c), 7 * rounded(s), 0};
+      },
+      3);
+  // Keys on its front, in the plane y = −8: a dome's z becomes −y.
+  Model keys;
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 3; ++column)
+      AddDome(keys, {14.0 * (column - 1), 14 + 12.0 * row, 8}, 4.5, 5, row % 2 == 0 ? 3 : 2);
+  for (std::size_t f = 0; f < keys.faces.size(); ++f) {
+    const Surface& surface = keys.surfaces[f];
+    std::vector<Vec4> points;
+    for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k) {
+      const Vec4 p = keys.control_points[surface.first_control_point + k];
+      points.push_back({p.x, -p.z, p.y, p.w});
+    }
+    AddFace(model, surface.kind, surface.degree_u, surface.degree_v, UnitSpans(1), UnitSpans(1), points);
+  }
+  FinishPart(model, "handset");
+  return model;
+}
+
+// Profile points (radius, height, weight) turned about z; u is the angle, in four exact arcs.
+void AddRevolution(Model& model, SurfaceKind kind, Vec3 base, const std::vector<std::vector<Vec3>>& profile) {
+  const double half = kPi / 4, weight = std::cos(half);
+  std::vector<Span> u_spans;
+  for (int i = 0; i < 4; ++i) u_spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
+  std::vector<Vec4> points;
+  const int degree_v = static_cast<int>(profile.front().size()) - 1;
+  for (int i = 0; i < 4; ++i)
+    for (const std::vector<Vec3>& piece : profile)
+      for (int k = 0; k < 3; ++k) {
+        // Of a quarter of a circle: the ends, and where its tangents meet, with the weight cos 45°.
+        const double angle = kPi / 2 * i + half * k, w = k == 1 ? weight : 1, reach = k == 1 ? 1 / weight : 1;
+        for (const Vec3& p : piece)
+          points.push_back(Weighted(
+              {base.x + reach * p.x * std::cos(angle), base.y + reach * p.x * std::sin(angle), base.z + p.y},
+              w * p.z));
+      }
+  AddFace(model, kind, 2, degree_v, u_spans, UnitSpans(static_cast<int>(profile.size())), points);
+}
+
+// A quarter of the tube of a torus: radius, height, weight.
+std::vector<Vec3> ArcPiece(double major, double minor, int quarter) {
+  std::vector<Vec3> piece;
+  const double weight = std::cos(kPi / 4);
+  for (int k = 0; k < 3; ++k) {
+    const double angle = kPi / 2 * quarter + kPi / 4 * k, reach = k == 1 ? minor / weight : minor;
+    piece.push_back({major + reach * std::cos(angle), reach * std::sin(angle), k == 1 ? weight : 1});
+  }
+  return piece;
+}
+
+Model Flange() {
+  Model model;
+  const auto cylinder = [&](Vec3 base, double bottom, double top, double height) {
+    AddRevolution(model, bottom == top ? SurfaceKind::kCylinder : SurfaceKind::kCone, base,
+                  {{{bottom, 0, 1}, {top, height, 1}}});
+  };
+  cylinder({0, 0, 0}, 60, 60, 12);
+  cylinder({0, 0, 12}, 60, 32, 0.001);
+  cylinder({0, 0, 12}, 32, 24, 40);
+  AddRevolution(model, SurfaceKind::kTorus, {0, 0, 56},
+                {ArcPiece(26, 6, 0), ArcPiece(26, 6, 1), ArcPiece(26, 6, 2), ArcPiece(26, 6, 3)});
+  for (int i = 0; i < 8; ++i) {
+    const double angle = 2 * kPi * i / 8;
+    const Vec3 at{48 * std::cos(angle), 48 * std::sin(angle), 12};
+    cylinder(at, 6, 6, 6);
+    cylinder({at.x, at.y, 18}, 6, 1, 2);
+  }
+  FinishPart(model, "flange");
+  return model;
+}
+
+}  // namespace
+
+std::vector<NamedScene> PatchScenes() {
+  return {{"bird", Bird()}, {"27 birds", Birds()}, {"handset", Handset()}, {"flange", Flange()}};
+}
+
+Model FieldOfFaces(int faces) {
+  const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(faces)))));
+  constexpr double kSize = 1000, kWave = 40;
+  const auto ground = [](double x, double y) {
+    return kWave * std::sin(2 * kPi * x / kSize) * std::cos(3 * kPi * y / kSize);
+  };
+  Model model;
+  const double step = kSize / side;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      // A pillow on the ground: as curved for its size whatever its size.
+      std::vector<Vec4> points;
+      for (int k = 0; k < 4; ++k)
+        for (int l = 0; l < 4; ++l) {
+          const bool inner = k % 3 != 0 && l % 3 != 0;
+          const double x = step * (i + k / 3.0), y = step * (j + l / 3.0);
+          points.push_back({x, y, ground(x, y) + (inner ? 0.5 * step : 0), 1});
+        }
+      AddFace(model, SurfaceKind::kBezier, 3, 3, UnitSpans(1), UnitSpans(1), points);
+    }
+  FinishPart(model, "field");
+  return model;
+}
+
+std::vector<ScenePatch> PatchesOf(const Model& model) {
+  std::vector<ScenePatch> patches;
+  for (const Instance& instance : model.instances) {
+    const Range faces = model.parts[instance.part].faces;
+    for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
+      const Surface& surface = model.surfaces[model.faces[face].surface];
+      for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
+        ScenePatch out;
+        out.degree_u = surface.degree_u, out.degree_v = surface.degree_v;
+        out.placed_face = instance.first_placed_face + (face - faces.first);
+        for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k) {
+          const Vec4 p =
+              model.control_points[surface.first_control_point + patch * surface.PointsPerPatch() + k];
+          const Vec3 placed = instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w});
+          out.points.push_back({p.w * placed.x, p.w * placed.y, p.w * placed.z, p.w});
+        }
+        patches.push_back(std::move(out));
+      }
+    }
+  }
+  return patches;
+}
+
+}  // namespace facetless
