@@ -83,6 +83,7 @@ class Walk {
     for (int step = 0; step <= kMostSteps; ++step) {
       const Step next = method_.StepAt(piece.patch, u, v);
       if (next.residual < method_.tolerance()) {
+        if (!Within(u, kBorder) || !Within(v, kBorder)) return kInfinity;
         ++image.roots;
         return method_.DepthAt(piece.patch, u, v);
       }
@@ -97,12 +98,16 @@ class Walk {
       }
       u += next.du;
       v += next.dv;
-      // The residual's tolerance lets a root on the border lie outside by as much, in parameters of a patch of many pixels.
-      constexpr double kBorder = 1e-8;
-      if (!(u >= -kBorder && u <= 1 + kBorder && v >= -kBorder && v <= 1 + kBorder)) return kInfinity;
+      if (!Within(u, kRoam) || !Within(v, kRoam)) return kInfinity;
     }
     return kInfinity;
   }
+
+  // How far an iterate may leave the patch: as far as its neighbours reach. In the paper it moves on the whole surface.
+  static constexpr double kRoam = 1;
+  // The residual's tolerance lets a root on the border lie outside by as much, in parameters of a patch of many pixels.
+  static constexpr double kBorder = 1e-8;
+  static bool Within(double t, double beyond) { return t >= -beyond && t <= 1 + beyond; }
 
   double Random() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
 

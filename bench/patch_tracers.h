@@ -6,7 +6,7 @@
 //  2. A. Sisojevs (2011), eq. 10 to 13: patches are projected once for the view; the iteration is the step w/M·(M_U, M_V) of Cramer's
 //     rule on the homogeneous projection (x*, y*, w). Boxes are boxes on the screen, with a depth.
 //  3. An iteration starts in the middle of a piece, and ends: at a root, when the residual is below the tolerance; at a failure, when the
-//     residual grows, (u,v) leaves the patch, or after kMostSteps. A singular Jacobian moves (u,v) by a tenth of a random part of the
+//     residual grows, (u,v) strays from the patch by its length, a root lies outside the patch, or after kMostSteps. A singular Jacobian moves (u,v) by a tenth of a random part of the
 //     way back to the start, as Martin et al. do. What fails counts as a miss: both methods may lose hits, and Differences counts them.
 //  4. Orthographic views only. One ray through each pixel centre, on one thread.
 #pragma once
