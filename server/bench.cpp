@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bench/aims.h"
+#include "bench/leaf_search.h"
 #include "bench/model_bench.h"
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
@@ -137,6 +138,11 @@ class Bench {
     FileImporter importer(request, model, settings_);
     Json views = Json::array();
     for (const Camera& camera : cameras.value()) {
+      if (settings_.published) {
+        if (auto done = MeasureLeaves(std::filesystem::path(path).filename().string(), model, camera); !done)
+          return done.error();
+        continue;
+      }
       const double near = camera.projection == Projection::kPerspective ? kNearShare * model.Diagonal() : 0;
       ImporterSide side;
       if (imported) {
@@ -149,6 +155,7 @@ class Bench {
       values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
       views.push_back(std::move(costs.value().details));
     }
+    if (settings_.published) return {};
     json_["files"].push_back({{"model", ImportedModelJson(from_file)},
                               {"convert_ms", model.info.convert_ms},
                               {"views", std::move(views)}});
@@ -169,6 +176,14 @@ class Bench {
     }
     json_["published"]["sisojevs"] = ThesisJson(scenes);
     for (Table& table : ThesisTables(scenes)) tables_.push_back(std::move(table));
+    return {};
+  }
+
+  Result<void> MeasureLeaves(const std::string& name, const Model& model, const Camera& camera) {
+    auto searches = MeasureLeafSearches(name, model, camera, settings_.repeats);
+    if (!searches) return searches.error();
+    json_["published"]["leaf_searches"].push_back(LeafSearchJson(searches.value()));
+    tables_.push_back(LeafSearchTable(searches.value()));
     return {};
   }
 

@@ -9,9 +9,6 @@
 #include "render/trace/parallel.h"
 
 namespace facetless {
-namespace {
-
-using Clock = std::chrono::steady_clock;
 
 bool CountBytes(void* user, ssize_t bytes, bool) {
   EmbreeMemory& memory = *static_cast<EmbreeMemory*>(user);
@@ -30,6 +27,10 @@ Error EmbreeError(RTCDevice device) {
     return {ErrorCode::kBadUsage, "the baseline needs a processor with SSE2, which Embree does not find"};
   return {ErrorCode::kInternal, "Embree reports error " + std::to_string(static_cast<int>(code))};
 }
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
 
 // An entry of an instance's matrix. What is smaller than this share of the largest entry is less than
 // float32 resolves of the sums that it enters, and is set to 0: see kLeastCoordinate in tracer.cpp.

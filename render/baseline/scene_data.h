@@ -7,6 +7,7 @@
 #pragma once
 
 #include <embree3/rtcore.h>
+#include <sys/types.h>
 
 #include <atomic>
 #include <cstdint>
@@ -20,6 +21,12 @@ namespace facetless {
 struct EmbreeMemory {
   std::atomic<std::int64_t> now{0}, peak{0};
 };
+
+// To be given to a device as its memory monitor, with an EmbreeMemory.
+bool CountBytes(void* user, ssize_t bytes, bool post);
+
+// The device's last error (null: of the device that could not be made).
+Error EmbreeError(RTCDevice device);
 
 struct PlacedNode {
   Placement placement;

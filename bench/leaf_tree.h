@@ -1,0 +1,64 @@
+// A bounding volume hierarchy over the screen boxes of leaves: rectangles of pixels with the depth from which on something lies in them,
+// halved at the median of the longer side. A competitor of the bitmaps.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "render/nurbs/leaf.h"
+
+namespace facetless {
+
+class LeafTree {
+ public:
+  explicit LeafTree(const std::vector<Leaf>& leaves);
+
+  // Calls meet(leaf) for the leaves whose boxes hold the pixel, roughly front to back; meet returns the nearest depth so far, and what
+  // begins behind it is left out.
+  template <typename Meet>
+  void Visit(int column, int row, Meet&& meet) const {
+    std::array<std::uint32_t, kMostWaiting> waiting;
+    int count = 0;
+    double nearest = INFINITY;
+    if (Holds(nodes_[0], column, row)) waiting[count++] = 0;
+    while (count > 0) {
+      const Node& node = nodes_[waiting[--count]];
+      if (node.near_depth > nearest) continue;
+      if (node.count > 0) {
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+          if (Holds(boxes_[i], column, row) && boxes_[i].near_depth <= nearest)
+            nearest = meet(boxes_[i].first);
+        continue;
+      }
+      // The nearer child on top.
+      std::uint32_t near = node.first, far = node.first + 1;
+      if (nodes_[far].near_depth < nodes_[near].near_depth) std::swap(near, far);
+      if (Holds(nodes_[far], column, row)) waiting[count++] = far;
+      if (Holds(nodes_[near], column, row)) waiting[count++] = near;
+    }
+  }
+  std::size_t bytes() const { return (nodes_.size() + boxes_.size()) * sizeof(Node); }
+
+ private:
+  static constexpr std::uint32_t kLeavesPerNode = 4;
+  static constexpr int kMostWaiting =
+      64;  // the tree is balanced: its depth is the logarithm of the number of leaves
+
+  struct Node {
+    std::int32_t col_begin = INT32_MAX, col_end = INT32_MIN, row_begin = INT32_MAX, row_end = INT32_MIN;
+    double near_depth = INFINITY;
+    std::uint32_t first = 0, count = 0;  // inner: the left child; else boxes; of a box: its leaf
+  };
+  static bool Holds(const Node& node, int column, int row) {
+    return (node.col_begin <= column) & (column < node.col_end) & (node.row_begin <= row) &
+           (row < node.row_end);
+  }
+  void Build(std::uint32_t at, std::uint32_t begin, std::uint32_t end);
+
+  std::vector<Node> nodes_, boxes_;
+};
+
+}  // namespace facetless

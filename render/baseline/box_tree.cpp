@@ -1,0 +1,122 @@
+#include "render/baseline/box_tree.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/baseline/scene_data.h"
+
+namespace facetless {
+
+struct BoxTree::Data {
+  ~Data() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+  EmbreeMemory memory;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::vector<ScreenBox> boxes;  // until the tree is built
+  double nearest = 0;            // of all boxes: depths are counted from here
+};
+
+namespace {
+
+// Rays begin this far before the nearest box.
+constexpr float kLeadIn = 1;
+
+float RoundedDown(double x) {
+  const float f = static_cast<float>(x);
+  return f <= x ? f : std::nextafter(f, -INFINITY);
+}
+
+float RoundedUp(double x) {
+  const float f = static_cast<float>(x);
+  return f >= x ? f : std::nextafter(f, INFINITY);
+}
+
+void Bounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& data = *static_cast<const BoxTree::Data*>(arguments->geometryUserPtr);
+  const ScreenBox& box = data.boxes[arguments->primID];
+  RTCBounds& bounds = *arguments->bounds_o;
+  bounds.lower_x = static_cast<float>(box.col_begin);
+  bounds.upper_x = static_cast<float>(box.col_end);
+  bounds.lower_y = static_cast<float>(box.row_begin);
+  bounds.upper_y = static_cast<float>(box.row_end);
+  // What lies behind its beginning makes no difference to who is met and when.
+  bounds.lower_z = bounds.upper_z = RoundedDown(box.near_depth - data.nearest);
+}
+
+// What a ray brings along: Embree hands the context back.
+struct Query {
+  RTCIntersectContext context;  // first, so that a pointer to it is one to the query
+  BoxTree::Meet meet;
+  void* caller;
+  double nearest;
+};
+
+void Intersect(const RTCIntersectFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) return;
+  auto& query = *reinterpret_cast<Query*>(arguments->context);
+  const double depth = query.meet(query.caller, arguments->primID);
+  RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+  float& limit = RTCRayN_tfar(ray, arguments->N, 0);
+  limit = std::min(limit, RoundedUp(depth - query.nearest + kLeadIn));
+}
+
+}  // namespace
+
+BoxTree::BoxTree(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+BoxTree::~BoxTree() = default;
+BoxTree::BoxTree(BoxTree&&) noexcept = default;
+BoxTree& BoxTree::operator=(BoxTree&&) noexcept = default;
+
+Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
+  if (boxes.empty()) return Error{ErrorCode::kNothingUsable, "there is no box to build a tree of"};
+  auto data = std::make_unique<Data>();
+  data->boxes.assign(boxes.begin(), boxes.end());
+  data->nearest = boxes.front().near_depth;
+  for (const ScreenBox& box : boxes) data->nearest = std::min(data->nearest, box.near_depth);
+  data->device = rtcNewDevice(nullptr);
+  if (data->device == nullptr) return EmbreeError(nullptr);
+  rtcSetDeviceMemoryMonitorFunction(data->device, &CountBytes, &data->memory);
+  data->scene = rtcNewScene(data->device);
+  rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
+  const RTCGeometry geometry = rtcNewGeometry(data->device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes.size()));
+  rtcSetGeometryUserData(geometry, data.get());
+  rtcSetGeometryBoundsFunction(
+      geometry, [](const RTCBoundsFunctionArguments* arguments) { Bounds(arguments); }, nullptr);
+  rtcSetGeometryIntersectFunction(
+      geometry, [](const RTCIntersectFunctionNArguments* arguments) { Intersect(arguments); });
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(data->scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(data->scene);
+  if (rtcGetDeviceError(data->device) != RTC_ERROR_NONE) return EmbreeError(data->device);
+  std::vector<ScreenBox>().swap(data->boxes);
+  return BoxTree(std::move(data));
+}
+
+void BoxTree::Visit(int column, int row, Meet meet, void* context) const {
+  Query query{{}, meet, context, data_->nearest};
+  rtcInitIntersectContext(&query.context);
+  RTCRayHit ray{};
+  ray.ray.org_x = static_cast<float>(column) + 0.5f;
+  ray.ray.org_y = static_cast<float>(row) + 0.5f;
+  ray.ray.org_z = -kLeadIn;
+  ray.ray.dir_z = 1;
+  ray.ray.tfar = INFINITY;
+  ray.ray.mask = 0xffffffffu;
+  ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(data_->scene, &query.context, &ray);
+}
+
+std::uint64_t BoxTree::bytes() const {
+  return static_cast<std::uint64_t>(data_->memory.now.load());
+}
+
+}  // namespace facetless
