@@ -233,7 +233,8 @@ std::vector<NamedScene> PatchScenes() {
 
 Model FieldOfFaces(int faces) {
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(faces)))));
-  constexpr double kSize = 1000, kWave = 40;
+  // Flat enough that no face of its own hides another: outlines are those of the ground.
+  constexpr double kSize = 1000, kWave = 40, kRise = 0.1;
   const auto ground = [](double x, double y) {
     return kWave * std::sin(2 * kPi * x / kSize) * std::cos(3 * kPi * y / kSize);
   };
@@ -247,7 +248,7 @@ Model FieldOfFaces(int faces) {
         for (int l = 0; l < 4; ++l) {
           const bool inner = k % 3 != 0 && l % 3 != 0;
           const double x = step * (i + k / 3.0), y = step * (j + l / 3.0);
-          points.push_back({x, y, ground(x, y) + (inner ? 0.5 * step : 0), 1});
+          points.push_back({x, y, ground(x, y) + (inner ? kRise * step : 0), 1});
         }
       AddFace(model, SurfaceKind::kBezier, 3, 3, UnitSpans(1), UnitSpans(1), points);
     }

@@ -3,12 +3,17 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <memory>
 #include <thread>
 #include <utility>
 
 #include "bench/aims.h"
+#include "bench/growth.h"
 #include "bench/leaf_search.h"
 #include "bench/model_bench.h"
+#include "bench/patch_scene.h"
+#include "bench/plot.h"
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
 #include "render/baseline/mesh_file.h"
@@ -156,6 +161,16 @@ class Bench {
       views.push_back(std::move(costs.value().details));
     }
     if (settings_.published) return {};
+    if (settings_.growth && !growth_measured_) {
+      Step("growth");
+      auto growth =
+          MeasureGrowth(std::filesystem::path(path).filename().string(), model, cameras.value().front(), {});
+      if (!growth) return growth.error();
+      growth_measured_ = true;
+      for (BenchValue& value : GrowthValues(growth.value())) values_.push_back(std::move(value));
+      json_["growth"] = GrowthJson(growth.value());
+      tables_.push_back(GrowthTable(growth.value()));
+    }
     json_["files"].push_back({{"model", ImportedModelJson(from_file)},
                               {"convert_ms", model.info.convert_ms},
                               {"views", std::move(views)}});
@@ -196,6 +211,7 @@ class Bench {
     if (!values_.empty()) tables_.insert(tables_.begin(), {AimTable(values_), ValueTable(values_)});
     BenchReport report;
     for (const Table& table : tables_) report.text += TableText(table, style);
+    report.plot = FirstImagePlot(values_, 1);
     report.json = std::move(json_);
     return report;
   }
@@ -215,6 +231,7 @@ class Bench {
   Json json_;
   std::vector<BenchValue> values_;
   std::vector<Table> tables_;
+  bool growth_measured_ = false;
 };
 
 }  // namespace
@@ -222,6 +239,8 @@ class Bench {
 Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
                              const RunOptions& options, const BenchSettings& settings,
                              const RunContext& context) {
+  if (files.empty() && !settings.published)
+    return Error{ErrorCode::kBadUsage, "bench needs a file, or --published"};
   Bench bench(request, options, settings, context);
   if (settings.published)
     if (auto done = bench.MeasurePublished(); !done) return done.error();

@@ -21,7 +21,7 @@ struct BenchSettings {
   double exact_s = 6;        // of OpenCASCADE's exact intersector
   bool published = false;
   bool markdown = false;
-  bool growth = true;  // row 9, which needs no file
+  bool growth = true;  // row 9, on the first file and on generated faces
 };
 
 struct BenchReport {

@@ -204,6 +204,7 @@ void AddBenchOptions(CLI::App* command, CommandArguments& arguments) {
       ->type_name("FILE");
   command->add_option("--plot", arguments.plot_out, "Also draw the rows")->type_name("FILE.svg");
   command->add_flag("--markdown", bench.markdown, "Print the tables as Markdown");
+  command->add_flag("!--no-growth", bench.growth, "Leave out row 9, which takes about a minute");
   command->add_flag("--published", bench.published, "Measure the tables of the papers instead");
 }
 

@@ -25,6 +25,16 @@ TEST(CommandLine, MeshOptionsBelongToTheMeshBeforeThem) {
   EXPECT_EQ(line.value().deadline_s, 3u);
 }
 
+TEST(CommandLine, RaysForTheExactIntersector) {
+  const Result<CommandLine> line = Parse({"in.step", "--model", "out.flm", "--rays", "r", "--depths", "d",
+                                          "--rays-seconds", "3", "--rays-near", "0.5"});
+  ASSERT_TRUE(line.ok()) << line.error().message;
+  EXPECT_EQ(line.value().rays, "r");
+  EXPECT_EQ(line.value().depths, "d");
+  EXPECT_EQ(line.value().rays_seconds, 3);
+  EXPECT_EQ(line.value().rays_near, 0.5);
+}
+
 TEST(CommandLine, SaysWhichOptionIsWrong) {
   struct Case {
     std::vector<const char*> words;
@@ -37,6 +47,7 @@ TEST(CommandLine, SaysWhichOptionIsWrong) {
                         {{"a", "--model", "m", "--deflection", "1"}, "must follow"},
                         {{"a", "--model", "m", "--mesh", "x", "--deflection", "0"}, "above 0"},
                         {{"a", "--model", "m", "--mesh", "x", "--angular", "nan"}, "above 0"},
+                        {{"a", "--model", "m", "--rays", "r"}, "go together"},
                         {{"a", "--modle", "m"}, "--modle"}};
   for (const Case& c : cases) {
     const Result<CommandLine> line = Parse(c.words);

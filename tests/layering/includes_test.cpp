@@ -1,12 +1,12 @@
 // Who may include whom. The rules are those of ARCHITECTURE.md, "Who may include whom": a change here is a
 // change there.
 //
-//  1. Of our own folders: server → render; import → render/model; render → render. Nothing includes tests/ or
-//  samples/.
+//  1. Of our own folders: server → bench, render; bench → render; import → render/model; render → render. Nothing
+//  includes tests/ or samples/.
 //  2. Inside render, folders form a chain: model ← (nurbs, accel, kernels, trace) ← baseline, image ← shade ←
 //  compare.
 //  3. Each third-party library has one home.
-//  4. The libraries of render/ never print and never end the process.
+//  4. The libraries of render/ and bench/ never print and never end the process.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ SourceFile ReadSource(const fs::path& root, const fs::path& file) {
 const std::vector<SourceFile>& Sources() {
   static const std::vector<SourceFile> sources = [] {
     std::vector<SourceFile> found;
-    for (const char* folder : {"import", "render", "server", "samples", "tests"}) {
+    for (const char* folder : {"import", "render", "bench", "server", "samples", "tests"}) {
       for (const auto& entry : fs::recursive_directory_iterator(SourceRoot() / folder)) {
         const std::string extension = entry.path().extension().string();
         if (extension == ".h" || extension == ".cpp") found.push_back(ReadSource(SourceRoot(), entry.path()));
@@ -79,7 +79,8 @@ std::vector<std::string> ForbiddenIncludes(const std::string& folder,
   for (const SourceFile& source : Sources()) {
     if (!StartsWith(source.path, folder)) continue;
     for (const std::string& include : source.includes) {
-      if (!StartsWithAny(include, {"import/", "render/", "server/", "samples/", "tests/"})) continue;
+      if (!StartsWithAny(include, {"import/", "render/", "bench/", "server/", "samples/", "tests/"}))
+        continue;
       if (!StartsWithAny(include, allowed)) forbidden.push_back(source.path + " includes " + include);
     }
   }
@@ -124,7 +125,11 @@ TEST(Layering, ImportSeesOnlyTheModel) {
 }
 
 TEST(Layering, ServerDoesNotSeeImport) {
-  EXPECT_THAT(ForbiddenIncludes("server/", {"server/", "render/"}), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes("server/", {"server/", "render/", "bench/"}), IsEmpty());
+}
+
+TEST(Layering, BenchSeesOnlyRender) {
+  EXPECT_THAT(ForbiddenIncludes("bench/", {"bench/", "render/"}), IsEmpty());
 }
 
 TEST(Layering, SampleGeneratorStandsAlone) {
@@ -180,7 +185,7 @@ TEST(Layering, LibrariesNeitherPrintNorEndTheProcess) {
       R"((^|[^\w:.>])(std::)?(printf|fprintf|puts|abort|exit|_exit|terminate)\s*\(|std::(cout|cerr|clog)\b)");
   std::vector<std::string> found;
   for (const SourceFile& source : Sources()) {
-    if (!StartsWith(source.path, "render/")) continue;
+    if (!StartsWithAny(source.path, {"render/", "bench/"})) continue;
     for (const std::string& line : source.lines) {
       if (std::regex_search(line, forbidden)) found.push_back(source.path + ": " + line);
     }
