@@ -21,12 +21,6 @@ std::string Sample(const std::string& name) {
   return std::string(root != nullptr ? root : ".") + "/samples/" + name;
 }
 
-CameraFrame Orthographic() {
-  CameraFrame frame;
-  frame.projection = Projection::kOrthographic;
-  return frame;
-}
-
 Ray Down(double x, double y) {
   return {{x, y, 100}, {0, 0, -1}};
 }
@@ -52,9 +46,7 @@ TEST_F(Cone, NearestIsTheClosedForm) {
 }
 
 TEST_F(Cone, NothingBeforeTheEyeIsHit) {
-  CameraFrame frame;
-  frame.projection = Projection::kPerspective;
-  const ReferenceHit hit = cone_->Nearest(frame, {{3, 4, 5}, {0, 0, -1}}, 1e-6);
+  const ReferenceHit hit = cone_->Nearest({{3, 4, 5}, {0, 0, -1}}, 1e-6);
   ASSERT_TRUE(hit.hit());
   EXPECT_NEAR(hit.depth, 5, 1e-9);
   EXPECT_EQ(cone_->SurfaceName(hit.face), "plane");
