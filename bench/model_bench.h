@@ -6,7 +6,7 @@
 //  2. Both sides take turns after a warm-up of each, and the median counts. A mesh that takes longer than kCheapMs is made once.
 //  3. Images have one sample per pixel. Rates count every ray of the image, those that miss included.
 //  4. Where the competitor sees something else than the direct renderer the times say nothing: hits of both sides are kept and
-//     compared (ModelCosts::agreements).
+//     compared (ModelCosts::details).
 #pragma once
 
 #include <atomic>
@@ -64,12 +64,17 @@ struct BenchCase {
 // What the rows were computed from, for the JSON.
 struct ModelCosts {
   std::vector<BenchValue> values;
-  nlohmann::json details;  // of this file and view: times, triangles, counters, agreements
+  nlohmann::json
+      details;  // of this file and view: times, triangles, counters, agreement with the exact intersector
 };
 
 // Errors: those of RenderView, RenderMesh, and of the importer's side.
 Result<ModelCosts> MeasureModel(const BenchCase& bench_case, const ImporterSide& importer,
                                 const BenchOptions& options);
+
+// Where the time of one thread went on each file, and what the direct renderer counted there: of ModelCosts::details.
+Table CostTable(const std::vector<nlohmann::json>& details);
+Table CounterTable(const std::vector<nlohmann::json>& details);
 
 // The counters of a trace, and what follows from them.
 nlohmann::json CountersJson(const DirectStats& stats);

@@ -38,9 +38,13 @@ std::string ProcessorName() {
   return "";
 }
 
-Json MachineJson() {
+// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
+double LoadAverage() {
   double load = 0;
-  if (getloadavg(&load, 1) != 1) load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+Json MachineJson(double load) {
   return {{"processor", ProcessorName()},
           {"cores", std::thread::hardware_concurrency()},
           {"load_at_start", load}};
@@ -115,9 +119,10 @@ class Bench {
   Bench(const ImportRequest& request, const RunOptions& options, const BenchSettings& settings,
         const RunContext& context)
       : request_(request), options_(options), settings_(settings), context_(context) {
+    load_ = LoadAverage();
     json_ = {{"facetless", ProgramJson(options.threads)},
              {"command", "bench"},
-             {"machine", MachineJson()},
+             {"machine", MachineJson(load_)},
              {"files", Json::array()}};
   }
 
@@ -148,7 +153,9 @@ class Bench {
           return done.error();
         continue;
       }
-      const double near = camera.projection == Projection::kPerspective ? kNearShare * model.Diagonal() : 0;
+      const auto frame = MakeFrame(camera, model.Diagonal());
+      if (!frame) return frame.error();
+      const double near = frame.value().near_mm;
       ImporterSide side;
       if (imported) {
         side.tessellate = [&](double deflection) { return importer.Tessellate(deflection); };
@@ -158,6 +165,7 @@ class Bench {
       auto costs = MeasureModel(bench_case, side, {options_.threads, settings_.repeats, context_.cancel});
       if (!costs) return costs.error();
       values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
+      details_.push_back(costs.value().details);
       views.push_back(std::move(costs.value().details));
     }
     if (settings_.published) return {};
@@ -208,8 +216,17 @@ class Bench {
     json_["values"] = Json::array();
     for (const BenchValue& value : values_) json_["values"].push_back(ValueJson(value));
     const TableStyle style = settings_.markdown ? TableStyle::kMarkdown : TableStyle::kText;
-    if (!values_.empty()) tables_.insert(tables_.begin(), {AimTable(values_), ValueTable(values_)});
+    if (!values_.empty()) {
+      Table aims = AimTable(values_);
+      if (load_ > kQuiet)
+        aims.notes.push_back("The machine had other work (load " + NumberText(load_) + " on " +
+                             std::to_string(std::thread::hardware_concurrency()) +
+                             " cores): both sides are slower than they need be, and two threads most.");
+      tables_.insert(tables_.begin(),
+                     {std::move(aims), ValueTable(values_), CostTable(details_), CounterTable(details_)});
+    }
     BenchReport report;
+    report.text = Heading();
     for (const Table& table : tables_) report.text += TableText(table, style);
     report.plot = FirstImagePlot(values_, 1);
     report.json = std::move(json_);
@@ -217,8 +234,23 @@ class Bench {
   }
 
  private:
-  // As MakeFrame has it: nothing nearer is seen.
-  static constexpr double kNearShare = 1e-9;
+  // Of the processes that run or want to: more than this is more than the bench's own and half of another.
+  static constexpr double kQuiet = 1.5;
+
+  // Which machine and program the tables are of.
+  std::string Heading() const {
+    const Json& machine = json_.at("machine");
+    const Json& program = json_.at("facetless");
+    std::string text = settings_.markdown ? (settings_.published ? "# Performance: the papers' tables\n\n"
+                                                                 : "# Performance: files\n\n")
+                                          : "";
+    text += "Measured by Facetless " + program.at("version").get<std::string>() + " (" +
+            program.at("build").get<std::string>() + ", " + program.at("isa").get<std::string>() + ") on " +
+            machine.at("processor").get<std::string>() + ", " +
+            std::to_string(machine.at("cores").get<unsigned>()) + " cores; " +
+            std::to_string(settings_.repeats) + " runs each.";
+    return text + "\n\n";
+  }
 
   void Step(const std::string& what) const {
     if (context_.progress) context_.progress(what, 0);
@@ -229,7 +261,9 @@ class Bench {
   const BenchSettings& settings_;
   const RunContext& context_;
   Json json_;
+  double load_ = 0;
   std::vector<BenchValue> values_;
+  std::vector<Json> details_;
   std::vector<Table> tables_;
   bool growth_measured_ = false;
 };

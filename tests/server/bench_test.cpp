@@ -31,8 +31,10 @@ TEST_F(BenchProgram, MeasuresAFileAgainstTheAims) {
   const ChildOutcome outcome = Run({Sample("bracket.step"), "--size", "96x64", "--repeats", "1", "--threads",
                                     "2", "--no-growth", "--json", json_, "--plot", plot_, "--markdown"});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
-  EXPECT_THAT(outcome.out, StartsWith("### Aims\n\n| row | what |"));
-  EXPECT_THAT(outcome.out, HasSubstr("### Each file"));
+  EXPECT_THAT(outcome.out, HasSubstr("### Aims\n\n| row | what |"));
+  for (const char* title :
+       {"# Performance: files", "### Each file", "### Where the time goes", "### What was counted"})
+    EXPECT_THAT(outcome.out, HasSubstr(title));
   EXPECT_THAT(ReadText(plot_), StartsWith("<svg"));
   EXPECT_THAT(ReadText(plot_), HasSubstr("bracket.step iso"));
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "temporary files were left behind";
