@@ -1,7 +1,5 @@
 #include "bench/growth.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -9,6 +7,7 @@
 #include "bench/model_bench.h"
 #include "bench/patch_scene.h"
 #include "bench/statistics.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -20,11 +19,10 @@ Result<GrowthStep> MeasureStep(const Model& model, Camera camera, int size, int 
   DirectOptions options;
   options.threads = 1;
   std::vector<GrowthStep> runs;
-  tbb::task_arena one_thread(1);
   for (int run = 0; run < repeats; ++run) {
     GrowthStep step;
     std::optional<Scene> scene;
-    step.scene_ms = MillisecondsOf([&] { one_thread.execute([&] { scene.emplace(model); }); });
+    step.scene_ms = MillisecondsOf([&] { RunWithThreads(1, [&] { scene.emplace(model); }); });
     Result<DirectResult> traced = TraceDirect(*scene, camera, options);
     if (!traced) return traced.error();
     step.stats = std::move(traced.value().stats);

@@ -1,7 +1,5 @@
 #include "bench/model_bench.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,6 +12,7 @@
 
 #include "bench/statistics.h"
 #include "render/kernels/tile_kernel.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -144,8 +143,7 @@ class Measurement {
   Result<FirstImage> DirectImage(const Camera& camera, int threads) const {
     FirstImage image;
     std::optional<Scene> scene;
-    tbb::task_arena arena(threads);
-    image.scene_ms = MillisecondsOf([&] { arena.execute([&] { scene.emplace(*case_.model); }); });
+    image.scene_ms = MillisecondsOf([&] { RunWithThreads(threads, [&] { scene.emplace(*case_.model); }); });
     return DirectImage(*scene, camera, threads, image);
   }
 

@@ -1,10 +1,9 @@
 #include "bench/sisojevs.h"
 
-#include <tbb/task_arena.h>
-
 #include <optional>
 
 #include "bench/statistics.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -67,21 +66,20 @@ Result<ThesisScene> MeasureThesisScene(const NamedScene& scene, int size, int re
   std::vector<double> traces[3];
   DirectOptions options;
   options.threads = 1;
-  tbb::task_arena one_thread(1);
-  const std::vector<std::vector<double>> ms =
-      TakeTurns(repeats, {[&] {
-                            measured.martin = TraceMartin(patches, frame.value(), size, size);
-                            traces[0].push_back(measured.martin.trace_ms);
-                          },
-                          [&] {
-                            measured.newton_cramer = TraceNewtonCramer(patches, frame.value(), size, size);
-                            traces[1].push_back(measured.newton_cramer.trace_ms);
-                          },
-                          [&] {
-                            one_thread.execute(
-                                [&] { direct = TraceDirect(Scene(scene.model), camera.value(), options); });
-                            if (direct->ok()) traces[2].push_back(direct->value().stats.trace_ms);
-                          }});
+  const std::vector<std::vector<double>> ms = TakeTurns(
+      repeats, {[&] {
+                  measured.martin = TraceMartin(patches, frame.value(), size, size);
+                  traces[0].push_back(measured.martin.trace_ms);
+                },
+                [&] {
+                  measured.newton_cramer = TraceNewtonCramer(patches, frame.value(), size, size);
+                  traces[1].push_back(measured.newton_cramer.trace_ms);
+                },
+                [&] {
+                  RunWithThreads(1,
+                                 [&] { direct = TraceDirect(Scene(scene.model), camera.value(), options); });
+                  if (direct->ok()) traces[2].push_back(direct->value().stats.trace_ms);
+                }});
   if (!direct->ok()) return direct->error();
   measured.martin_ms = Median(ms[0]);
   measured.newton_cramer_ms = Median(ms[1]);
