@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "bench/model_bench.h"
+#include "bench/model_tables.h"
 #include "bench/patch_scene.h"
 #include "bench/statistics.h"
 #include "render/trace/parallel.h"

@@ -72,11 +72,4 @@ struct ModelCosts {
 Result<ModelCosts> MeasureModel(const BenchCase& bench_case, const ImporterSide& importer,
                                 const BenchOptions& options);
 
-// Where the time of one thread went on each file, and what the direct renderer counted there: of ModelCosts::details.
-Table CostTable(const std::vector<nlohmann::json>& details);
-Table CounterTable(const std::vector<nlohmann::json>& details);
-
-// The counters of a trace, and what follows from them.
-nlohmann::json CountersJson(const DirectStats& stats);
-
 }  // namespace facetless

@@ -12,6 +12,7 @@
 #include "bench/growth.h"
 #include "bench/leaf_search.h"
 #include "bench/model_bench.h"
+#include "bench/model_tables.h"
 #include "bench/patch_scene.h"
 #include "bench/plot.h"
 #include "bench/sisojevs.h"
