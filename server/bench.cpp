@@ -218,13 +218,8 @@ class Bench {
     for (const BenchValue& value : values_) json_["values"].push_back(ValueJson(value));
     const TableStyle style = settings_.markdown ? TableStyle::kMarkdown : TableStyle::kText;
     if (!values_.empty()) {
-      Table aims = AimTable(values_);
-      if (load_ > kQuiet)
-        aims.notes.push_back("The machine had other work (load " + NumberText(load_) + " on " +
-                             std::to_string(std::thread::hardware_concurrency()) +
-                             " cores): both sides are slower than they need be, and two threads most.");
       tables_.insert(tables_.begin(),
-                     {std::move(aims), ValueTable(values_), CostTable(details_), CounterTable(details_)});
+                     {AimTable(values_), ValueTable(values_), CostTable(details_), CounterTable(details_)});
     }
     BenchReport report;
     report.text = Heading();
@@ -250,6 +245,9 @@ class Bench {
             machine.at("processor").get<std::string>() + ", " +
             std::to_string(machine.at("cores").get<unsigned>()) + " cores; " +
             std::to_string(settings_.repeats) + " runs each.";
+    if (load_ > kQuiet)
+      text += " The machine had other work (load " + NumberText(load_) +
+              "): ratios are rough, and those of several threads worthless.";
     return text + "\n\n";
   }
 
