@@ -364,8 +364,9 @@ class Measurement {
       const std::size_t pixel = engine() % pixels;
       pixel_of_ray.push_back(pixel);
       const std::size_t width = static_cast<std::size_t>(case_.camera.width_px);
-      rays.push_back(PixelRay(frame.value(), static_cast<double>(pixel % width) + 0.5,
-                              static_cast<double>(pixel / width) + 0.5));
+      const std::size_t column = pixel % width, row = pixel / width;
+      rays.push_back(
+          PixelRay(frame.value(), static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5));
     }
     Result<ExactAnswers> answers = importer_.intersect(rays);
     if (!answers) return answers.error();

@@ -47,8 +47,9 @@ void FinishPart(Model& model, const std::string& name) {
 }
 
 std::vector<Span> UnitSpans(int count) {
-  std::vector<Span> spans;
-  for (int i = 0; i < count; ++i) spans.push_back({static_cast<double>(i), i + 1.0, SpanMap::kLinear});
+  std::vector<Span> spans(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i)
+    spans[static_cast<std::size_t>(i)] = {static_cast<double>(i), i + 1.0, SpanMap::kLinear};
   return spans;
 }
 
@@ -78,9 +79,8 @@ void AddUniformBspline(Model& model, int columns, int rows, const std::function<
 void AddTube(Model& model, int around, int along, double height,
              const std::function<Vec3(double, double)>& at, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
-  std::vector<double> weights;
-  for (int i = 0; i < around * (along + 3); ++i)
-    weights.push_back(0.75 + 0.5 * static_cast<double>(engine() >> 11) * 0x1p-53);
+  std::vector<double> weights(static_cast<std::size_t>(around * (along + 3)));
+  for (double& weight : weights) weight = 0.75 + 0.5 * static_cast<double>(engine() >> 11) * 0x1p-53;
   AddUniformBspline(model, around, along, [&](int i, int j) {
     const double angle = 2 * kPi * (i % around) / around, share = (j - 1.0) / along;
     const Vec3 p = at(angle, share);
@@ -120,7 +120,8 @@ Model Birds() {
   model.bounds = {};
   for (int k = 0; k < 27; ++k) {
     Instance instance;
-    const Vec3 offset{90.0 * (k % 3), 80.0 * (k / 3 % 3), 90.0 * (k / 9)};
+    const int row = k / 3 % 3, layer = k / 9;
+    const Vec3 offset{90.0 * (k % 3), 80.0 * row, 90.0 * layer};
     instance.placement.m[0][3] = offset.x, instance.placement.m[1][3] = offset.y,
     instance.placement.m[2][3] = offset.z;
     instance.first_placed_face = static_cast<std::uint32_t>(k) * faces;
@@ -176,8 +177,9 @@ Model Handset() {
 // Profile points (radius, height, weight) turned about z; u is the angle, in four exact arcs.
 void AddRevolution(Model& model, SurfaceKind kind, Vec3 base, const std::vector<std::vector<Vec3>>& profile) {
   const double half = kPi / 4, weight = std::cos(half);
-  std::vector<Span> u_spans;
-  for (int i = 0; i < 4; ++i) u_spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
+  std::vector<Span> u_spans(4);
+  for (int i = 0; i < 4; ++i)
+    u_spans[static_cast<std::size_t>(i)] = {i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle};
   std::vector<Vec4> points;
   const int degree_v = static_cast<int>(profile.front().size()) - 1;
   for (int i = 0; i < 4; ++i)
