@@ -26,15 +26,14 @@ double PiecesOf(const std::vector<Vec3>& row, double flattening) {
 
 // Along u (or v): the largest number over all rows, at least one.
 int PiecesAlong(const ScenePatch& patch, bool along_u, double flattening) {
-  const int rows = along_u ? patch.degree_v + 1 : patch.degree_u + 1,
-            columns = along_u ? patch.degree_u + 1 : patch.degree_v + 1;
+  const std::size_t points_v = static_cast<std::size_t>(patch.degree_v) + 1,
+                    points_u = static_cast<std::size_t>(patch.degree_u) + 1;
+  const std::size_t rows = along_u ? points_v : points_u, columns = along_u ? points_u : points_v;
   double most = 1;
-  for (int r = 0; r < rows; ++r) {
-    std::vector<Vec3> row;
-    for (int c = 0; c < columns; ++c) {
-      const int k = along_u ? c : r, l = along_u ? r : c;
-      row.push_back(Euclidean(patch.points[static_cast<std::size_t>(k * (patch.degree_v + 1) + l)]));
-    }
+  for (std::size_t r = 0; r < rows; ++r) {
+    std::vector<Vec3> row(columns);
+    for (std::size_t c = 0; c < columns; ++c)
+      row[c] = Euclidean(patch.points[along_u ? c * points_v + r : r * points_v + c]);
     most = std::max(most, PiecesOf(row, flattening));
   }
   constexpr double kMostPieces = 256;
@@ -68,8 +67,8 @@ Box3 BoxOf(const ScenePatch& patch, const PatchPiece& piece) {
   }
   Box3 box;
   for (int l = 0; l < columns; ++l) {
-    std::vector<Point> line;
-    for (int k = 0; k < rows; ++k) line.push_back(net[static_cast<std::size_t>(k * columns + l)]);
+    std::vector<Point> line(static_cast<std::size_t>(rows));
+    for (int k = 0; k < rows; ++k) line[k] = net[k * columns + l];
     Restrict(line, piece.u_low, piece.u_high);
     for (const Point& p : line) box.Add(Euclidean(p));
   }
