@@ -302,7 +302,7 @@ PatchImage TraceNewtonCramer(const std::vector<ScenePatch>& patches, const Camer
   return image;
 }
 
-DepthDifferences CompareDepths(const std::vector<double>& first, const std::vector<double>& second,
+DepthDifferences CompareDepths(std::span<const double> first, std::span<const double> second,
                                double tolerance_mm) {
   DepthDifferences differences;
   for (std::size_t i = 0; i < first.size(); ++i) {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bench/patch_scene.h"
@@ -42,7 +43,7 @@ struct DepthDifferences {
                 apart = 0;  // apart: both hit, farther than the tolerance
   double largest_mm = 0;    // of those that are not apart
 };
-DepthDifferences CompareDepths(const std::vector<double>& first, const std::vector<double>& second,
+DepthDifferences CompareDepths(std::span<const double> first, std::span<const double> second,
                                double tolerance_mm);
 
 }  // namespace facetless

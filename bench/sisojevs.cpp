@@ -1,6 +1,7 @@
 #include "bench/sisojevs.h"
 
 #include <optional>
+#include <span>
 
 #include "bench/statistics.h"
 #include "render/trace/parallel.h"
@@ -89,7 +90,7 @@ Result<ThesisScene> MeasureThesisScene(const NamedScene& scene, int size, int re
   measured.direct_trace_ms = Median(traces[2]);
   measured.direct = direct->value().stats;
   measured.direct_bytes = measured.direct.scene_bytes;
-  const std::vector<double>& exact = direct->value().samples.depth;
+  const std::span<const double> exact = direct->value().samples.depth;
   measured.martin_differences = CompareDepths(measured.martin.depth, exact, DepthTolerance(frame.value()));
   measured.newton_cramer_differences =
       CompareDepths(measured.newton_cramer.depth, exact, DepthTolerance(frame.value()));
