@@ -52,8 +52,8 @@ namespace {
 
 struct ScreenBox {
   double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
-  double near_depth = INFINITY;
-  double error = 0;      // of its sides, in samples
+  double near_depth = INFINITY, far_depth = -INFINITY;  // no point is nearer, or farther
+  double error = 0;                                     // of its sides, in samples
   bool in_front = true;  // every control point has W > 0: the box is valid
 };
 
@@ -82,7 +82,7 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
 ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRule& rule) {
   ScreenBox box;
   const int n = net.points();
-  double w_low = INFINITY, q_low = INFINITY, far = 0;
+  double w_low = INFINITY, q_low = INFINITY;
   for (int i = 0; i < n; ++i) {
     const double w = net.value[kW][i];
     if (!(w > net.error[kW])) {
@@ -97,14 +97,18 @@ ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRu
     box.y_low = std::min(box.y_low, y);
     box.y_high = std::max(box.y_high, y);
     box.near_depth = std::min(box.near_depth, depth);
+    box.far_depth = std::max(box.far_depth, depth);
     w_low = std::min(w_low, w);
     q_low = std::min(q_low, net.value[kQ][i]);
-    far = std::max(far, std::fabs(depth));
   }
   // Errors: of the pixel, by the window's size at most, and of the depth.
   const double half = std::max(window.half_width, window.half_height);
   box.error = (std::max(net.error[kX], net.error[kY]) + half * net.error[kW]) / w_low;
-  box.near_depth -= NetDepthError(net, rule, far, window.perspective ? q_low : w_low) + far * 0x1p-50;
+  const double far = std::max(std::fabs(box.near_depth), std::fabs(box.far_depth));
+  const double depth_error =
+      NetDepthError(net, rule, far, window.perspective ? q_low : w_low) + far * 0x1p-50;
+  box.near_depth -= depth_error;
+  box.far_depth += depth_error;
   return box;
 }
 
@@ -183,10 +187,11 @@ void LeafSplitter::Visit(const Node& node) {
   ++nodes_;
   if (budget_->Stopped()) return;
   const BezierNet& net = node.net;
-  if (CullFrustum(net, window_) == Visibility::kHidden) return;
 
   // Find the sample centres in the projected box; none: no ray meets the piece.
   const ScreenBox box = Project(net, window_, patch_->rule);
+  if (!box.in_front && CullFrustum(net, window_) == Visibility::kHidden) return;
+  if (window_.perspective && box.in_front && box.far_depth <= window_.near_depth) return;
   int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
   if (box.in_front) {
     const double slack = kBoxSlack + box.error;
