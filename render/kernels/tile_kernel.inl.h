@@ -191,19 +191,19 @@ struct Normal {
   unsigned known;  // lanes in which it is
 };
 
-// The cross product of the derivatives by s and t of the leaf's points at roots (s, t).
-template <int P, int Q, bool kWeightVaries>
+// The cross product of the derivatives by s and t of the leaf's points at roots (s, t). Once per hit: degrees as
+// constants would gain a hundredth of a trace, and double the time to build.
 inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane s, Lane t,
                        const ViewAxes& axes) {
   const int p = leaf.degree_u, q = leaf.degree_v;
   const int n = (p + 1) * (q + 1);
   const Real* g = Coefficients(leaf);
-  const Jet h1 = Evaluate<P, Q>(g, p, q, s, t), h2 = Evaluate<P, Q>(g + n, p, q, s, t);
+  const Jet h1 = Evaluate<-1, -1>(g, p, q, s, t), h2 = Evaluate<-1, -1>(g + n, p, q, s, t);
   const Real* next = g + 2 * n;
   Jet w{Set(1), Set(0), Set(0)};
   Lane h1s = h1.ds, h1t = h1.dt, h2s = h2.ds, h2t = h2.dt;
-  if constexpr (kWeightVaries) {
-    w = Evaluate<P, Q>(next, p, q, s, t);
+  if (leaf.flags & kLeafWeightVaries) {
+    w = Evaluate<-1, -1>(next, p, q, s, t);
     next += n;
     const Lane b1 = Local(x, leaf.center_x, leaf.c11, y, leaf.center_y, leaf.c12);
     const Lane b2 = Local(x, leaf.center_x, leaf.c21, y, leaf.center_y, leaf.c22);
@@ -220,7 +220,7 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
   Lane zs = Set(0), zt = Set(0);
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
   if (leaf.flags & kLeafDepthVaries) {
-    const Jet d = Evaluate<P, Q>(next, p, q, s, t);
+    const Jet d = Evaluate<-1, -1>(next, p, q, s, t);
     if (perspective) {
       const Lane depth = w.f / d.f;
       zs = Fnma(depth, d.ds, w.ds), zt = Fnma(depth, d.dt, w.dt);
@@ -250,42 +250,35 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
           ToBits(Set(kSingular * kSingular) * (longest * longest) < square)};
 }
 
-// Calls run.template operator()<P, Q, kWeightVaries>() for the leaf's degrees.
-template <bool kWeightVaries, typename Run>
-inline auto ByDegree(const Leaf& leaf, const Run& run) {
+template <bool kWeightVaries>
+inline Solution SolveByDegree(const Leaf& leaf, const double* x, const double* y, Mask lanes) {
   switch (leaf.degree_u * 8 + leaf.degree_v) {
     case 1 * 8 + 1:
-      return run.template operator()<1, 1, kWeightVaries>();
+      return Solve<1, 1, kWeightVaries>(leaf, x, y, lanes);
     case 1 * 8 + 2:
-      return run.template operator()<1, 2, kWeightVaries>();
+      return Solve<1, 2, kWeightVaries>(leaf, x, y, lanes);
     case 2 * 8 + 1:
-      return run.template operator()<2, 1, kWeightVaries>();
+      return Solve<2, 1, kWeightVaries>(leaf, x, y, lanes);
     case 2 * 8 + 2:
-      return run.template operator()<2, 2, kWeightVaries>();
+      return Solve<2, 2, kWeightVaries>(leaf, x, y, lanes);
     case 1 * 8 + 3:
-      return run.template operator()<1, 3, kWeightVaries>();
+      return Solve<1, 3, kWeightVaries>(leaf, x, y, lanes);
     case 3 * 8 + 1:
-      return run.template operator()<3, 1, kWeightVaries>();
+      return Solve<3, 1, kWeightVaries>(leaf, x, y, lanes);
     case 2 * 8 + 3:
-      return run.template operator()<2, 3, kWeightVaries>();
+      return Solve<2, 3, kWeightVaries>(leaf, x, y, lanes);
     case 3 * 8 + 2:
-      return run.template operator()<3, 2, kWeightVaries>();
+      return Solve<3, 2, kWeightVaries>(leaf, x, y, lanes);
     case 3 * 8 + 3:
-      return run.template operator()<3, 3, kWeightVaries>();
+      return Solve<3, 3, kWeightVaries>(leaf, x, y, lanes);
     default:
-      return run.template operator()<-1, -1, kWeightVaries>();
+      return Solve<-1, -1, kWeightVaries>(leaf, x, y, lanes);
   }
 }
 
-template <typename Run>
-inline auto ByLeaf(const Leaf& leaf, const Run& run) {
-  return (leaf.flags & kLeafWeightVaries) ? ByDegree<true>(leaf, run) : ByDegree<false>(leaf, run);
-}
-
 inline Solution SolveLeaf(const Leaf& leaf, const double* x, const double* y, unsigned lanes) {
-  return ByLeaf(leaf, [&]<int P, int Q, bool kWeightVaries>() {
-    return Solve<P, Q, kWeightVaries>(leaf, x, y, FromBits(lanes));
-  });
+  return (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, x, y, FromBits(lanes))
+                                          : SolveByDegree<false>(leaf, x, y, FromBits(lanes));
 }
 
 // One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of the
@@ -558,9 +551,7 @@ class Packet {
     unsigned known = 0;
     if (!(leaf.flags & kLeafHard)) {
       const Lane s = LoadNarrow(s_ + first), t = LoadNarrow(t_ + first);
-      const Normal normal = ByLeaf(leaf, [&]<int P, int Q, bool kWeightVaries>() {
-        return NormalAt<P, Q, kWeightVaries>(leaf, x_ + first, y_ + first, s, t, job_.axes);
-      });
+      const Normal normal = NormalAt(leaf, x_ + first, y_ + first, s, t, job_.axes);
       Store(normal.x, x);
       Store(normal.y, y);
       Store(normal.z, z);
