@@ -210,11 +210,15 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
     h1s = Fnma(b1, w.ds, h1s), h1t = Fnma(b1, w.dt, h1t);
     h2s = Fnma(b2, w.ds, h2s), h2t = Fnma(b2, w.dt, h2t);
   }
-  // Undo C, to pixels and then to mm; and the depth with them. All derivatives are off by one common factor.
-  const double scale = axes.pixel_x / (leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21),
-               stretch = axes.pixel_y / axes.pixel_x;
-  const Lane a11 = Set(scale * leaf.c22), a12 = Set(-scale * leaf.c12),
-             a21 = Set(-scale * stretch * leaf.c21), a22 = Set(scale * stretch * leaf.c11);
+  // Undo C, to pixels and then to mm; and the depth with them. One factor for all keeps squares of squares in the
+  // range of a float, however small the leaf.
+  const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
+  const double to_x = axes.pixel_x / determinant, to_y = axes.pixel_y / determinant;
+  const double along_x = std::max(std::fabs(to_x * leaf.c22), std::fabs(to_x * leaf.c12)),
+               along_y = std::max(std::fabs(to_y * leaf.c21), std::fabs(to_y * leaf.c11));
+  const double factor = 1 / std::max(along_x, along_y);
+  const Lane a11 = Set(factor * to_x * leaf.c22), a12 = Set(-factor * to_x * leaf.c12),
+             a21 = Set(-factor * to_y * leaf.c21), a22 = Set(factor * to_y * leaf.c11);
   Lane xs = Fma(a11, h1s, a12 * h2s), xt = Fma(a11, h1t, a12 * h2t);
   Lane ys = Fma(a21, h1s, a22 * h2s), yt = Fma(a21, h1t, a22 * h2t);
   Lane zs = Set(0), zt = Set(0);
@@ -231,6 +235,7 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
   } else if (perspective) {
     zs = w.ds, zt = w.dt;
   }
+  zs = Set(factor) * zs, zt = Set(factor) * zt;
   if (perspective) {
     const Lane tan_x = Local(x, 0, axes.pixel_x, y, 0, 0), tan_y = Local(x, 0, 0, y, 0, axes.pixel_y);
     xs = Fma(tan_x, zs, xs), xt = Fma(tan_x, zt, xt);

@@ -54,7 +54,7 @@ struct ScreenBox {
   double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
   double near_depth = INFINITY, far_depth = -INFINITY;  // no point is nearer, or farther
   double error = 0;                                     // of its sides, in samples
-  bool in_front = true;  // every control point has W > 0: the box is valid
+  bool in_front = true;                                 // every control point has W > 0: the box is valid
 };
 
 enum class Visibility : std::uint8_t { kHidden, kSeen };
