@@ -255,35 +255,11 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
           ToBits(Set(kSingular * kSingular) * (longest * longest) < square)};
 }
 
-template <bool kWeightVaries>
-inline Solution SolveByDegree(const Leaf& leaf, const double* x, const double* y, Mask lanes) {
-  switch (leaf.degree_u * 8 + leaf.degree_v) {
-    case 1 * 8 + 1:
-      return Solve<1, 1, kWeightVaries>(leaf, x, y, lanes);
-    case 1 * 8 + 2:
-      return Solve<1, 2, kWeightVaries>(leaf, x, y, lanes);
-    case 2 * 8 + 1:
-      return Solve<2, 1, kWeightVaries>(leaf, x, y, lanes);
-    case 2 * 8 + 2:
-      return Solve<2, 2, kWeightVaries>(leaf, x, y, lanes);
-    case 1 * 8 + 3:
-      return Solve<1, 3, kWeightVaries>(leaf, x, y, lanes);
-    case 3 * 8 + 1:
-      return Solve<3, 1, kWeightVaries>(leaf, x, y, lanes);
-    case 2 * 8 + 3:
-      return Solve<2, 3, kWeightVaries>(leaf, x, y, lanes);
-    case 3 * 8 + 2:
-      return Solve<3, 2, kWeightVaries>(leaf, x, y, lanes);
-    case 3 * 8 + 3:
-      return Solve<3, 3, kWeightVaries>(leaf, x, y, lanes);
-    default:
-      return Solve<-1, -1, kWeightVaries>(leaf, x, y, lanes);
-  }
-}
-
 inline Solution SolveLeaf(const Leaf& leaf, const double* x, const double* y, unsigned lanes) {
-  return (leaf.flags & kLeafWeightVaries) ? SolveByDegree<true>(leaf, x, y, FromBits(lanes))
-                                          : SolveByDegree<false>(leaf, x, y, FromBits(lanes));
+  return ByDegrees(leaf.degree_u, leaf.degree_v, [&]<int P, int Q>() {
+    return (leaf.flags & kLeafWeightVaries) ? Solve<P, Q, true>(leaf, x, y, FromBits(lanes))
+                                            : Solve<P, Q, false>(leaf, x, y, FromBits(lanes));
+  });
 }
 
 // One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of the

@@ -26,7 +26,7 @@ namespace facetless {
 inline constexpr int kHardSamples = 4;
 // Sample centres in a leaf that the trimming cuts, above which splitting is cheaper than asking for each
 // sample.
-inline constexpr int kTrimmedSamples = 128;
+inline constexpr int kTrimmedSamples = 64;
 
 struct SplitWindow {
   double half_width = 0, half_height = 0;  // of the image, in samples: X/W runs over ±half_width
