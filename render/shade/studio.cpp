@@ -7,9 +7,10 @@ namespace facetless {
 namespace {
 
 struct Light {
-  Vec3 toward;  // unit
-  Vec3 color;   // linear
-  double wrap;  // 0: Lambert; 1: the terminator lies on the far side
+  Vec3 toward;                    // unit
+  Vec3 color;                     // linear
+  double wrap;                    // 0: Lambert; 1: the terminator lies on the far side
+  double scale = 1 / (1 + wrap);  // makes full light 1
 };
 
 Vec3 Times(Vec3 a, Vec3 b) {
@@ -31,13 +32,14 @@ constexpr double kShoulder = 0.60;
 
 double Diffuse(const Light& light, Vec3 normal) {
   // Wrapped Lambert, squared: the terminator is soft and its slope ends in zero.
-  const double wrapped = std::max((Dot(normal, light.toward) + light.wrap) / (1 + light.wrap), 0.0);
+  const double wrapped = std::max((Dot(normal, light.toward) + light.wrap) * light.scale, 0.0);
   return wrapped * (0.45 + 0.55 * wrapped);
 }
 
 double Shoulder(double x) {
   if (x <= kShoulder) return std::max(x, 0.0);
-  const double over = (x - kShoulder) / (1 - kShoulder);
+  constexpr double kScale = 1 / (1 - kShoulder);
+  const double over = (x - kShoulder) * kScale;
   return kShoulder + (1 - kShoulder) * (over / (1 + over));
 }
 
