@@ -157,6 +157,7 @@ PixelPoint Project(const CameraFrame& frame, Vec3 point) {
 const std::vector<std::string>& ViewNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
+    list.reserve(std::size(kViews));
     for (const ViewDirection& view : kViews) list.emplace_back(view.name);
     return list;
   }();

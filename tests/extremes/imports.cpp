@@ -123,9 +123,9 @@ std::string StepOf(const Net& net) {
   const int edges[4] = {
       edge(0, 1, net.degree_u, net.u, first_column), edge(1, 2, net.degree_v, net.v, points[rows - 1]),
       edge(3, 2, net.degree_u, net.u, last_column), edge(0, 3, net.degree_v, net.v, points[0])};
-  std::vector<int> uses;
+  std::vector<int> uses(4);
   for (int k = 0; k < 4; ++k)
-    uses.push_back(writer.Add("ORIENTED_EDGE('',*,*," + Reference(edges[k]) + (k < 2 ? ",.T.)" : ",.F.)")));
+    uses[k] = writer.Add("ORIENTED_EDGE('',*,*," + Reference(edges[k]) + (k < 2 ? ",.T.)" : ",.F.)"));
   const int loop = writer.Add("EDGE_LOOP(''," + List(uses, Reference) + ")");
   const int bound = writer.Add("FACE_OUTER_BOUND(''," + Reference(loop) + ",.T.)");
   const int face = writer.Add("ADVANCED_FACE('',(" + Reference(bound) + ")," + Reference(surface) + ",.T.)");

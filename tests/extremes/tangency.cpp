@@ -27,7 +27,8 @@ constexpr int kPlaces = 8;
 // An angle for each place, the multiples of a quarter turn (seams) among them.
 double AngleOf(int place) {
   constexpr double kQuarter = 1.5707963267948966;
-  return place % 2 == 0 ? place / 2 * kQuarter : place + 0.3;
+  const int quarters = place / 2;
+  return place % 2 == 0 ? quarters * kQuarter : place + 0.3;
 }
 
 std::vector<Subject> Subjects() {

@@ -19,14 +19,16 @@ void AddFields(Rows& rows) {
     double degrees, least_distance_mm;  // of the eye from the sphere's centre; wide ones from close to it
     std::optional<ErrorCode> error = {};
   };
-  for (const auto& [fov, least_mm, error] : {Field{1e-6, 1.05},
-                                             {1e-3, 1.05},
-                                             {1, 1.05},
-                                             {120, 1.05},
-                                             {170, 1.05},
-                                             {179, 1.05},
-                                             {179.999, 2.5},
-                                             {179.999, 1.05, ErrorCode::kLimitExceeded}}) {
+  for (const Field& field : {Field{1e-6, 1.05},
+                             {1e-3, 1.05},
+                             {1, 1.05},
+                             {120, 1.05},
+                             {170, 1.05},
+                             {179, 1.05},
+                             {179.999, 2.5},
+                             {179.999, 1.05, ErrorCode::kLimitExceeded}}) {
+    const double fov = field.degrees, least_mm = field.least_distance_mm;
+    const std::optional<ErrorCode> error = field.error;
     char input[120];
     std::snprintf(input, sizeof input, "field of view of %g degrees, three solids of 1 mm%s", fov,
                   error ? ", across the eye plane" : "");
