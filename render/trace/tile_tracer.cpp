@@ -180,7 +180,9 @@ bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y
   }
   if (answer.certain) return answer.inside;
   // A whole surface that closes goes on across its border.
-  if (shared_.scene.faces[placed.face].trim.whole() && NeighbourOf(hit_leaf, root, x, y)) return true;
+  if (shared_.scene.faces[placed.face].trim.whole() &&
+      NeighbourOf(hit_leaf, root, {geometry.depth, root.s, root.t, hit_leaf.depth_error}, x, y))
+    return true;
   *hit_doubt |= kDoubtTrim;
   return answer.inside;
 }
@@ -208,8 +210,8 @@ void TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const 
   }
 }
 
-std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, const Root& root, double x,
-                                                             double y) {
+std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, const Root& root,
+                                                             const TileHit& own_hit, double x, double y) {
   const double u = own.u_mid + root.s * own.u_half, v = own.v_mid + root.t * own.v_half;
   const std::optional<PatchBorder> border =
       BorderOf(u, root.error_s * own.u_half, v, root.error_t * own.v_half);
@@ -238,6 +240,11 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
                             : Native{where.u_map->ToNative(where.u), reach_u, reach_v, rate_v};
   };
   const auto here = native(own, root);
+  // And in depth, which changes by its error where the root moves by its own. The ends of a surface that does not
+  // close may lie behind each other.
+  const auto depth_reach = [](const Root& at, double error) {
+    return error * (4 + kBorderOverlap / std::min(at.error_s, at.error_t));
+  };
 
   std::optional<Neighbour> neighbour;
   const auto consider = [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
@@ -248,7 +255,9 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
     const double error = border->across_u ? other.error_s * leaf.u_half : other.error_t * leaf.v_half;
     if (other.jacobian_sign * root.jacobian_sign <= 0 ||
         std::fabs(here.along - there.along) > here.reach_along + there.reach_along ||
-        std::fabs(inside) > (here.reach_off + there.reach_off) * there.rate_off)
+        std::fabs(inside) > (here.reach_off + there.reach_off) * there.rate_off ||
+        !(std::fabs(hit.depth - own_hit.depth) <=
+          depth_reach(root, own_hit.error) + depth_reach(other, hit.error)))
       return;
     neighbour = Neighbour{hit.depth, hit.error, inside >= -error};
   };
@@ -263,6 +272,10 @@ bool TileTracer::OnSeam(const Leaf& own, const Root& root, const TrimAnswer& ans
                         double y) {
   // The face goes on there: whichever coedge the edge gives the ray to, the ray has its hit.
   const Model& model = *shared_.scene.model;
+  // At a corner another edge has a say.
+  if (answer.other_coedge != kNoIndex &&
+      model.coedges[answer.other_coedge].edge != model.coedges[answer.coedge].edge)
+    return false;
   bool again = false;
   EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
     if (again || other.jacobian_sign * root.jacobian_sign <= 0) return;
@@ -279,7 +292,7 @@ bool TileTracer::KeepOnBorder(const Leaf& leaf, const Root& root, double x, doub
                               std::uint8_t* hit_doubt) {
   // Where both patches have the root and turn the same way, the border runs between their images: one of them
   // has the ray, and the surface there is seen by it once.
-  const std::optional<Neighbour> neighbour = NeighbourOf(leaf, root, x, y);
+  const std::optional<Neighbour> neighbour = NeighbourOf(leaf, root, *hit, x, y);
   if (!neighbour || !neighbour->within) {
     *hit_doubt |= kDoubtTwoRoots;
     return true;

@@ -116,7 +116,8 @@ class TileTracer {
     double depth, error;
     bool within;  // not proven to lie beyond its own border
   };
-  std::optional<Neighbour> NeighbourOf(const Leaf& leaf, const Root& root, double x, double y);
+  std::optional<Neighbour> NeighbourOf(const Leaf& leaf, const Root& root, const TileHit& hit, double x,
+                                       double y);
   // Whether the face has the root again on the other side of the seam that `answer` names.
   bool OnSeam(const Leaf& leaf, const Root& root, const TrimAnswer& answer, double depth, double x, double y);
   bool Keep(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
