@@ -10,7 +10,7 @@
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/interrupt.h"
-#include "server/serve.h"
+#include "server/service/serve.h"
 #include "server/version.h"
 
 namespace facetless {

@@ -52,7 +52,7 @@
 #include "render/shade/shade.h"
 #include "render/trace/camera.h"
 #include "render/trace/direct.h"
-#include "server/import_process.h"
+#include "server/importer/import_process.h"
 
 namespace facetless {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "server/files.h"
-#include "server/web_assets.h"
+#include "server/service/web_assets.h"
 
 namespace facetless {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "render/model/model_file.h"
-#include "server/import_process.h"
+#include "server/importer/import_process.h"
 #include "tests/extremes/models.h"
 #include "tests/server/support.h"
 

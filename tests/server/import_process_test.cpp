@@ -1,6 +1,6 @@
 // The importer's launcher, with a stand-in that does what the first word of its input says
 // (tests/fake_importer).
-#include "server/import_process.h"
+#include "server/importer/import_process.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/web_assets.h"
+#include "server/service/web_assets.h"
 #include "tests/server/support.h"
 
 namespace facetless {

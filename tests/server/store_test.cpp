@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/file_store.h"
 #include "server/files.h"
+#include "server/service/file_store.h"
 #include "server/sha256.h"
 #include "tests/server/support.h"
 

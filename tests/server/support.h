@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/child_process.h"
+#include "server/importer/child_process.h"
 #include "server/temp_dir.h"
 
 namespace facetless {

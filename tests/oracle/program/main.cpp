@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "render/model/model_file.h"
-#include "server/import_process.h"
+#include "server/importer/import_process.h"
 #include "tests/oracle/aim.h"
 #include "tests/oracle/judge.h"
 

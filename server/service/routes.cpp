@@ -1,4 +1,4 @@
-#include "server/routes.h"
+#include "server/service/routes.h"
 
 #include <string_view>
 

@@ -1,4 +1,4 @@
-#include "server/sandbox.h"
+#include "server/importer/sandbox.h"
 
 #include <sched.h>
 #include <seccomp.h>

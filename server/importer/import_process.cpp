@@ -1,4 +1,4 @@
-#include "server/import_process.h"
+#include "server/importer/import_process.h"
 
 #include <signal.h>
 #include <sys/stat.h>
@@ -16,9 +16,9 @@
 #include <thread>
 #include <utility>
 
-#include "server/child_process.h"
 #include "server/files.h"
-#include "server/sandbox.h"
+#include "server/importer/child_process.h"
+#include "server/importer/sandbox.h"
 
 namespace facetless {
 namespace {

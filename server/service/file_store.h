@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "server/store.h"
+#include "server/service/store.h"
 
 namespace facetless {
 

@@ -1,4 +1,4 @@
-#include "server/serve.h"
+#include "server/service/serve.h"
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -12,10 +12,10 @@
 
 #include "server/commands.h"
 #include "server/exit_code.h"
-#include "server/file_store.h"
-#include "server/http_server.h"
 #include "server/interrupt.h"
-#include "server/service.h"
+#include "server/service/file_store.h"
+#include "server/service/http_server.h"
+#include "server/service/service.h"
 
 namespace facetless {
 namespace {

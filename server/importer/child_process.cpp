@@ -1,4 +1,4 @@
-#include "server/child_process.h"
+#include "server/importer/child_process.h"
 
 #include <fcntl.h>
 #include <linux/seccomp.h>

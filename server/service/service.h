@@ -16,9 +16,9 @@
 #include <string>
 
 #include "server/interrupt.h"
-#include "server/message.h"
 #include "server/run.h"
-#include "server/store.h"
+#include "server/service/message.h"
+#include "server/service/store.h"
 
 namespace facetless {
 

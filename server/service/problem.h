@@ -9,7 +9,7 @@
 #include <string>
 
 #include "render/model/result.h"
-#include "server/message.h"
+#include "server/service/message.h"
 
 namespace facetless {
 

@@ -1,4 +1,4 @@
-#include "server/problem.h"
+#include "server/service/problem.h"
 
 #include <nlohmann/json.hpp>
 

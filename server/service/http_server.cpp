@@ -1,4 +1,4 @@
-#include "server/http_server.h"
+#include "server/service/http_server.h"
 
 #include <fcntl.h>
 #include <httplib.h>
@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/problem.h"
+#include "server/service/problem.h"
 #include "server/sha256.h"
 
 namespace facetless {

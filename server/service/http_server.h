@@ -12,7 +12,7 @@
 #include <string>
 
 #include "render/model/result.h"
-#include "server/service.h"
+#include "server/service/service.h"
 
 namespace facetless {
 

@@ -1,4 +1,4 @@
-#include "server/service.h"
+#include "server/service/service.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,11 +8,11 @@
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "server/files.h"
-#include "server/problem.h"
-#include "server/routes.h"
+#include "server/service/problem.h"
+#include "server/service/routes.h"
+#include "server/service/web_assets.h"
 #include "server/sha256.h"
 #include "server/version.h"
-#include "server/web_assets.h"
 
 namespace facetless {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/file_store.h"
+#include "server/service/file_store.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
