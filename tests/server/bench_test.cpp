@@ -69,7 +69,8 @@ TEST_F(BenchProgram, AMeshThatTakesTooLongCountsAtTheLimit) {
                                     "--threads", "1", "--time-limit", "0.5", "--no-growth", "--json", json_});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
   EXPECT_THAT(outcome.out, HasSubstr("meshing takes longer than 0.5 s"));
-  for (const Json& value : Json::parse(ReadText(json_)).at("values")) {
+  const Json answer = Json::parse(ReadText(json_));
+  for (const Json& value : answer.at("values")) {
     if (value.at("row") != "first_image_fine_mesh") continue;
     EXPECT_TRUE(value.at("at_limit").get<bool>());
     EXPECT_EQ(value.at("other"), 500);
