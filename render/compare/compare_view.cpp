@@ -4,8 +4,11 @@
 #include <chrono>
 #include <map>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
+
+#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -46,11 +49,14 @@ Result<Image8> Develop(const SampleBuffer& samples, const CameraFrame& frame,
   shade.samples_x = grid.x;
   shade.samples_y = grid.y;
   shade.threads = options.threads;
-  const Result<Film> film = Shade(samples, frame, colors, shade);
+  Result<Film> film = Shade(samples, frame, colors, shade);
   if (!film.ok()) return film.error();
-  const Result<Film> resolved = Resolve(film.value(), grid.x, grid.y);
-  if (!resolved.ok()) return resolved.error();
-  return Encode(resolved.value());
+  std::optional<Result<Image8>> image;
+  RunWithThreads(options.threads, [&] {
+    const Result<Film> resolved = Resolve(std::move(film).value(), grid.x, grid.y);
+    image = resolved.ok() ? Encode(resolved.value()) : Result<Image8>(resolved.error());
+  });
+  return *std::move(image);
 }
 
 // What RenderView makes, and the samples of the colour pass, which the foreign mesh's colours come from.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -72,7 +73,7 @@ std::uint8_t EncodeByte(float linear) {
   return static_cast<std::uint8_t>(byte);
 }
 
-Result<Film> Resolve(const Film& samples, int samples_x, int samples_y) {
+Result<Film> Resolve(Film samples, int samples_x, int samples_y) {
   if (samples_x < 1 || samples_y < 1 || samples.width % samples_x != 0 || samples.height % samples_y != 0)
     return Error{ErrorCode::kSizeMismatch, std::to_string(samples.width) + "×" +
                                                std::to_string(samples.height) +
@@ -101,30 +102,61 @@ Result<Film> Resolve(const Film& samples, int samples_x, int samples_y) {
   return film;
 }
 
+namespace {
+
+// Whether each of `count` numbers is finite.
+bool AllFinite(const float* numbers, std::size_t count) {
+  constexpr std::uint32_t kExponent = 0x7f800000;
+  bool found = false;
+  for (std::size_t i = 0; i < count; ++i)
+    found |= (std::bit_cast<std::uint32_t>(numbers[i]) & kExponent) == kExponent;
+  return !found;
+}
+
+// The first pixel of [first, last) with a number that is not finite; `last` if there is none.
+std::size_t FindBadPixel(const Film& film, std::size_t first, std::size_t last) {
+  if (AllFinite(film.pixels[first].data(), 4 * (last - first))) return last;
+  while (AllFinite(film.pixels[first].data(), 4)) ++first;
+  return first;
+}
+
+}  // namespace
+
 Result<Image8> Encode(const Film& film) {
   // Refuse what is no number, and see whether anything is transparent.
-  bool opaque = true;
-  for (std::size_t i = 0; i < film.pixels.size(); ++i) {
-    for (float c : film.pixels[i])
-      if (!std::isfinite(c))
-        return Error{ErrorCode::kNotFinite, "pixel (" + std::to_string(i % film.width) + ", " +
-                                                std::to_string(i / film.width) +
-                                                ") of a film is not a number"};
-    opaque = opaque && film.pixels[i][3] >= 1;
-  }
+  constexpr std::size_t kBlock = 4096;
+  std::atomic<std::size_t> bad{film.pixels.size()};
+  std::atomic<bool> opaque{true};
+  ParallelForBlocks(0, film.pixels.size(), kBlock, [&](std::size_t first, std::size_t last) {
+    const std::size_t found = FindBadPixel(film, first, last);
+    std::size_t known = bad.load();
+    while (found < last && found < known && !bad.compare_exchange_weak(known, found)) {
+    }
+    float least = 1;
+    for (std::size_t i = first; i < last; ++i) least = std::min(least, film.pixels[i][3]);
+    if (least < 1) opaque = false;
+  });
+  if (bad < film.pixels.size())
+    return Error{ErrorCode::kNotFinite, "pixel (" + std::to_string(bad % film.width) + ", " +
+                                            std::to_string(bad / film.width) + ") of a film is not a number"};
 
   Image8 image;
   image.width = film.width;
   image.height = film.height;
-  image.channels = opaque ? 3 : 4;
-  image.bytes.resize(film.pixels.size() * image.channels);
-  ParallelForBlocks(0, film.pixels.size(), 4096, [&](std::size_t first, std::size_t last) {
+  const int channels = image.channels = opaque ? 3 : 4;
+  image.bytes.resize(film.pixels.size() * channels);
+  ParallelForBlocks(0, film.pixels.size(), kBlock, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const auto& pixel = film.pixels[i];
-      std::uint8_t* out = &image.bytes[i * image.channels];
+      std::uint8_t* out = &image.bytes[i * channels];
+      // Neighbours are mostly alike where there is nothing.
+      if (i > first && pixel == film.pixels[i - 1]) {
+        std::copy_n(out - channels, channels, out);
+        continue;
+      }
       const float alpha = std::clamp(pixel[3], 0.0f, 1.0f);
       for (int c = 0; c < 3; ++c) out[c] = alpha > 0 ? EncodeByte(pixel[c] / alpha) : 0;
-      if (!opaque) out[3] = static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
+      if (channels == 4) out[3] = static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
     }
   });
   return image;

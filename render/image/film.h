@@ -33,7 +33,7 @@ struct Image8 {
 // Box filter: each pixel of the result is the mean of samples_x × samples_y of the film's, in linear light,
 // summed in a fixed order. Requires that samples_x divides the width and samples_y the height
 // (kSizeMismatch).
-Result<Film> Resolve(const Film& samples, int samples_x, int samples_y);
+Result<Film> Resolve(Film samples, int samples_x, int samples_y);
 
 // Numbers outside 0 … 1 are clamped. Error: kNotFinite names the first pixel with a NaN or an infinity.
 Result<Image8> Encode(const Film& film);
