@@ -18,6 +18,7 @@
 #include "render/model/model.h"
 #include "render/model/model_file.h"
 #include "tests/samples/program.h"
+#include "tests/samples/samples.h"
 
 namespace facetless {
 namespace {
@@ -25,23 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-fs::path SamplesFolder() {
-  const char* root = std::getenv("FACETLESS_SOURCE");
-  return (root != nullptr ? fs::path(root) : fs::path(__FILE__).parent_path().parent_path().parent_path()) /
-         "samples";
-}
-
 json Expected() {
   return json::parse(std::ifstream(SamplesFolder() / "expected.json"));
-}
-
-std::vector<std::string> SampleNames() {
-  std::vector<std::string> names;
-  std::ifstream file(SamplesFolder() / "expected.json");
-  // Listed when the program is loaded, so a missing file must not throw here: TheListIsThere says it.
-  const json expected = json::parse(file, nullptr, false);
-  for (const auto& [name, value] : expected.items()) names.push_back(name);
-  return names;
 }
 
 TEST(Samples, TheListIsThere) {
@@ -116,13 +102,8 @@ TEST_P(Sample, InspectGivesItsExitCodeAndReport) {
   EXPECT_EQ(model["loops_lost"], json::array());
 }
 
-std::string TestName(const testing::TestParamInfo<std::string>& info) {
-  std::string name = info.param;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(All, Sample, testing::ValuesIn(SampleNames()), TestName);
+INSTANTIATE_TEST_SUITE_P(All, Sample, testing::ValuesIn(SampleNames()),
+                         [](const auto& info) { return TestName(info.param); });
 
 }  // namespace
 }  // namespace facetless
