@@ -2,21 +2,27 @@
 
 #include <cstdlib>
 
+#include "render/kernels/net_kernel.h"
+
 namespace facetless {
 
 std::vector<Kernels> AvailableKernels() {
   // Narrowest first; each needs all that Highway's target of that name uses.
-  std::vector<Kernels> available{{"scalar", kernel_scalar::TraceTile, kernel_scalar_float::TraceTile}};
+  std::vector<Kernels> available{
+      {"scalar", kernel_scalar::TraceTile, kernel_scalar_float::TraceTile, &kernel_scalar::kNets}};
 #if defined(__x86_64__)
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                     __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
                     __builtin_cpu_supports("f16c");
-  if (avx2) available.push_back({"avx2", kernel_avx2::TraceTile, kernel_avx2_float::TraceTile});
+  if (avx2)
+    available.push_back({"avx2", kernel_avx2::TraceTile, kernel_avx2_float::TraceTile, &kernel_avx2::kNets});
   if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512cd")) {
-    available.push_back({"avx512", kernel_avx512::TraceTile, kernel_avx512_float::TraceTile});
+    // A point of a net fills a register of AVX2.
+    available.push_back(
+        {"avx512", kernel_avx512::TraceTile, kernel_avx512_float::TraceTile, &kernel_avx2::kNets});
   }
 #endif
   return available;

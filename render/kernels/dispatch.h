@@ -10,6 +10,7 @@
 
 #include "render/kernels/tile_kernel.h"
 #include "render/model/result.h"
+#include "render/nurbs/net_operations.h"
 
 namespace facetless {
 
@@ -17,6 +18,7 @@ struct Kernels {
   std::string isa;
   TileKernel trace_tile = nullptr;        // in double
   TileKernel trace_tile_float = nullptr;  // in single precision, for leaves with coefficients32
+  const NetOperations* nets = nullptr;
 };
 
 // Errors: kBadUsage.

@@ -1,10 +1,9 @@
-// Tensor-product Bézier nets of several components, and their two elementary operations: halving,
-// extending, and the change to centred monomials.
+// Tensor-product Bézier nets of several components. What is done to every one of them is in net_operations.h; here is what is
+// done to few: extending, and the matrices of the change to centred monomials.
 //
-//  1. A net holds `components` planes of (degree_u+1)·(degree_v+1) coefficients, u-major:
-//     value[c][k·(degree_v+1) + l].
-//  2. Halving is de Casteljau's at 1/2: both halves share the coefficients of the new border bit by bit.
-//     Extending leaves the coefficients of a border that it doesn't move as they are.
+//  1. A net holds (degree_u+1)·(degree_v+1) coefficients, u-major, each with its components side by side:
+//     value[kNetComponents·(k·(degree_v+1) + l) + c].
+//  2. Extending leaves the coefficients of a border that it doesn't move as they are.
 //  3. Everything here is plain multiplication and addition in a fixed order: the same bytes on every machine.
 //  4. `error[c]` bounds how far each coefficient of component c lies from that of the exact surface: whoever
 //     fills a net states it, and halving adds its own rounding.
@@ -12,6 +11,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 namespace facetless {
 
@@ -23,20 +23,30 @@ enum NetComponent : int { kX = 0, kY = 1, kW = 2, kQ = 3, kNetComponents = 4 };
 
 struct BezierNet {
   int degree_u = 1, degree_v = 1;
-  double* value[kNetComponents] = {};  // storage belongs to the caller
+  double* value = nullptr;  // storage belongs to the caller
   double error[kNetComponents] = {};
   int points() const { return (degree_u + 1) * (degree_v + 1); }
   int stride() const { return degree_v + 1; }
+  // Component `c` of coefficient `i`.
+  double at(int i, NetComponent c) const { return value[kNetComponents * i + c]; }
+  double& at(int i, NetComponent c) { return value[kNetComponents * i + c]; }
 };
 
 enum class Direction : unsigned char { kU, kV };
 
-// The largest magnitude; NaN if there is one after it.
-double MaxAbs(const double* values, int count);
+// A net that owns its storage, for work that needs many in turn.
+struct OwnedNet {
+  BezierNet net;
+  std::vector<double> storage;
 
-// Halves `net` at the middle of one direction into `low` and `high`, which have its degrees and storage of
-// their own, and their errors.
-void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high);
+  void SetDegrees(int degree_u, int degree_v) {
+    net.degree_u = degree_u;
+    net.degree_v = degree_v;
+    const std::size_t count = std::size_t(kNetComponents) * net.points();
+    if (storage.size() < count) storage.resize(count);
+    net.value = storage.data();
+  }
+};
 
 // Re-expresses component `c` of `net`, and its error, over [−low, 1 + high] of one direction's parameter; low, high >= 0, and
 // small, because extrapolation magnifies rounding by (1 + 2·(low + high))^degree.
@@ -46,9 +56,6 @@ void Extend(BezierNet* net, NetComponent c, Direction direction, double low, dou
 // where s = 2t − 1 ∈ [−1,1]. Entries are integers times 2^−degree, hence exact.
 using MonomialMatrix = std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1>;
 const MonomialMatrix& CenteredMonomialMatrix(int degree);
-
-// out[i·stride + j] = coefficient of s^i·t^j of the component `in`. `out` may not alias `in`.
-void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* out);
 
 // Calls run.template operator()<P, Q>() with the degrees as constants where both are at most 3, as most surfaces' are, and
 // with −1 for both otherwise: loops that the compiler knows the length of cost half.

@@ -17,14 +17,14 @@ double LineImage::DistanceOf(double px, double py) const {
 
 LineImage FitLine(const BezierNet& net) {
   LineImage line;
-  const auto image_x = [&](int i) { return net.value[kX][i] / net.value[kW][i]; };
-  const auto image_y = [&](int i) { return net.value[kY][i] / net.value[kW][i]; };
+  const auto image_x = [&](int i) { return net.at(i, kX) / net.at(i, kW); };
+  const auto image_y = [&](int i) { return net.at(i, kY) / net.at(i, kW); };
   // Take the farthest control point from the first, and what the points are off by.
   line.x = image_x(0);
   line.y = image_y(0);
   double along_x = 0, along_y = 0, length = 0, error = 0, ends = 0;
   const auto error_of = [&](int i, double size) {
-    return (net.error[kX] + net.error[kY] + size * net.error[kW]) / net.value[kW][i] +
+    return (net.error[kX] + net.error[kY] + size * net.error[kW]) / net.at(i, kW) +
            kRounding * (size + std::fabs(line.x) + std::fabs(line.y));
   };
   for (int i = 0; i < net.points(); ++i) {

@@ -57,13 +57,13 @@ enum LeafFlag : std::uint16_t {
       32,  // with kLeafHard: one sample beside an edge, and the hit (s_low, t_low) at near_depth that its
            // face may owe the ray (trace/seams.h)
   kLeafOdd = 64,        // with kLeafSeam: the ray should cross the face an odd number of times
-  kLeafAtBorder = 256,  // touches a border of its patch: OnPatchBorder may hold
   kLeafEdgeOn = 128,    // hard, and its image is a line (edge_on.h): a ray misses it, or nothing is known
+  kLeafAtBorder = 256,  // touches a border of its patch: OnPatchBorder may hold
 };
 
 struct Leaf {
-  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: X, Y, W,
-  // Q in Bernstein form, X and Y relative to (center_x, center_y).
+  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: the values of a
+  // BezierNet.
   const double* coefficients = nullptr;
   const float* coefficients32 = nullptr;      // instead of the others, for a kernel in single precision
   double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
@@ -113,15 +113,12 @@ struct Verdict {
   double kappa_halved_u = INFINITY, kappa_halved_v = INFINITY;
 };
 
-// Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success fills
-// everything of `leaf` that follows from the net — but not coefficients, ranges, names — and writes
-// leaf->planes()·points() monomials to `monomials` (room for 4·points()). Fails where the bound of Law 1 or
-// Law 5 does, or where errors leave no root to tell apart.
-Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, Leaf* leaf,
-                double* monomials);
-
 // How far the depth of a point is off for the net's error alone, depths being at most `far` in magnitude and
 // the divisor (Q in perspective, else W) at least `divisor`.
-double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor);
+inline double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor) {
+  const double own = rule.perspective ? net.error[kW] : net.error[kQ];
+  const double of_divisor = rule.perspective ? net.error[kQ] : net.error[kW];
+  return (own + far * of_divisor) / divisor;
+}
 
 }  // namespace facetless

@@ -32,30 +32,13 @@ double* CoefficientArena::Allocate(std::size_t count) {
   return result;
 }
 
-struct LeafSplitter::Node {
-  BezierNet net;
-  std::vector<double> storage;
+struct LeafSplitter::Node : OwnedNet {
   double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;
   RectClass trim = RectClass::kMixed;
   int level = 0;
-
-  void SetDegrees(int degree_u, int degree_v) {
-    net.degree_u = degree_u;
-    net.degree_v = degree_v;
-    const std::size_t n = net.points();
-    if (storage.size() < kNetComponents * n) storage.resize(kNetComponents * n);
-    for (int c = 0; c < kNetComponents; ++c) net.value[c] = storage.data() + c * n;
-  }
 };
 
 namespace {
-
-struct ScreenBox {
-  double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
-  double near_depth = INFINITY, far_depth = -INFINITY;  // no point is nearer, or farther
-  double error = 0;                                     // of its sides, in samples
-  bool in_front = true;                                 // every control point has W > 0: the box is valid
-};
 
 enum class Visibility : std::uint8_t { kHidden, kSeen };
 
@@ -67,90 +50,34 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   const double slack_x = net.error[kX] + window.half_width * net.error[kW],
                slack_y = net.error[kY] + window.half_height * net.error[kW];
   for (int i = 0; i < n; ++i) {
-    const double x = net.value[kX][i], y = net.value[kY][i], w = net.value[kW][i];
+    const double x = net.at(i, kX), y = net.at(i, kY), w = net.at(i, kW);
     const double limit_x = (window.half_width + kBoxSlack) * w + slack_x,
                  limit_y = (window.half_height + kBoxSlack) * w + slack_y;
     left = left && x < -limit_x;
     right = right && x > limit_x;
     above = above && y < -limit_y;
     below = below && y > limit_y;
-    behind = behind && w + net.error[kW] <= window.near_depth * net.value[kQ][i];
+    behind = behind && w + net.error[kW] <= window.near_depth * net.at(i, kQ);
   }
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
 
-ScreenBox Project(const BezierNet& net, const SplitWindow& window, const DepthRule& rule) {
-  ScreenBox box;
-  const int n = net.points();
-  double w_low = INFINITY, q_low = INFINITY;
-  for (int i = 0; i < n; ++i) {
-    const double w = net.value[kW][i];
-    if (!(w > net.error[kW])) {
-      box.in_front = false;
-      return box;
-    }
-    const double inverse = rule.weight_varies ? 1 / w : 1;
-    const double x = net.value[kX][i] * inverse, y = net.value[kY][i] * inverse;
-    const double depth = window.perspective ? w / net.value[kQ][i] : net.value[kQ][i] * inverse;
-    box.x_low = std::min(box.x_low, x);
-    box.x_high = std::max(box.x_high, x);
-    box.y_low = std::min(box.y_low, y);
-    box.y_high = std::max(box.y_high, y);
-    box.near_depth = std::min(box.near_depth, depth);
-    box.far_depth = std::max(box.far_depth, depth);
-    w_low = std::min(w_low, w);
-    q_low = std::min(q_low, net.value[kQ][i]);
+// Whether the net's corners alone show that its image is no line: they span more than its errors and rounding could.
+bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window) {
+  const double size = std::max(std::max(-box.x_low, box.x_high), std::max(-box.y_low, box.y_high));
+  // Of a corner: the net's own error, by the size instead of the window's, and rounding. FitLine allows four of them.
+  const double error = 64 * (box.error * std::max(1.0, size / half_window) + 0x1p-49 * size);
+  const int corners[] = {0, net.degree_v, net.points() - net.stride(), net.points() - 1};
+  double x[4], y[4];
+  for (int k = 0; k < 4; ++k) {
+    const double inverse = 1 / net.at(corners[k], kW);
+    x[k] = net.at(corners[k], kX) * inverse - (k > 0 ? x[0] : 0);
+    y[k] = net.at(corners[k], kY) * inverse - (k > 0 ? y[0] : 0);
   }
-  // Errors: of the pixel, by the window's size at most, and of the depth.
-  const double half = std::max(window.half_width, window.half_height);
-  box.error = (std::max(net.error[kX], net.error[kY]) + half * net.error[kW]) / w_low;
-  const double far = std::max(std::fabs(box.near_depth), std::fabs(box.far_depth));
-  const double depth_error =
-      NetDepthError(net, rule, far, window.perspective ? q_low : w_low) + far * 0x1p-50;
-  box.near_depth -= depth_error;
-  box.far_depth += depth_error;
-  return box;
-}
-
-// How far the projected net extends along u and v: bounds of the first differences of its control points, in
-// samples; across the eye plane, where a sample has no place, of their X, Y and W, the last times half the
-// window, which is what X is at the window's border.
-struct Extent {
-  double u = 0, v = 0;
-};
-
-Extent MeasureExtent(const BezierNet& net, const SplitWindow& window, bool weight_varies, bool in_front) {
-  const int n = net.points(), stride = net.stride(), pu = net.degree_u, pv = net.degree_v;
-  double screen[2][kMaxNetPoints];
-  const double* components[3] = {net.value[kX], net.value[kY], nullptr};
-  double scales[3] = {1, 1, 0};
-  if (!in_front) {
-    components[2] = net.value[kW];
-    scales[2] = std::max(window.half_width, window.half_height);
-  } else if (weight_varies) {
-    for (int i = 0; i < n; ++i) {
-      const double inverse = 1 / net.value[kW][i];
-      screen[0][i] = net.value[kX][i] * inverse;
-      screen[1][i] = net.value[kY][i] * inverse;
-    }
-    components[0] = screen[0];
-    components[1] = screen[1];
-  }
-  Extent extent;
-  for (int c = 0; c < 3 && components[c]; ++c) {
-    const double* f = components[c];
-    double u = 0, v = 0;
-    for (int k = 0; k <= pu; ++k) {
-      for (int l = 0; l <= pv; ++l) {
-        const int i = k * stride + l;
-        if (k < pu) u = std::max(u, std::fabs(f[i + stride] - f[i]));
-        if (l < pv) v = std::max(v, std::fabs(f[i + 1] - f[i]));
-      }
-    }
-    extent.u = std::max(extent.u, scales[c] * pu * u);
-    extent.v = std::max(extent.v, scales[c] * pv * v);
-  }
-  return extent;
+  const double longest = (box.x_high - box.x_low) + (box.y_high - box.y_low);
+  return std::fabs(x[1] * y[2] - y[1] * x[2]) > error * longest ||
+         std::fabs(x[1] * y[3] - y[1] * x[3]) > error * longest ||
+         std::fabs(x[2] * y[3] - y[2] * x[3]) > error * longest;
 }
 
 }  // namespace
@@ -189,7 +116,9 @@ void LeafSplitter::Visit(const Node& node) {
   const BezierNet& net = node.net;
 
   // Find the sample centres in the projected box; none: no ray meets the piece.
-  const ScreenBox box = Project(net, window_, patch_->rule);
+  const NetOperations& nets = *window_.nets;
+  const double half_window = std::max(window_.half_width, window_.half_height);
+  const NetBox box = nets.project(net, patch_->rule, half_window);
   if (!box.in_front && CullFrustum(net, window_) == Visibility::kHidden) return;
   if (window_.perspective && box.in_front && box.far_depth <= window_.near_depth) return;
   int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
@@ -230,10 +159,11 @@ void LeafSplitter::Visit(const Node& node) {
   if (box.in_front) {
     Leaf leaf;
     double monomials[kNetComponents * kMaxNetPoints];
-    verdict = Certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
+    verdict = nets.certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
     const bool certified = verdict.certified;
     const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
-    const bool edge_on = !certified && samples > kHardSamples && FitLine(net).is_line;
+    const bool edge_on = !certified && samples > kHardSamples && !CornersSpanArea(net, box, half_window) &&
+                         FitLine(net).is_line;
     const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
     if ((certified && (trimmed_small || last_level)) || hard) {
       if (hard) {
@@ -246,8 +176,7 @@ void LeafSplitter::Visit(const Node& node) {
         leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
         leaf.c11 = net.error[kX], leaf.c12 = net.error[kY];
         leaf.c21 = net.error[kW], leaf.c22 = net.error[kQ];
-        for (int c = 0; c < kNetComponents; ++c)
-          std::copy_n(net.value[c], net.points(), monomials + c * net.points());
+        std::copy_n(net.value, kNetComponents * net.points(), monomials);
       }
       leaf.near_depth = box.near_depth - leaf.depth_error;
       leaf.col_begin = col_begin, leaf.col_end = col_end;
@@ -283,7 +212,7 @@ void LeafSplitter::Visit(const Node& node) {
 
   // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there, as across the eye
   // plane, only the extent counts.
-  const Extent extent = MeasureExtent(net, window_, patch_->rule.weight_varies, box.in_front);
+  const Extent extent = nets.measure(net, patch_->rule, half_window, box.in_front);
   Direction direction = extent.v > extent.u ? Direction::kV : Direction::kU;
   if (!verdict.certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {
     const Direction best = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
@@ -307,7 +236,7 @@ void LeafSplitter::Visit(const Node& node) {
   }
   low->trim = high->trim = trim;
   low->level = high->level = node.level + 1;
-  Halve(net, direction, &low->net, &high->net);
+  nets.halve(net, direction, &low->net, &high->net);
   Visit(*low);
   Visit(*high);
 }

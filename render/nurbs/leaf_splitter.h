@@ -17,6 +17,7 @@
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/bezier.h"
 #include "render/nurbs/leaf.h"
+#include "render/nurbs/net_operations.h"
 #include "render/nurbs/trim_index.h"
 
 namespace facetless {
@@ -33,6 +34,7 @@ struct SplitWindow {
   double near_depth = 0;                   // perspective: what has W ≤ near_depth·Q is not seen
   bool perspective = false;
   KernelArithmetic arithmetic;  // of the kernel that will solve the leaves
+  const NetOperations* nets = nullptr;
 };
 
 // What all splitters of one view share: a stop sign, and the memory that their leaves may take together.

@@ -6,76 +6,15 @@
 #include "render/nurbs/edge_on.h"
 
 namespace facetless {
-namespace {
 
-// Forming F: a product and a difference.
-constexpr double kRounding = 2 * 0x1p-53;
-
-}  // namespace
-
-struct FallbackSolver::Piece {
-  BezierNet net;
-  std::vector<double> storage;
+struct FallbackSolver::Piece : OwnedNet {
   double s_mid = 0, s_half = 1, t_mid = 0, t_half = 1;
-
-  void Set(int degree_u, int degree_v) {
-    net.degree_u = degree_u;
-    net.degree_v = degree_v;
-    const std::size_t n = net.points();
-    if (storage.size() < kNetComponents * n) storage.resize(kNetComponents * n);
-    for (int c = 0; c < kNetComponents; ++c) net.value[c] = storage.data() + c * n;
-  }
 };
 
-FallbackSolver::FallbackSolver() = default;
+FallbackSolver::FallbackSolver(const NetOperations& nets) : nets_(nets) {}
 FallbackSolver::~FallbackSolver() = default;
 
 namespace {
-
-// The range of F = X − x·W and Y − y·W over a piece.
-struct Residual {
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, error[2] = {0, 0};
-  double extent_u = 0, extent_v = 0;
-  double weight = 0;  // the largest W: F is in samples times that
-
-  bool Empty() const {
-    for (int c = 0; c < 2; ++c) {
-      if (low[c] > error[c] || high[c] < -error[c]) return true;
-    }
-    return false;
-  }
-  double size() const { return std::max(high[0] - low[0], high[1] - low[1]); }
-};
-
-Residual Measure(const BezierNet& net, double x, double y) {
-  Residual residual;
-  const int stride = net.stride();
-  double f[kMaxNetPoints];
-  for (int c = 0; c < 2; ++c) {
-    const double* value = net.value[c == 0 ? kX : kY];
-    const double pixel = c == 0 ? x : y;
-    double magnitude = 0;
-    for (int i = 0; i < net.points(); ++i) {
-      f[i] = value[i] - pixel * net.value[kW][i];
-      residual.low[c] = std::min(residual.low[c], f[i]);
-      residual.high[c] = std::max(residual.high[c], f[i]);
-      residual.weight = std::max(residual.weight, net.value[kW][i]);
-      magnitude = std::max(magnitude, std::fabs(value[i]) + std::fabs(pixel * net.value[kW][i]));
-    }
-    residual.error[c] =
-        net.error[c == 0 ? kX : kY] + std::fabs(pixel) * net.error[kW] + kRounding * magnitude;
-    for (int k = 0; k <= net.degree_u; ++k) {
-      for (int l = 0; l <= net.degree_v; ++l) {
-        const int i = k * stride + l;
-        if (k < net.degree_u)
-          residual.extent_u = std::max(residual.extent_u, net.degree_u * std::fabs(f[i + stride] - f[i]));
-        if (l < net.degree_v)
-          residual.extent_v = std::max(residual.extent_v, net.degree_v * std::fabs(f[i + 1] - f[i]));
-      }
-    }
-  }
-  return residual;
-}
 
 // The range of the depth over a piece, the net's error included. Requires W, in perspective Q, beyond its error;
 // infinite otherwise.
@@ -88,10 +27,10 @@ DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
   DepthRange range;
   double divisor = INFINITY;
   for (int i = 0; i < net.points(); ++i) {
-    const double depth = net.value[over][i] / net.value[under][i];
+    const double depth = net.at(i, over) / net.at(i, under);
     range.near = std::min(range.near, depth);
     range.far = std::max(range.far, depth);
-    divisor = std::min(divisor, net.value[under][i]);
+    divisor = std::min(divisor, net.at(i, under));
   }
   if (!(divisor > 2 * net.error[under])) return {-INFINITY, INFINITY};
   const double size = std::max(std::fabs(range.near), std::fabs(range.far));
@@ -114,7 +53,7 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
   // Start from the leaf's own net. Pieces [0, depth) of the stack are waiting; the one above is scratch.
   std::size_t depth = 1;
   Piece& root = push(0);
-  root.Set(leaf.degree_u, leaf.degree_v);
+  root.SetDegrees(leaf.degree_u, leaf.degree_v);
   std::copy_n(leaf.coefficients, kNetComponents * leaf.points(), root.storage.data());
   const double errors[kNetComponents] = {leaf.c11, leaf.c12, leaf.c21, leaf.c22};
   std::copy_n(errors, int{kNetComponents}, root.net.error);
@@ -135,15 +74,14 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     if (++pieces > kMaxPieces) return kDoubtUnresolved;
 
     const BezierNet& net = work->net;
-    const Residual residual = Measure(net, x, y);
-    if (residual.Empty()) continue;
-    const DepthRange depths = MeasureDepth(net, rule);
-    if (depths.near > limit) continue;
+    const Residual residual = nets_.residual(net, x, y);
+    if (residual.empty) continue;
+    if (limit < INFINITY && MeasureDepth(net, rule).near > limit) continue;
 
-    // Solve it if it is easy by now.
+    // Solve it if it is easy by now. The whole leaf is not.
     Leaf piece;
     double monomials[kNetComponents * kMaxNetPoints];
-    if (Certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
+    if (pieces > 1 && nets_.certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
       piece.coefficients = monomials;
       piece.u_mid = leaf.u_mid + work->s_mid * leaf.u_half, piece.u_half = work->s_half * leaf.u_half;
       piece.v_mid = leaf.v_mid + work->t_mid * leaf.v_half, piece.v_half = work->t_half * leaf.v_half;
@@ -164,8 +102,8 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
         continue;
       }
     }
-    if (residual.size() <=
-        std::max(kFloorSamples * residual.weight, 2 * std::max(residual.error[0], residual.error[1]))) {
+    if (residual.size <= std::max(kFloorSamples * residual.weight, 2 * residual.error)) {
+      const DepthRange depths = MeasureDepth(net, rule);
       const double middle = 0.5 * (depths.near + depths.far);
       if (!std::isfinite(middle)) return kDoubtUnresolved;
       roots->push_back({{middle, work->s_mid, work->t_mid, depths.far - middle},
@@ -180,11 +118,11 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     push(depth + 2);
     Piece& low = *stack_[depth];
     Piece& high = *stack_[depth + 2];
-    low.Set(net.degree_u, net.degree_v);
-    high.Set(net.degree_u, net.degree_v);
+    low.SetDegrees(net.degree_u, net.degree_v);
+    high.SetDegrees(net.degree_u, net.degree_v);
     low.s_mid = high.s_mid = work->s_mid, low.s_half = high.s_half = work->s_half;
     low.t_mid = high.t_mid = work->t_mid, low.t_half = high.t_half = work->t_half;
-    const Direction direction = residual.extent_v > residual.extent_u ? Direction::kV : Direction::kU;
+    const Direction direction = residual.extent.v > residual.extent.u ? Direction::kV : Direction::kU;
     if (direction == Direction::kU) {
       low.s_half = high.s_half = work->s_half / 2;
       low.s_mid = work->s_mid - low.s_half;
@@ -194,7 +132,7 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
       low.t_mid = work->t_mid - low.t_half;
       high.t_mid = work->t_mid + low.t_half;
     }
-    Halve(net, direction, &low.net, &high.net);
+    nets_.halve(net, direction, &low.net, &high.net);
     std::swap(stack_[depth + 1], stack_[depth + 2]);
     depth += 2;
   }

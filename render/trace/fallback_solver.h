@@ -16,6 +16,7 @@
 #include "render/kernels/tile_kernel.h"
 #include "render/nurbs/bezier.h"
 #include "render/nurbs/leaf.h"
+#include "render/nurbs/net_operations.h"
 
 namespace facetless {
 
@@ -32,7 +33,8 @@ struct FallbackRoot {
 
 class FallbackSolver {
  public:
-  FallbackSolver();
+  // `nets` must outlive the solver.
+  explicit FallbackSolver(const NetOperations& nets);
   ~FallbackSolver();
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
   // on a border of two pieces possibly twice. Returns kDoubtUnresolved or 0. Requires a leaf with kLeafHard.
@@ -40,6 +42,7 @@ class FallbackSolver {
 
  private:
   struct Piece;
+  const NetOperations& nets_;
   std::vector<std::unique_ptr<Piece>> stack_;  // storage is reused from call to call
 };
 

@@ -27,12 +27,12 @@ Jet Monomial(const Real* c, int degree_u, int degree_v, double s, double t) {
   return jet;
 }
 
-// The same by de Casteljau, for Bernstein coefficients over s, t ∈ [−1,1].
-Jet Bernstein(const double* c, int degree_u, int degree_v, double s, double t) {
+// The same by de Casteljau, for one component of a net over s, t ∈ [−1,1].
+Jet Bernstein(const double* net, NetComponent c, int degree_u, int degree_v, double s, double t) {
   const double u = 0.5 * (1 + s), v = 0.5 * (1 + t);
   double value[kMaxDegree + 1], slope[kMaxDegree + 1], row[kMaxDegree + 1];
   for (int i = 0; i <= degree_u; ++i) {
-    for (int j = 0; j <= degree_v; ++j) row[j] = c[i * (degree_v + 1) + j];
+    for (int j = 0; j <= degree_v; ++j) row[j] = net[kNetComponents * (i * (degree_v + 1) + j) + c];
     for (int n = degree_v; n > 1; --n) {
       for (int j = 0; j < n; ++j) row[j] += v * (row[j + 1] - row[j]);
     }
@@ -78,16 +78,16 @@ LeafJets EvaluateLeaf(const Real* coefficients, const Leaf& leaf, double s, doub
 
 Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y,
                           const CameraFrame& frame) {
-  const int pu = leaf.degree_u, pv = leaf.degree_v, n = leaf.points();
+  const int pu = leaf.degree_u, pv = leaf.degree_v;
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
 
   // F = (X − x·W, Y − y·W), W and Q with their derivatives. F itself vanishes at a root.
   Jet fx, fy, w, q;
   if (leaf.flags & kLeafHard) {
     const double* c = leaf.coefficients;
-    const Jet jx = Bernstein(c, pu, pv, s, t), jy = Bernstein(c + n, pu, pv, s, t);
-    w = Bernstein(c + 2 * n, pu, pv, s, t);
-    q = Bernstein(c + 3 * n, pu, pv, s, t);
+    const Jet jx = Bernstein(c, kX, pu, pv, s, t), jy = Bernstein(c, kY, pu, pv, s, t);
+    w = Bernstein(c, kW, pu, pv, s, t);
+    q = Bernstein(c, kQ, pu, pv, s, t);
     fx = {0, jx.ds - x * w.ds, jx.dt - x * w.dt};
     fy = {0, jy.ds - y * w.ds, jy.dt - y * w.dt};
   } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/kernels/dispatch.h"
 #include "render/trace/parallel.h"
 #include "render/trace/projection.h"
 
@@ -23,7 +24,7 @@ struct Worker {
 class Preparation {
  public:
   Preparation(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
-              const DirectOptions& options)
+              const DirectOptions& options, const NetOperations& nets)
       : scene_(scene), model_(*scene.model), camera_(camera), frame_(frame), workers_([this] {
           return Worker(window_, &budget_);
         }) {
@@ -31,6 +32,7 @@ class Preparation {
     window_.half_height = 0.5 * camera.height_px;
     window_.perspective = frame.projection == Projection::kPerspective;
     window_.near_depth = frame.near_mm;
+    window_.nets = &nets;
     window_.arithmetic = options.precision == Precision::kFast ? kFloatArithmetic : kDoubleArithmetic;
     if (options.newton_tolerance > 0) window_.arithmetic.tolerance = options.newton_tolerance;
     budget_.cancel = options.cancel;
@@ -48,6 +50,7 @@ class Preparation {
     if (budget_.Stopped()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
 
     PreparedView view;
+    view.nets = window_.nets;
     std::vector<Leaf> leaves;
     std::size_t count = 0;
     for (const Worker& worker : workers_) count += worker.leaves.size();
@@ -141,22 +144,22 @@ class Preparation {
     std::fill_n(net.error, int{kNetComponents}, 0.0);
     for (int k = 0; k < net.points(); ++k) {
       const auto p = projection(points[k]);
-      net.value[kX][k] = p.x;
-      net.value[kY][k] = p.y;
-      net.value[kW][k] = p.w;
-      net.value[kQ][k] = p.q;
+      net.at(k, kX) = p.x;
+      net.at(k, kY) = p.y;
+      net.at(k, kW) = p.w;
+      net.at(k, kQ) = p.q;
       const auto error = projection.Error(points[k]);
       net.error[kX] = std::max(net.error[kX], error.x);
       net.error[kY] = std::max(net.error[kY], error.y);
       net.error[kW] = std::max(net.error[kW], error.w);
       net.error[kQ] = std::max(net.error[kQ], error.q);
-      weight_varies = weight_varies || p.w != net.value[kW][0];
-      depth_varies = depth_varies || p.q != net.value[kQ][0];
+      weight_varies = weight_varies || p.w != net.at(0, kW);
+      depth_varies = depth_varies || p.q != net.at(0, kQ);
     }
     // Polynomial kernels want W = 1, not merely constant: exact for a weight that is constant.
-    if (!weight_varies && net.value[kW][0] != 1 && net.value[kW][0] > 0) weight_varies = true;
+    if (!weight_varies && net.at(0, kW) != 1 && net.at(0, kW) > 0) weight_varies = true;
     // An orthographic depth is Q/W.
-    if (!window_.perspective && weight_varies && net.value[kQ][0] != 0) depth_varies = true;
+    if (!window_.perspective && weight_varies && net.at(0, kQ) != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
     ContinuePastBorder(surface, data, i, j, net, &split);
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
@@ -184,7 +187,8 @@ class Preparation {
         double* net = worker.arena.Allocate(kNetComponents * n);
         for (std::size_t k = 0; k < n; ++k) {
           const auto p = projection(points[k]);
-          net[kX * n + k] = p.x, net[kY * n + k] = p.y, net[kW * n + k] = p.w, net[kQ * n + k] = p.q;
+          const double components[kNetComponents] = {p.x, p.y, p.w, p.q};
+          std::copy_n(components, int{kNetComponents}, net + kNetComponents * k);
         }
         coefficients = net;
         before = &sample;
@@ -242,7 +246,10 @@ std::size_t PreparedView::bytes() const {
 
 Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
                                  const DirectOptions& options) {
-  return Preparation(scene, camera, frame, options).Run(camera.width_px, camera.height_px);
+  const Result<Kernels>& kernels = ActiveKernels();
+  if (!kernels.ok()) return kernels.error();
+  return Preparation(scene, camera, frame, options, *kernels.value().nets)
+      .Run(camera.width_px, camera.height_px);
 }
 
 }  // namespace facetless

@@ -18,11 +18,12 @@ struct PreparedView {
   std::vector<CoefficientArena> arenas;     // own the leaves' coefficients
   std::vector<std::uint32_t> unseen_faces;  // placed faces without a leaf, ascending
   std::uint64_t hard_leaves = 0, nodes = 0;
+  const NetOperations* nets = nullptr;  // that made the leaves
 
   std::size_t bytes() const;
 };
 
-// Errors: kCancelled; kLimitExceeded.
+// Errors: kCancelled; kLimitExceeded; those of ActiveKernels.
 Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
                                  const DirectOptions& options);
 

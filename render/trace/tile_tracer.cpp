@@ -82,7 +82,7 @@ RootTwin::RootTwin(const Leaf& leaf, const TileHit& hit) : depth(hit.depth) {
 }
 
 TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certify)
-    : shared_(shared), kernel_(kernel) {
+    : shared_(shared), kernel_(kernel), solver_(*shared.view.nets) {
   job_.coincidences = certify;
   job_.leaves = shared.view.tiles->leaves().data();
   job_.tile_size = kTileSize;

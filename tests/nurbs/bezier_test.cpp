@@ -1,4 +1,4 @@
-// Bézier nets: halving and centred monomials.
+// Bézier nets: extending, and the matrices of centred monomials.
 #include "render/nurbs/bezier.h"
 
 #include <gtest/gtest.h>
@@ -34,64 +34,17 @@ TEST(Bezier, MonomialMatrixReproducesTheBernsteinBasisForEveryDegree) {
   }
 }
 
-TEST(Bezier, HalvesShareTheirBorderBitByBitAndAgreeWithTheWhole) {
-  const int pu = 4, pv = 3;
-  std::vector<double> whole(kNetComponents * (pu + 1) * (pv + 1)), low_storage(whole.size()),
-      high_storage(whole.size());
-  for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = std::sin(1.7 * double(i) + 0.3);
-  BezierNet net, low, high;
-  for (BezierNet* each : {&net, &low, &high}) {
-    each->degree_u = pu;
-    each->degree_v = pv;
-    double* storage = each == &net ? whole.data() : each == &low ? low_storage.data() : high_storage.data();
-    for (int c = 0; c < kNetComponents; ++c) each->value[c] = storage + c * each->points();
-  }
-  for (const Direction direction : {Direction::kU, Direction::kV}) {
-    Halve(net, direction, &low, &high);
-    for (int c = 0; c < kNetComponents; ++c) {
-      const int last = direction == Direction::kU ? pu : pv, other = direction == Direction::kU ? pv : pu;
-      for (int k = 0; k <= other; ++k) {
-        const int i = direction == Direction::kU ? last * net.stride() + k : k * net.stride() + last;
-        const int j = direction == Direction::kU ? k : k * net.stride();
-        EXPECT_EQ(low.value[c][i], high.value[c][j]);
-      }
-      // One point of each half against the whole, through monomials on both sides.
-      std::vector<double> m(net.points()), ml(net.points()), mh(net.points());
-      ToCenteredMonomials(net.value[c], pu, pv, m.data());
-      ToCenteredMonomials(low.value[c], pu, pv, ml.data());
-      ToCenteredMonomials(high.value[c], pu, pv, mh.data());
-      const auto value = [&](const std::vector<double>& q, double s, double t) {
-        double f = 0;
-        for (int i = pu; i >= 0; --i) {
-          double row = 0;
-          for (int j = pv; j >= 0; --j) row = row * t + q[i * net.stride() + j];
-          f = f * s + row;
-        }
-        return f;
-      };
-      const double s = 0.3, t = -0.7;
-      if (direction == Direction::kU) {
-        EXPECT_NEAR(value(ml, s, t), value(m, (s - 1) / 2, t), 1e-14);
-        EXPECT_NEAR(value(mh, s, t), value(m, (s + 1) / 2, t), 1e-14);
-      } else {
-        EXPECT_NEAR(value(ml, s, t), value(m, s, (t - 1) / 2), 1e-14);
-        EXPECT_NEAR(value(mh, s, t), value(m, s, (t + 1) / 2), 1e-14);
-      }
-    }
-  }
-}
-
 TEST(Bezier, AnExtendedNetIsTheSamePolynomialOverALongerInterval) {
   const int pu = 3, pv = 2;
   const double low = 0.11, high = 0.07;
   for (const Direction direction : {Direction::kU, Direction::kV}) {
-    BezierNet net;
-    net.degree_u = pu, net.degree_v = pv;
-    std::vector<double> before(net.points()), after;
-    for (std::size_t i = 0; i < before.size(); ++i) before[i] = std::sin(2.3 * double(i) + 0.1);
-    after = before;
-    net.value[kX] = after.data();
+    OwnedNet owned;
+    owned.SetDegrees(pu, pv);
+    BezierNet& net = owned.net;
+    std::vector<double> before(net.points()), after(net.points());
+    for (int i = 0; i < net.points(); ++i) net.at(i, kX) = before[i] = std::sin(2.3 * i + 0.1);
     Extend(&net, kX, direction, low, high);
+    for (int i = 0; i < net.points(); ++i) after[i] = net.at(i, kX);
     const bool along_u = direction == Direction::kU;
     const int degree = along_u ? pu : pv, lines = along_u ? pv + 1 : pu + 1;
     for (int line = 0; line < lines; ++line) {
@@ -108,14 +61,15 @@ TEST(Bezier, AnExtendedNetIsTheSamePolynomialOverALongerInterval) {
 }
 
 TEST(Bezier, ExtendingOneEndLeavesTheOtherAsItIs) {
-  BezierNet net;
-  net.degree_u = net.degree_v = 3;
-  std::vector<double> before(net.points());
-  for (std::size_t i = 0; i < before.size(); ++i) before[i] = std::cos(1.9 * double(i));
+  OwnedNet owned;
+  owned.SetDegrees(3, 3);
+  BezierNet& net = owned.net;
+  std::vector<double> before(net.points()), after(net.points());
+  for (int i = 0; i < net.points(); ++i) before[i] = std::cos(1.9 * i);
   for (const bool high : {false, true}) {
-    std::vector<double> after = before;
-    net.value[kX] = after.data();
+    for (int i = 0; i < net.points(); ++i) net.at(i, kX) = before[i];
     Extend(&net, kX, Direction::kU, high ? 0 : 0.1, high ? 0.1 : 0);
+    for (int i = 0; i < net.points(); ++i) after[i] = net.at(i, kX);
     for (int l = 0; l <= 3; ++l) {
       const int still = high ? l : 3 * net.stride() + l, moved = high ? 3 * net.stride() + l : l;
       EXPECT_EQ(after[still], before[still]);

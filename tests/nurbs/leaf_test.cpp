@@ -9,38 +9,28 @@
 #include <random>
 #include <vector>
 
+#include "render/kernels/net_kernel.h"
 #include "render/kernels/tile_kernel.h"
 
 namespace facetless {
 namespace {
 
-// A net with storage of its own.
-struct Net {
-  std::vector<double> storage;
-  BezierNet net;
-
-  Net(int degree_u, int degree_v) : storage(std::size_t(kNetComponents) * (degree_u + 1) * (degree_v + 1)) {
-    net.degree_u = degree_u;
-    net.degree_v = degree_v;
-    for (int c = 0; c < kNetComponents; ++c) net.value[c] = storage.data() + std::size_t(c) * net.points();
-  }
-};
-
 // A bumpy sheet of about `size` pixels; weights between 1 and 1 + spread.
-Net RandomSheet(unsigned seed, int degree_u, int degree_v, double bump, double spread) {
+OwnedNet RandomSheet(unsigned seed, int degree_u, int degree_v, double bump, double spread) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
-  Net sheet(degree_u, degree_v);
+  OwnedNet sheet;
+  sheet.SetDegrees(degree_u, degree_v);
   const double size = 20, skew = unit(random);
   for (int k = 0; k <= degree_u; ++k) {
     for (int l = 0; l <= degree_v; ++l) {
       const int i = k * (degree_v + 1) + l;
       const double w = spread > 0 ? 1 + spread * (0.5 + 0.5 * unit(random)) : 1;
       const double u = double(k) / degree_u, v = double(l) / degree_v;
-      sheet.net.value[kX][i] = w * (100 + size * (u + skew * v + bump * unit(random)));
-      sheet.net.value[kY][i] = w * (-50 + size * (v + bump * unit(random)));
-      sheet.net.value[kW][i] = w;
-      sheet.net.value[kQ][i] = w * (5 + unit(random));
+      sheet.net.at(i, kX) = w * (100 + size * (u + skew * v + bump * unit(random)));
+      sheet.net.at(i, kY) = w * (-50 + size * (v + bump * unit(random)));
+      sheet.net.at(i, kW) = w;
+      sheet.net.at(i, kQ) = w * (5 + unit(random));
     }
   }
   return sheet;
@@ -55,7 +45,8 @@ Point Evaluate(const BezierNet& net, long double u, long double v) {
   for (int c = 0; c < kNetComponents; ++c) {
     std::vector<long double> row(net.degree_u + 1);
     for (int k = 0; k <= net.degree_u; ++k) {
-      std::vector<long double> p(net.value[c] + k * net.stride(), net.value[c] + (k + 1) * net.stride());
+      std::vector<long double> p(net.stride());
+      for (int l = 0; l < net.stride(); ++l) p[l] = net.at(k * net.stride() + l, NetComponent(c));
       for (int n = net.degree_v; n > 0; --n) {
         for (int l = 0; l < n; ++l) p[l] += v * (p[l + 1] - p[l]);
       }
@@ -72,11 +63,12 @@ Point Evaluate(const BezierNet& net, long double u, long double v) {
 RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   const int degree_u = *rc::gen::inRange(1, 6), degree_v = *rc::gen::inRange(1, 6);
   const double spread = *rc::gen::element(0.0, 0.02);
-  const Net sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), degree_u, degree_v, 0.01, spread);
+  const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), degree_u, degree_v, 0.01, spread);
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   const DepthRule rule{false, spread > 0, true};
-  if (!Certify(sheet.net, rule, kDoubleArithmetic, &leaf, monomials).certified) RC_DISCARD("not certified");
+  if (!kernel_scalar::kNets.certify(sheet.net, rule, kDoubleArithmetic, &leaf, monomials).certified)
+    RC_DISCARD("not certified");
   leaf.coefficients = monomials;
   RC_ASSERT(1 - 1 / leaf.inverse_gap <= kMaxKappa);
   const double u = *rc::gen::inRange(0, 1001) / 1000.0, v = *rc::gen::inRange(0, 1001) / 1000.0;
@@ -90,10 +82,11 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
 }
 
 RC_GTEST_PROP(Leaf, ARayBesideTheLeafIsAProvenMiss, ()) {
-  const Net sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
+  const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  if (!Certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials).certified)
+  if (!kernel_scalar::kNets.certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials)
+           .certified)
     RC_DISCARD("not certified");
   leaf.coefficients = monomials;
   // A point of the surface continued past the leaf's border: off it by 1e-6 of its size or more.
@@ -106,32 +99,36 @@ RC_GTEST_PROP(Leaf, ARayBesideTheLeafIsAProvenMiss, ()) {
 }
 
 TEST(Leaf, AFoldHasNoCertificate) {
-  Net fold(2, 1);
+  OwnedNet fold;
+  fold.SetDegrees(2, 1);
   const double x[] = {0, 0, 10, 10, 0, 0}, y[] = {0, 10, 0, 10, 0, 10};
   for (int i = 0; i < 6; ++i) {
-    fold.net.value[kX][i] = x[i];
-    fold.net.value[kY][i] = y[i];
-    fold.net.value[kW][i] = 1;
-    fold.net.value[kQ][i] = i;
+    fold.net.at(i, kX) = x[i];
+    fold.net.at(i, kY) = y[i];
+    fold.net.at(i, kW) = 1;
+    fold.net.at(i, kQ) = i;
   }
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  const Verdict verdict = Certify(fold.net, {false, false, true}, kDoubleArithmetic, &leaf, monomials);
+  const Verdict verdict =
+      kernel_scalar::kNets.certify(fold.net, {false, false, true}, kDoubleArithmetic, &leaf, monomials);
   EXPECT_FALSE(verdict.certified);
 }
 
 TEST(Leaf, HalvingIsPromisedToHelpInTheDirectionThatBends) {
-  Net bent(2, 1);
+  OwnedNet bent;
+  bent.SetDegrees(2, 1);
   const double x[] = {0, 0, 8, 8, 10, 10}, y[] = {0, 10, 0, 10, 0, 10};
   for (int i = 0; i < 6; ++i) {
-    bent.net.value[kX][i] = x[i];
-    bent.net.value[kY][i] = y[i];
-    bent.net.value[kW][i] = 1;
-    bent.net.value[kQ][i] = 0;
+    bent.net.at(i, kX) = x[i];
+    bent.net.at(i, kY) = y[i];
+    bent.net.at(i, kW) = 1;
+    bent.net.at(i, kQ) = 0;
   }
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  const Verdict verdict = Certify(bent.net, {false, false, false}, kDoubleArithmetic, &leaf, monomials);
+  const Verdict verdict =
+      kernel_scalar::kNets.certify(bent.net, {false, false, false}, kDoubleArithmetic, &leaf, monomials);
   ASSERT_FALSE(verdict.certified);
   EXPECT_LT(verdict.kappa_halved_u, verdict.kappa_halved_v);
 }
@@ -156,10 +153,11 @@ ThesisStep Thesis(const BezierNet& net, long double u, long double v, long doubl
 }
 
 RC_GTEST_PROP(Leaf, TheThesisIterationConvergesToTheSameRoot, ()) {
-  const Net sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
+  const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  if (!Certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials).certified)
+  if (!kernel_scalar::kNets.certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials)
+           .certified)
     RC_DISCARD("not certified");
   leaf.coefficients = monomials;
   const Point p = Evaluate(sheet.net, 0.3L, 0.8L);
