@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -40,6 +41,9 @@ struct HttpResponse {
   std::string content_type;
   std::string body;
   std::string file_path;  // if not empty, the body is this file's content
+  // If not empty, the body is what this returns, one piece after the other, until it returns nothing. It may
+  // take seconds to find the next piece.
+  std::function<std::optional<std::string>()> stream;
   std::vector<std::pair<std::string, std::string>> headers;
 };
 
