@@ -119,7 +119,7 @@ int LiveServer::Stop(int signal) {
 }
 
 Reply LiveServer::Raw(const std::string& bytes) {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port_));

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <atomic>
 #include <map>
 #include <string>
 #include <utility>
@@ -67,7 +68,7 @@ class LiveServer {
   std::string data_, importer_;
   std::vector<std::string> command_;
   pid_t pid_ = 0;
-  int port_ = 0;
+  std::atomic<int> port_{0};  // changes with each start; clients of other threads ask anew
 };
 
 }  // namespace facetless
