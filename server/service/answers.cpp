@@ -15,19 +15,6 @@ using Json = nlohmann::json;
 // Proxies close connections that are silent for half a minute or so.
 constexpr double kHeartbeatSeconds = 10;
 
-// "2026-11-22T11:43:19.123Z", or null if it has not come yet.
-Json TimeJson(double seconds) {
-  if (!(seconds > 0)) return nullptr;
-  const auto whole = static_cast<std::time_t>(seconds);
-  std::tm utc = {};
-  gmtime_r(&whole, &utc);
-  char text[32];
-  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
-  const int milliseconds = static_cast<int>((seconds - std::floor(seconds)) * 1000);
-  std::snprintf(text + length, sizeof text - length, ".%03dZ", milliseconds);
-  return text;
-}
-
 std::string Event(const char* name, const Json& data) {
   return std::string("event: ") + name + "\ndata: " + JsonText(data, -1) + "\n\n";
 }
@@ -73,6 +60,18 @@ class EventSource {
 };
 
 }  // namespace
+
+Json TimeJson(double seconds) {
+  if (!(seconds > 0)) return nullptr;
+  const auto whole = static_cast<std::time_t>(seconds);
+  std::tm utc = {};
+  gmtime_r(&whole, &utc);
+  char text[32];
+  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+  const int milliseconds = static_cast<int>((seconds - std::floor(seconds)) * 1000);
+  std::snprintf(text + length, sizeof text - length, ".%03dZ", milliseconds);
+  return text;
+}
 
 HttpResponse JsonTextResponse(int status, std::string text) {
   HttpResponse response;

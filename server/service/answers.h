@@ -11,6 +11,9 @@
 
 namespace facetless {
 
+// "2026-11-22T11:43:19.123Z" of seconds since 1970; null for 0.
+nlohmann::json TimeJson(double seconds);
+
 HttpResponse JsonResponse(int status, const nlohmann::json& json);
 // Of a text that is JSON already.
 HttpResponse JsonTextResponse(int status, std::string text);

@@ -18,7 +18,7 @@ namespace {
 // loose   files that lost a user: candidates to go.     totals  one row: bytes of all files.
 // items   models and answers, by "<owner>/model/<id>" and "<owner>/answer/<key>".
 // jobs    one row a job, kept after its end.            needs   items that a waiting or running job must find.
-// turns   when an owner's jobs were last claimed, as a count.
+// turns   when an owner's jobs were last claimed, as a count.     keys    who may come in (keys.h).
 constexpr const char* kSchema = R"(
 CREATE TABLE files(sha256 TEXT PRIMARY KEY, bytes INTEGER NOT NULL) WITHOUT ROWID;
 CREATE TABLE totals(bytes INTEGER NOT NULL);
@@ -42,9 +42,14 @@ CREATE UNIQUE INDEX jobs_by_retry_key ON jobs(owner, retry_key) WHERE retry_key 
 CREATE TABLE needs(job TEXT NOT NULL, item TEXT NOT NULL, PRIMARY KEY(job, item)) WITHOUT ROWID;
 CREATE INDEX needs_by_item ON needs(item);
 CREATE TABLE turns(owner TEXT PRIMARY KEY, turn INTEGER NOT NULL) WITHOUT ROWID;
+CREATE TABLE keys(id TEXT PRIMARY KEY, name TEXT NOT NULL, digest TEXT NOT NULL, scopes TEXT NOT NULL, rate INTEGER NOT NULL,
+  quota_mb INTEGER NOT NULL, created REAL NOT NULL, revoked REAL) WITHOUT ROWID;
 )";
 
 Result<void> MakeSchema(Database& database, const std::string& path) {
+  // All or nothing, and the version is part of it: another process may be at the same.
+  Transaction transaction(database);
+  if (!transaction.begun()) return transaction.begun();
   std::int64_t version = 0;
   const auto asked =
       database.Query("PRAGMA user_version", {}, [&](const SqlRow& row) { version = row.Integer(0); });
@@ -55,9 +60,6 @@ Result<void> MakeSchema(Database& database, const std::string& path) {
                                            std::to_string(version) + ", this program knows " +
                                            std::to_string(kSchemaVersion) +
                                            "); use that one, or choose another --data"};
-  // All or nothing: the version is part of the transaction.
-  Transaction transaction(database);
-  if (!transaction.begun()) return transaction.begun();
   const std::string version_statement = "PRAGMA user_version = " + std::to_string(kSchemaVersion) + ";";
   if (auto made = database.RunScript(kSchema + version_statement); !made) return made;
   return transaction.Commit();
@@ -77,14 +79,20 @@ Result<std::unique_ptr<DataDirectory>> DataDirectory::Open(const std::string& pa
   if (flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Error{ErrorCode::kBadUsage, path + " is in use by another facetless serve; choose another --data"};
 
-  const std::string database = path + "/facetless.db";
   for (std::unique_ptr<Database>* connection : {&self->writer_, &self->reader_}) {
-    auto opened = Database::Open(database);
+    auto opened = OpenDatabase(path);
     if (!opened) return opened.error();
     *connection = std::move(opened).value();
-    if (auto made = MakeSchema(**connection, path); !made) return made.error();
   }
   return self;
+}
+
+Result<std::unique_ptr<Database>> DataDirectory::OpenDatabase(const std::string& path) {
+  if (auto made = MakeDirectories(path); !made) return made.error();
+  auto opened = Database::Open(path + "/facetless.db");
+  if (!opened) return opened;
+  if (auto made = MakeSchema(*opened.value(), path); !made) return made.error();
+  return opened;
 }
 
 DataDirectory::~DataDirectory() {

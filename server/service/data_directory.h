@@ -26,6 +26,8 @@ class DataDirectory {
   // program); kFormatBroken.
   static Result<std::unique_ptr<DataDirectory>> Open(const std::string& path);
   ~DataDirectory();
+  // The database alone, also while another process has the directory: for what is not about files or jobs.
+  static Result<std::unique_ptr<Database>> OpenDatabase(const std::string& path);
   DataDirectory(const DataDirectory&) = delete;
   DataDirectory& operator=(const DataDirectory&) = delete;
 

@@ -320,15 +320,28 @@ std::uint64_t FileStore::TotalBytes() {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(total, 0));
 }
 
-bool FileStore::GiveUpOldest(double unused_since) {
+// Of a file that is kept twice for the same owner, once.
+std::uint64_t FileStore::BytesOf(const std::string& owner) {
+  std::int64_t total = 0;
+  const std::string first = owner + "/", last = owner + "0";
+  (void)directory_.writer().Query(
+      "SELECT coalesce(sum(bytes), 0) FROM files WHERE sha256 IN (SELECT file FROM uses WHERE holder >= ? "
+      "AND holder < ?)",
+      {first, last}, [&](const SqlRow& row) { total = row.Integer(0); });
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(total, 0));
+}
+
+bool FileStore::GiveUpOldest(double unused_since, const std::string& prefix) {
   Database& database = directory_.writer();
   Transaction transaction(database);
   if (!transaction.begun()) return false;
   std::string item;
   (void)database.Query(
-      "SELECT id FROM items WHERE used < ? AND NOT EXISTS (SELECT 1 FROM needs WHERE item = items.id) "
+      "SELECT id FROM items WHERE used < ? AND substr(id, 1, ?) = ? AND NOT EXISTS (SELECT 1 FROM needs "
+      "WHERE item = items.id) "
       "ORDER BY used LIMIT 1",
-      {unused_since}, [&](const SqlRow& row) { item = row.Text(0); });
+      {unused_since, static_cast<std::int64_t>(prefix.size()), prefix},
+      [&](const SqlRow& row) { item = row.Text(0); });
   if (item.empty()) return false;
   if (!database.Run("DELETE FROM items WHERE id = ?", {item}) ||
       !database.Run("DELETE FROM uses WHERE holder = ?", {item}))
@@ -344,6 +357,18 @@ Result<void> FileStore::MakeRoom(std::uint64_t bytes) {
     if (bytes > limits_.max_bytes || !GiveUpOldest(std::numeric_limits<double>::infinity()))
       return Error{ErrorCode::kWriteFailed, "the store is full: --max-store allows " +
                                                 std::to_string(limits_.max_bytes >> 20) + " MB"};
+    RemoveLooseFiles();
+  }
+  return {};
+}
+
+Result<void> FileStore::MakeRoomFor(const std::string& owner, std::uint64_t quota, std::uint64_t bytes) {
+  if (quota == 0) return {};
+  WriteTouches();
+  while (BytesOf(owner) + bytes > quota) {
+    if (bytes > quota || !GiveUpOldest(std::numeric_limits<double>::infinity(), owner + "/"))
+      return Error{ErrorCode::kWriteFailed,
+                   "the key's quota is used up: it allows " + std::to_string(quota >> 20) + " MB"};
     RemoveLooseFiles();
   }
   return {};

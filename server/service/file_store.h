@@ -31,6 +31,7 @@ class FileStore : public Store {
   Result<KeptFile> Keep(const std::string& path, const std::string& sha256) override;
   std::optional<KeptFile> Pin(const std::string& sha256) override;
   Result<void> MakeRoom(std::uint64_t bytes) override;
+  Result<void> MakeRoomFor(const std::string& owner, std::uint64_t quota, std::uint64_t bytes) override;
   Result<void> PutModel(const std::string& owner, const std::string& id, const std::string& name,
                         const nlohmann::json& report, const KeptFile& source, const KeptFile& model) override;
   std::optional<StoredModel> FindModel(const std::string& owner, const std::string& id) override;
@@ -59,7 +60,8 @@ class FileStore : public Store {
   void RemoveLooseFiles();
   void RemoveUnnamedFiles();
   std::uint64_t TotalBytes();
-  bool GiveUpOldest(double unused_since);
+  std::uint64_t BytesOf(const std::string& owner);
+  bool GiveUpOldest(double unused_since, const std::string& prefix = "");
 
   DataDirectory& directory_;
   const StoreLimits limits_;

@@ -278,7 +278,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
       // would make a large answer out of a small request. The request is the library's own object; only the
       // handler sees it as constant.
       const_cast<httplib::Request&>(request).ranges.clear();
-      const HttpRequest translated = Translated(request);
+      HttpRequest translated = Translated(request);
       if (auto refusal = service.Check(translated)) return *refusal;
       return service.Handle(translated);
     });
@@ -290,7 +290,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
   });
   server.set_expect_100_continue_handler(
       [&service](const httplib::Request& request, httplib::Response& response) {
-        const auto refusal = service.Check(Translated(request));
+        HttpRequest translated = Translated(request);
+        const auto refusal = service.Check(translated);
         if (!refusal) return 100;
         Apply(*refusal, response);
         return response.status;

@@ -75,7 +75,7 @@ struct Submitted {
 
 struct QueueLimits {
   int queued = 64;           // jobs that wait, of all owners
-  int queued_of_owner = 64;  // of one
+  int queued_of_owner = 64;  // of one that has a name
   int max_attempts = 3;
 };
 

@@ -23,12 +23,20 @@ struct BodyPart {
   std::uint64_t bytes = 0;
 };
 
+// Who sent a request, as access.h found.
+struct Caller {
+  std::string owner;  // the id of a key; "" for a caller without one
+  bool read = true, submit = true, admin = false;
+  std::uint64_t quota_mb = 0;  // of what is kept for the owner; 0: none
+};
+
 struct HttpRequest {
   std::string method, path;                    // path: decoded, without the query
   std::map<std::string, std::string> headers;  // names in lower case; of repeated ones the first
   std::map<std::string, std::string> query;
   std::vector<BodyPart> parts;
   TempDir uploads;  // holds the parts' files
+  Caller caller;
 
   std::string Header(const std::string& lower_case_name) const {
     const auto found = headers.find(lower_case_name);

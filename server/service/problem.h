@@ -2,7 +2,7 @@
 //
 // {"type": "urn:facetless:problem:<code>", "title", "status", "detail"}: type and status are stable, title
 // and detail are for people. The codes are those of ErrorCodeName, and for what concerns HTTP itself
-// not-found, method-not-allowed, payload-too-large, unsupported-media-type, malformed-request, cross-site,
+// not-found, method-not-allowed, payload-too-large, unauthorized, forbidden, rate-limited, unsupported-media-type, malformed-request, cross-site,
 // request-timeout, busy, timeout, cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them.
 #pragma once
 

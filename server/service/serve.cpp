@@ -15,10 +15,12 @@
 #include "server/commands.h"
 #include "server/exit_code.h"
 #include "server/interrupt.h"
+#include "server/service/access.h"
 #include "server/service/data_directory.h"
 #include "server/service/file_store.h"
 #include "server/service/http_server.h"
 #include "server/service/jobs.h"
+#include "server/service/keys.h"
 #include "server/service/service.h"
 #include "server/service/sql_job_store.h"
 
@@ -55,6 +57,25 @@ std::string Printable(const std::string& text) {
   std::string printable;
   for (const char c : text) printable += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   return printable;
+}
+
+bool OnlyThisMachineReaches(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+// Are callers without a key let in? Error: kBadUsage if nobody could be.
+Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& host, const std::string& data,
+                              KeyStore& keys) {
+  if (options.allow_anonymous) return true;
+  if (!options.require_keys && OnlyThisMachineReaches(host)) return true;
+  auto known = keys.List();
+  if (!known) return known.error();
+  for (const AccessKey& key : known.value()) {
+    if (key.revoked == 0) return false;
+  }
+  return Error{ErrorCode::kBadUsage, "others reach " + options.listen +
+                                         ", and there is no key: make one with facetless keys create " +
+                                         data + " --name NAME, or let everybody in with --allow-anonymous"};
 }
 
 constexpr double kDaySeconds = 24 * 3600;
@@ -98,20 +119,27 @@ int Serve(const ServeOptions& options) {
   auto store = FileStore::Open(*directory.value(), StoreLimitsOf(options));
   if (!store) return PrintError(store.error());
 
-  // The queue, the service and its transport.
+  KeyStore keys(directory.value()->reader());
+  auto anonymous = AnonymousAllowed(options, address.value().host, data, keys);
+  if (!anonymous) return PrintError(anonymous.error());
+  AccessControl access(keys, anonymous.value());
+
+  // The queue, the service and its transport. Of several owners, none may have more than half of the queue.
   QueueLimits queue_limits;
-  queue_limits.queued = queue_limits.queued_of_owner = options.queue;
+  queue_limits.queued = options.queue;
+  queue_limits.queued_of_owner = (options.queue + 1) / 2;
   SqlJobStore queue(*directory.value(), queue_limits);
   Jobs jobs(queue, *store.value(), JobSettingsOf(options, data));
   ServiceLimits limits;
   limits.queue = options.queue;
   limits.timeout_s = options.timeout_s;
   limits.max_upload_bytes = options.max_upload_mb << 20;
-  Service service(*store.value(), jobs, limits);
+  Service service(*store.value(), jobs, access, limits);
   auto server = HttpServer::Bind(service, address.value().host, address.value().port);
   if (!server) return PrintError(server.error());
   const auto log = spdlog::stderr_logger_mt("facetless");
   log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  access.audit = [&](const std::string& line) { log->info("audit {}", Printable(line)); };
   server.value()->on_request = [&](const std::string& method, const std::string& path, int status,
                                    double ms) {
     log->info("{} {} {} {:.0f} ms", method, Printable(path), status, ms);

@@ -16,11 +16,16 @@ struct ServeOptions {
   std::uint64_t import_memory_mb = 8192;
   std::uint64_t max_store_mb = 0;  // 0: none
   double max_age_days = 0;         // 0: none
+  bool require_keys = false;       // also on an address of this machine only
+  bool allow_anonymous = false;    // also on an address that others reach
 };
 
 // $XDG_CACHE_HOME/facetless, else $HOME/.cache/facetless, else ./facetless-data.
 std::string DefaultDataDirectory();
 
+// Whoever has no key (keys.h) is let in on an address that only this machine reaches, elsewhere not, unless the options say
+// otherwise. It does not start where nobody could come in.
+//
 // Prints the address to standard output when it is ready and a line per request to standard error, until
 // SIGINT or SIGTERM: then it accepts nothing more, gives running jobs a few seconds, puts those that are not
 // finished back into the queue for the next start, and returns an exit code.

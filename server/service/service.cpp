@@ -93,10 +93,10 @@ bool IsRetryKey(const std::string& key) {
 
 }  // namespace
 
-Service::Service(Store& store, Jobs& jobs, const ServiceLimits& limits)
-    : store_(store), jobs_(jobs), limits_(limits) {}
+Service::Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceLimits& limits)
+    : store_(store), jobs_(jobs), access_(access), limits_(limits) {}
 
-std::optional<HttpResponse> Service::Check(const HttpRequest& request) {
+std::optional<HttpResponse> Service::Check(HttpRequest& request) {
   const Route route = FindRoute(request.path);
   if (route.kind == RouteKind::kNone) return ProblemOfStatus(404);
   const std::string& method = request.method;
@@ -105,6 +105,7 @@ std::optional<HttpResponse> Service::Check(const HttpRequest& request) {
     response.headers.emplace_back("Allow", route.methods);
     return response;
   }
+  if (auto refusal = access_.Decide(request, route)) return refusal;
   if (method == "GET" || method == "HEAD") return std::nullopt;
 
   // A page of another site must not use the visitor's browser to give us work.
@@ -139,15 +140,16 @@ HttpResponse Service::Handle(const HttpRequest& request) {
     case RouteKind::kSubmit:
       return Submit(request, route.argument);
     case RouteKind::kModel:
-      return GetModel(route.argument);
+      return GetModel(request.caller, route.argument);
     case RouteKind::kAnswer:
-      return GetAnswer(route.argument);
+      return GetAnswer(request.caller, route.argument);
     case RouteKind::kArtifact:
       return Artifact(request, route.argument);
     case RouteKind::kJob:
-      return request.method == "DELETE" ? CancelJob(route.argument) : GetJob(route.argument);
+      return request.method == "DELETE" ? CancelJob(request.caller, route.argument)
+                                        : GetJob(request.caller, route.argument);
     case RouteKind::kJobEvents:
-      return JobEvents(route.argument);
+      return JobEvents(request.caller, route.argument);
     case RouteKind::kNone:
       break;
   }
@@ -173,14 +175,16 @@ HttpResponse Service::Page(const std::string& name, const std::string& content_t
 }
 
 HttpResponse Service::Artifact(const HttpRequest& request, const std::string& name) {
-  const auto artifact = store_.FindArtifact(owner_, name);
+  const auto artifact = store_.FindArtifact(request.caller.owner, name);
   if (!artifact) return ProblemOfStatus(404);
   const std::string tag = "\"" + name.substr(0, 64) + "\"";
   HttpResponse response;
-  response.headers = {{"ETag", tag},
-                      {"Cache-Control", "public, max-age=31536000, immutable"},
-                      {"Content-Security-Policy", kArtifactPolicy},
-                      {"Accept-Ranges", "none"}};
+  response.headers = {
+      {"ETag", tag},
+      {"Cache-Control", request.caller.owner.empty() ? "public, max-age=31536000, immutable"
+                                                     : "private, max-age=31536000, immutable"},
+      {"Content-Security-Policy", kArtifactPolicy},
+      {"Accept-Ranges", "none"}};
   if (Matches(request.Header("if-none-match"), tag)) {
     response.status = 304;
     return response;
@@ -190,27 +194,32 @@ HttpResponse Service::Artifact(const HttpRequest& request, const std::string& na
   return response;
 }
 
-HttpResponse Service::GetModel(const std::string& id) {
-  const auto model = store_.FindModel(owner_, id);
+HttpResponse Service::GetModel(const Caller& caller, const std::string& id) {
+  const auto model = store_.FindModel(caller.owner, id);
   return model ? JsonResponse(200, ModelJson(*model)) : ProblemOfStatus(404);
 }
 
-HttpResponse Service::GetAnswer(const std::string& key) {
-  auto text = store_.FindAnswer(owner_, key);
+HttpResponse Service::GetAnswer(const Caller& caller, const std::string& key) {
+  auto text = store_.FindAnswer(caller.owner, key);
   return text ? JsonTextResponse(200, std::move(*text)) : ProblemOfStatus(404);
 }
 
 // ---- Jobs ----
 
-HttpResponse Service::GetJob(const std::string& id) {
-  const auto view = jobs_.Find(id);
-  if (!view || view->job.owner != owner_) return ProblemOfStatus(404);
+std::optional<JobView> Service::FindJob(const Caller& caller, const std::string& id) {
+  auto view = jobs_.Find(id);
+  if (view && view->job.owner != caller.owner && !caller.admin) return std::nullopt;
+  return view;
+}
+
+HttpResponse Service::GetJob(const Caller& caller, const std::string& id) {
+  const auto view = FindJob(caller, id);
+  if (!view) return ProblemOfStatus(404);
   return JsonResponse(200, JobJson(*view, store_));
 }
 
-HttpResponse Service::CancelJob(const std::string& id) {
-  const auto known = jobs_.Find(id);
-  if (!known || known->job.owner != owner_) return ProblemOfStatus(404);
+HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
+  if (!FindJob(caller, id)) return ProblemOfStatus(404);
   auto cancelled = jobs_.Cancel(id);
   if (!cancelled) return ProblemOf({cancelled.error().code, "the cancellation cannot be stored"});
   if (!cancelled.value()) return ProblemOfStatus(404);
@@ -218,9 +227,8 @@ HttpResponse Service::CancelJob(const std::string& id) {
   return view.job.Ended() ? JsonResponse(200, JobJson(view, store_)) : AcceptedResponse(view, store_);
 }
 
-HttpResponse Service::JobEvents(const std::string& id) {
-  const auto view = jobs_.Find(id);
-  if (!view || view->job.owner != owner_) return ProblemOfStatus(404);
+HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
+  if (!FindJob(caller, id)) return ProblemOfStatus(404);
   auto place = std::make_shared<Place>(*listeners_, limits_.listeners);
   if (!place->held()) return Busy("Too many listen for events; ask for the job itself now and then.");
   HttpResponse response = EventsResponse(jobs_, store_, id);
@@ -240,24 +248,25 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
         {ErrorCode::kBadUsage, "Idempotency-Key must be at most 255 printable ASCII characters"});
 
   // The same question again is free.
-  auto known = KnownAnswer(submission);
+  const std::string& owner = request.caller.owner;
+  auto known = KnownAnswer(owner, submission);
   if (known && job.retry_key.empty()) return Answer(200, kind, submission.model_id, std::move(*known));
-  if (!known && submission.file == nullptr && !store_.FindModel(owner_, submission.model_id))
+  if (!known && submission.file == nullptr && !store_.FindModel(owner, submission.model_id))
     return Problem(404, "not-found", "Not found", "There is no model " + submission.model_id + ".");
 
   // Everything that the job needs is on the disk before anything happens.
   job.kind = kind;
-  job.owner = owner_;
+  job.owner = owner;
   job.question = submission.question;
   job.request = JobRequestJson(submission);
   job.body = submission.body;
-  job.needs = {ModelItem(owner_, submission.model_id)};
+  job.needs = {ModelItem(owner, submission.model_id)};
   if (known)
     job.result =
-        kind == "model" ? ModelItem(owner_, submission.model_id) : AnswerItem(owner_, submission.question);
+        kind == "model" ? ModelItem(owner, submission.model_id) : AnswerItem(owner, submission.question);
   std::vector<KeptFile> uploads;
   if (!known) {
-    if (auto kept = KeepUploads(submission, job, uploads); !kept)
+    if (auto kept = KeepUploads(request.caller, submission, job, uploads); !kept)
       return ProblemOf({kept.error().code, "the upload cannot be stored: the disk or the store is full"});
   }
   auto submitted = jobs_.Submit(job);
@@ -278,17 +287,19 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   return WaitAndAnswer(request, submitted.value());
 }
 
-std::optional<std::string> Service::KnownAnswer(const Submission& submission) {
-  if (submission.kind != "model") return store_.FindAnswer(owner_, submission.question);
-  const auto model = store_.FindModel(owner_, submission.model_id);
+std::optional<std::string> Service::KnownAnswer(const std::string& owner, const Submission& submission) {
+  if (submission.kind != "model") return store_.FindAnswer(owner, submission.question);
+  const auto model = store_.FindModel(owner, submission.model_id);
   if (!model) return std::nullopt;
   return JsonText(ModelJson(*model)) + "\n";
 }
 
-Result<void> Service::KeepUploads(const Submission& submission, NewJob& job, std::vector<KeptFile>& kept) {
+Result<void> Service::KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
+                                  std::vector<KeptFile>& kept) {
   std::uint64_t bytes = 0;
   for (const BodyPart* part : {submission.file, submission.mesh}) bytes += part != nullptr ? part->bytes : 0;
   if (auto room = store_.MakeRoom(bytes); !room) return room;
+  if (auto room = store_.MakeRoomFor(caller.owner, caller.quota_mb << 20, bytes); !room) return room;
   for (const auto& [role, part] : {std::pair{"file", submission.file}, {"mesh", submission.mesh}}) {
     if (part == nullptr) continue;
     auto file = store_.Keep(part->path, part->sha256);

@@ -4,7 +4,8 @@
 //     it happens, and a request waits for its end only as long as the caller wants.
 //  2. Check looks at a request before its body is read: what fails there would fail afterwards, too.
 //  3. A question that was answered before costs a look-up, however full the queue is.
-//  4. Every error is a problem document (problem.h). No message shows where the service keeps its files.
+//  4. What a caller sees and may do is decided by access.h; what is another owner's is not there.
+//  5. Every error is a problem document (problem.h). No message shows where the service keeps its files.
 #pragma once
 
 #include <atomic>
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "server/service/access.h"
 #include "server/service/jobs.h"
 #include "server/service/message.h"
 #include "server/service/store.h"
@@ -29,12 +31,12 @@ struct ServiceLimits {
 
 class Service {
  public:
-  // `store` and `jobs` must outlive the service.
-  Service(Store& store, Jobs& jobs, const ServiceLimits& limits);
+  // All must outlive the service.
+  Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceLimits& limits);
 
-  // A response if the request must not go on: 404, 405, 403, 411, 413, 415, 503. Only method, path and
-  // headers are looked at.
-  std::optional<HttpResponse> Check(const HttpRequest& request);
+  // A response if the request must not go on: 401, 403, 404, 405, 413, 415, 429, 503. Only method, path and
+  // headers are looked at. Sets request.caller, which Handle goes by.
+  std::optional<HttpResponse> Check(HttpRequest& request);
   HttpResponse Handle(const HttpRequest& request);
 
   const ServiceLimits& limits() const { return limits_; }
@@ -44,20 +46,22 @@ class Service {
   HttpResponse Health();
   HttpResponse Page(const std::string& name, const std::string& content_type) const;
   HttpResponse Artifact(const HttpRequest& request, const std::string& name);
-  HttpResponse GetModel(const std::string& id);
-  HttpResponse GetAnswer(const std::string& key);
-  HttpResponse GetJob(const std::string& id);
-  HttpResponse CancelJob(const std::string& id);
-  HttpResponse JobEvents(const std::string& id);
+  HttpResponse GetModel(const Caller& caller, const std::string& id);
+  HttpResponse GetAnswer(const Caller& caller, const std::string& key);
+  std::optional<JobView> FindJob(const Caller& caller, const std::string& id);
+  HttpResponse GetJob(const Caller& caller, const std::string& id);
+  HttpResponse CancelJob(const Caller& caller, const std::string& id);
+  HttpResponse JobEvents(const Caller& caller, const std::string& id);
   HttpResponse Submit(const HttpRequest& request, const std::string& kind);
-  std::optional<std::string> KnownAnswer(const Submission& submission);
-  Result<void> KeepUploads(const Submission& submission, NewJob& job, std::vector<KeptFile>& kept);
+  std::optional<std::string> KnownAnswer(const std::string& owner, const Submission& submission);
+  Result<void> KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
+                           std::vector<KeptFile>& kept);
   HttpResponse WaitAndAnswer(const HttpRequest& request, const Submitted& submitted);
 
   Store& store_;
   Jobs& jobs_;
+  AccessControl& access_;
   const ServiceLimits limits_;
-  const std::string owner_;  // of everything, until there are keys
   std::atomic<int> waiters_{0};
   std::shared_ptr<std::atomic<int>> listeners_ = std::make_shared<std::atomic<int>>(0);
 };

@@ -158,7 +158,7 @@ Result<std::optional<SubmitOutcome>> SqlJobStore::FindFull(const NewJob& job) {
       });
   if (!asked) return asked.error();
   if (all >= limits_.queued) return std::optional(SubmitOutcome::kQueueFull);
-  if (own >= limits_.queued_of_owner) return std::optional(SubmitOutcome::kShareFull);
+  if (!job.owner.empty() && own >= limits_.queued_of_owner) return std::optional(SubmitOutcome::kShareFull);
   return std::optional<SubmitOutcome>();
 }
 

@@ -60,6 +60,8 @@ class Store {
   // Gives up what law 4 allows until so many bytes more are within the limit. Error: kWriteFailed, if that is
   // not enough.
   virtual Result<void> MakeRoom(std::uint64_t bytes) = 0;
+  // The same within the `quota` of one owner, from what is kept for that one.
+  virtual Result<void> MakeRoomFor(const std::string& owner, std::uint64_t quota, std::uint64_t bytes) = 0;
 
   // Errors: kWriteFailed.
   virtual Result<void> PutModel(const std::string& owner, const std::string& id, const std::string& name,

@@ -62,12 +62,15 @@ std::string Reply::Problem() const {
 
 LiveServer::LiveServer(const std::vector<std::string>& arguments, const std::string& importer)
     : directory_(TempDir::Create().value()), data_(directory_.File("data")), importer_(importer) {
-  command_ = {Program("facetless"), "serve", "--listen", "127.0.0.1:0", "--data", data_};
+  command_ = {Program("facetless"), "serve", "--data", data_};
+  if (std::find(arguments.begin(), arguments.end(), "--listen") == arguments.end())
+    command_.insert(command_.end(), {"--listen", "127.0.0.1:0"});
   command_.insert(command_.end(), arguments.begin(), arguments.end());
   Start();
 }
 
-void LiveServer::Start() {
+void LiveServer::Start(const std::vector<std::string>& more) {
+  command_.insert(command_.end(), more.begin(), more.end());
   std::vector<char*> argv;
   for (std::string& word : command_) argv.push_back(word.data());
   argv.push_back(nullptr);

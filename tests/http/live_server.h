@@ -54,8 +54,8 @@ class LiveServer {
   Reply Raw(const std::string& bytes);
 
   bool Running();
-  // Starts it again, on the same data; it must have ended.
-  void Start();
+  // Starts it again, on the same data and with more arguments; it must have ended.
+  void Start(const std::vector<std::string>& more = {});
   // Sends the signal and waits; the exit code, or −1 if it had to be killed after ten seconds.
   int Stop(int signal);
 

@@ -75,10 +75,10 @@ class Client {
   int Draw(int below) { return std::uniform_int_distribution<int>(0, below - 1)(random_); }
 
   void Post() {
-    // Few questions, so that some are asked twice at once, some again, and some fail.
+    // Half of them few questions, so that some are asked twice at once and some again; some fail.
     constexpr const char* kTexts[] = {"ok", "slow 50", "slow 150", "slow 400", "unusable nothing-usable"};
     Sent sent;
-    sent.text = std::string(kTexts[Draw(5)]) + " " + std::to_string(Draw(40));
+    sent.text = std::string(kTexts[Draw(5)]) + " " + std::to_string(Draw(2) == 0 ? Draw(10) : Draw(1000000));
     if (sent.text.starts_with("unusable")) sent.text = kTexts[4];
     sent.options = Draw(2) == 0 ? R"({"size":"32x32"})" : R"({"size":"40x24","view":["top","iso"]})";
     sent.key = "client " + std::to_string(number_) + " request " + std::to_string(++requests_);
