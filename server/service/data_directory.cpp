@@ -51,7 +51,7 @@ Result<void> MakeSchema(Database& database, const std::string& path) {
   Transaction transaction(database);
   if (!transaction.begun()) return transaction.begun();
   std::int64_t version = 0;
-  const auto asked =
+  auto asked =
       database.Query("PRAGMA user_version", {}, [&](const SqlRow& row) { version = row.Integer(0); });
   if (!asked) return asked;
   if (version == kSchemaVersion) return {};

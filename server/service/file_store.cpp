@@ -250,7 +250,7 @@ Result<void> FileStore::PutMesh(const std::string& owner, const std::string& id,
   const std::string item = ModelItem(owner, id);
   // A mesh lives and goes with its model.
   bool known = false;
-  const auto asked =
+  auto asked =
       database.Query("SELECT 1 FROM items WHERE id = ?", {item}, [&](const SqlRow&) { known = true; });
   if (!asked) return asked;
   if (!known) return Error{ErrorCode::kInternal, "the model " + id + " is not there any more"};

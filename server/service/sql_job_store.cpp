@@ -299,7 +299,7 @@ Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::v
   Database& database = directory_.writer();
   std::vector<std::pair<std::string, int>> lost;
   std::vector<std::string> cancelled;
-  const auto asked =
+  auto asked =
       database.Query("SELECT id, attempts, cancelling FROM jobs WHERE state = 'running' AND " + which, values,
                      [&](const SqlRow& row) {
                        if (row.Integer(2) != 0) {
@@ -339,7 +339,7 @@ Result<void> SqlJobStore::DropWhatEndedJobsHeld() {
   Database& database = directory_.writer();
   // There are as many needs and files of jobs as jobs wait or run: few.
   std::vector<std::string> ended;
-  const auto asked = database.Query(
+  auto asked = database.Query(
       "SELECT id FROM jobs WHERE id IN (SELECT job FROM needs UNION SELECT substr(holder, 5) FROM uses "
       "WHERE holder >= 'job/' AND holder < 'job0') AND state NOT IN ('queued', 'running')",
       {}, [&](const SqlRow& row) { ended.push_back(row.Text(0)); });

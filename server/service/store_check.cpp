@@ -53,7 +53,7 @@ class StoreCheck {
 
   Result<void> CheckFiles() {
     std::vector<std::pair<std::string, std::uint64_t>> rows;
-    const auto asked = Ask("SELECT sha256, bytes FROM files", [&](const SqlRow& row) {
+    auto asked = Ask("SELECT sha256, bytes FROM files", [&](const SqlRow& row) {
       rows.emplace_back(row.Text(0), static_cast<std::uint64_t>(row.Integer(1)));
     });
     if (!asked) return asked;

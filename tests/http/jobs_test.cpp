@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 
 #include <fstream>
@@ -10,6 +11,7 @@
 
 #include "server/service/sql_job_store.h"
 #include "server/service/store_check.h"
+#include "server/sha256.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 
@@ -301,6 +303,35 @@ TEST_F(HttpJobs, SayThatTheDiskIsFullAndLeaveNothingTorn) {
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   ExpectSoundStore(server);
+  server.Start();
+}
+
+TEST_F(HttpJobs, GoOnWhereTheDiskItselfIsFull) {
+  LiveServer server({}, FakeImporter());
+  ASSERT_EQ(server.Stop(SIGTERM), 0);
+  // A disk of three megabytes in the place of the data.
+  if (mount("tmpfs", server.data().c_str(), "tmpfs", 0, "size=3m") != 0)
+    GTEST_SKIP() << "this system does not let us mount a small disk; run as root to see what a full one does";
+  server.Start();
+  const auto large = [](int i) { return "ok " + std::to_string(i) + std::string(200000, ' '); };
+  std::vector<Json> answers;
+  Reply last;
+  for (int i = 0; i < 30; ++i) {
+    last = PostRender(server, large(i), {});
+    if (last.status != 200) break;
+    answers.push_back(last.Json());
+  }
+  EXPECT_EQ(last.status, 507) << last.body;
+  EXPECT_EQ(last.Problem(), "write-failed");
+  ASSERT_FALSE(answers.empty());
+  for (const Json& answer : answers)
+    EXPECT_EQ(server.Get(answer.at("views").at(0).at("links").at("direct")).status, 200)
+        << "what was there still is";
+  EXPECT_EQ(server.PostJson("/v1/renders", {{"model", Sha256Hex(large(0))}, {"size", "48x48"}}).Json(),
+            answers[0]);
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
+  ExpectSoundStore(server);
+  EXPECT_EQ(umount(server.data().c_str()), 0);
   server.Start();
 }
 
