@@ -33,7 +33,8 @@ std::optional<HttpResponse> AccessControl::Decide(HttpRequest& request, const Ro
   if (route.kind == RouteKind::kPage || route.kind == RouteKind::kHealth) return std::nullopt;
   std::string reason;
   auto refusal = Judge(request, route, reason);
-  if (audit) {
+  // Where everybody may come in, that somebody did is no decision.
+  if (audit && (!anonymous_ || !request.Header("authorization").empty())) {
     const std::string who = request.caller.owner.empty() ? "none" : request.caller.owner;
     audit("key=" + who + " " + request.method + " " + request.path +
           (refusal ? " denied: " + reason : " allowed"));

@@ -3,7 +3,7 @@
 //  1. A key that is given (Authorization: Bearer …) must be a good one. Without one a caller is "", if callers without
 //     a key are let in at all. The page, its files and /healthz are for everybody.
 //  2. What a key made is seen by that key only; for everybody else it is not there (404).
-//  3. Each decision is one line for the log, with the key's id and never the key.
+//  3. Each decision about a key, or the lack of one, is one line for the log, with the key's id and never the key.
 #pragma once
 
 #include <chrono>
