@@ -10,7 +10,9 @@
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/service/keys.h"
 #include "server/service/serve.h"
+#include "server/service/store_check.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -81,10 +83,24 @@ The manifest is described in docs/regression.md. The verdict is JSON on standard
 
 constexpr const char* kServeFooter = R"(Examples:
   facetless serve
-  facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
-  curl -F file=@part.step http://127.0.0.1:8080/v1/compare
+  facetless keys create /var/lib/facetless --name anna && facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
+  facetless serve --max-store 50000 --max-age 30          forget what nobody asked for in a month
+  curl -F file=@part.step http://127.0.0.1:8080/v1/comparisons
 
-The service has no access control of its own: where it faces a network, put it behind a proxy that does. docs/api.md has the API.)";
+On an address that others reach it wants keys (facetless keys create), and it speaks no TLS: put it behind a proxy that does.
+docs/api.md has the API.)";
+
+constexpr const char* kKeysFooter = R"(Examples:
+  facetless keys create /var/lib/facetless --name anna --rate 600 --quota 20000
+  facetless keys list /var/lib/facetless
+  facetless keys revoke /var/lib/facetless 0f3a5c7e9b1d2f4a
+  curl -H "Authorization: Bearer $KEY" -F file=@part.step http://127.0.0.1:8080/v1/comparisons)";
+
+constexpr const char* kStoreCheckFooter = R"(Example:
+  facetless store check /var/lib/facetless | jq '.faults'
+
+Exit codes: 0 everything agrees; 1 something does not, and "faults" names it; 64 the directory is in use or is none.
+After a crash, files that belong to nothing and what lies in tmp/ are faults, too: the next start of the service removes them.)";
 
 // Collects options into the JSON that ParseOptions reads, so that every check exists once.
 class OptionCollector {
@@ -231,13 +247,13 @@ void AddServeOptions(CLI::App* command, ServeOptions& serve) {
       ->add_option("--data", serve.data,
                    "Directory of models and results (default: " + DefaultDataDirectory() + ")")
       ->type_name("DIR");
-  command->add_option("--jobs", serve.jobs, "Runs at the same time")
+  command->add_option("--jobs", serve.jobs, "Jobs that run at the same time")
       ->type_name("N")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--queue", serve.queue, "Requests that may wait for a run; more get status 503")
+  command->add_option("--queue", serve.queue, "Jobs that may wait; more get status 503")
       ->type_name("N")
-      ->check(CLI::Range(0, 4096))
+      ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_option("--max-upload", serve.max_upload_mb, "Megabytes of one upload")
       ->type_name("MB")
@@ -247,7 +263,7 @@ void AddServeOptions(CLI::App* command, ServeOptions& serve) {
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--timeout", serve.timeout_s, "Seconds that one request may take, waiting included")
+  command->add_option("--timeout", serve.timeout_s, "Seconds that one job may run, and one upload take")
       ->type_name("S")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -255,6 +271,53 @@ void AddServeOptions(CLI::App* command, ServeOptions& serve) {
       ->type_name("MB")
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();
+  command
+      ->add_option("--max-store", serve.max_store_mb,
+                   "Megabytes of files that are kept; what was used longest ago goes first (0: no limit)")
+      ->type_name("MB")
+      ->check(CLI::Range(0, 1 << 30))
+      ->capture_default_str();
+  command->add_flag("--require-keys", serve.require_keys, "Let nobody in without a key, on any address");
+  command->add_flag("--allow-anonymous", serve.allow_anonymous,
+                    "Let everybody in, also on an address that others reach");
+  command
+      ->add_option("--max-age", serve.max_age_days,
+                   "Days that unused models and answers are kept (0: no limit)")
+      ->type_name("DAYS")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+// The commands about keys; which of them was given.
+struct KeyCommands {
+  CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
+};
+
+KeyCommands AddKeyCommands(CLI::App& app, KeyArguments& key) {
+  CLI::App* keys = app.add_subcommand("keys", "Say who may use the service (JSON); works while it runs");
+  keys->require_subcommand(1);
+  keys->footer(kKeysFooter);
+  KeyCommands commands;
+  commands.create = keys->add_subcommand("create", "Make a key; it is shown this once");
+  commands.list = keys->add_subcommand("list", "Say which keys there are");
+  commands.revoke = keys->add_subcommand("revoke", "Let a key in no more");
+  for (CLI::App* command : {commands.create, commands.list, commands.revoke})
+    command->add_option("DIR", key.directory, "Data directory of the service")->required();
+  commands.revoke->add_option("ID", key.id, "Id of the key")->required();
+  commands.create->add_option("--name", key.name, "Whose it is, for people")->required()->type_name("NAME");
+  commands.create->add_option("--scopes", key.scopes, "What it may do: read, submit, admin")
+      ->type_name("LIST")
+      ->capture_default_str();
+  commands.create->add_option("--rate", key.rate, "Requests a minute (0: any number)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  commands.create
+      ->add_option("--quota", key.quota_mb, "Megabytes that are kept for it (0: no bound of its own)")
+      ->type_name("MB")
+      ->check(CLI::Range(0, 1 << 30))
+      ->capture_default_str();
+  return commands;
 }
 
 // Runs a command on the collected options.
@@ -299,6 +362,14 @@ int RunCommandLine(int argc, char** argv) {
   regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
   CLI::App* serve_command = app.add_subcommand("serve", "Serve the HTTP API and a page for browsers");
   serve_command->footer(kServeFooter);
+  KeyArguments key;
+  const KeyCommands keys = AddKeyCommands(app, key);
+  CLI::App* store = app.add_subcommand("store", "Look after the data directory of serve");
+  store->require_subcommand(1);
+  CLI::App* store_check = store->add_subcommand(
+      "check", "Verify that database and files agree, while the service is stopped (JSON)");
+  store_check->footer(kStoreCheckFooter);
+  store_check->add_option("DIR", arguments.file, "Data directory")->required();
 
   // Their options.
   for (CLI::App* command : {render, compare}) {
@@ -341,6 +412,10 @@ int RunCommandLine(int argc, char** argv) {
     return app.exit(error) == 0 ? kExitDone : kExitUsage;
   }
   if (*serve_command) return Serve(serve);
+  if (*keys.create) return CreateKeyCommand(key);
+  if (*keys.list) return ListKeysCommand(key);
+  if (*keys.revoke) return RevokeKeyCommand(key);
+  if (*store_check) return StoreCheckCommand(arguments.file);
   for (const auto& [command, run] : {std::pair{inspect, &InspectCommand},
                                      {render, &RenderCommand},
                                      {mesh, &MeshCommand},

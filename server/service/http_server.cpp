@@ -23,8 +23,8 @@ using Clock = std::chrono::steady_clock;
 // Text parts are options and identifiers.
 constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr std::size_t kMaxParts = 16;
-// Beyond the requests that run or wait: threads for uploads, pages and pictures.
-constexpr int kSpareThreads = 8;
+// Beyond the requests that wait or listen: threads for uploads, pages and pictures.
+constexpr int kSpareThreads = 32;
 
 HttpRequest Translated(const httplib::Request& request) {
   HttpRequest translated;
@@ -49,6 +49,7 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
 
+  bool ok() const { return fd_ >= 0; }
   std::size_t Size() const {
     const off_t end = fd_ < 0 ? -1 : lseek(fd_, 0, SEEK_END);
     return end < 0 ? 0 : static_cast<std::size_t>(end);
@@ -67,11 +68,27 @@ class OpenFile {
 void Apply(const HttpResponse& from, httplib::Response& to) {
   to.status = from.status;
   for (const auto& [name, value] : from.headers) to.set_header(name, value);
+  if (from.stream) {
+    to.set_chunked_content_provider(from.content_type,
+                                    [next = from.stream](std::size_t, httplib::DataSink& sink) {
+                                      const auto piece = next();
+                                      if (piece) return sink.write(piece->data(), piece->size());
+                                      sink.done();
+                                      return true;
+                                    });
+    return;
+  }
   if (from.file_path.empty()) {
     if (!from.body.empty()) to.set_content(from.body, from.content_type);
     return;
   }
   auto file = std::make_shared<OpenFile>(from.file_path);
+  // Given up since it was looked up.
+  if (!file->ok()) {
+    to.headers.clear();
+    Apply(ProblemOfStatus(404), to);
+    return;
+  }
   to.set_content_provider(file->Size(), from.content_type,
                           [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
                             return file->Send(offset, length, sink);
@@ -238,14 +255,14 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
 
   // Bounds. The library's own limit of the payload is left off: it does not see chunked and compressed
   // bodies, ours does.
-  const int threads = service.limits().jobs + service.limits().queue + kSpareThreads;
+  const int threads = service.limits().waiters + service.limits().listeners + kSpareThreads;
   server.new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<std::size_t>(threads)); };
   server.set_keep_alive_max_count(1);
   server.set_read_timeout(30, 0);
   server.set_write_timeout(30, 0);
   server.set_default_headers({{"X-Content-Type-Options", "nosniff"}, {"Referrer-Policy", "no-referrer"}});
 
-  // One handler for all that has no body, one for all that has.
+  // One handler for all that has no body (that of a DELETE means nothing), one for all that has.
   const auto timed = [owner](const httplib::Request& request, httplib::Response& response, auto respond) {
     const auto start = Clock::now();
     Apply(respond(), response);
@@ -261,7 +278,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
       // would make a large answer out of a small request. The request is the library's own object; only the
       // handler sees it as constant.
       const_cast<httplib::Request&>(request).ranges.clear();
-      const HttpRequest translated = Translated(request);
+      HttpRequest translated = Translated(request);
       if (auto refusal = service.Check(translated)) return *refusal;
       return service.Handle(translated);
     });
@@ -273,7 +290,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
   });
   server.set_expect_100_continue_handler(
       [&service](const httplib::Request& request, httplib::Response& response) {
-        const auto refusal = service.Check(Translated(request));
+        HttpRequest translated = Translated(request);
+        const auto refusal = service.Check(translated);
         if (!refusal) return 100;
         Apply(*refusal, response);
         return response.status;

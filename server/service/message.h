@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,12 +23,20 @@ struct BodyPart {
   std::uint64_t bytes = 0;
 };
 
+// Who sent a request, as access.h found.
+struct Caller {
+  std::string owner;  // the id of a key; "" for a caller without one
+  bool read = true, submit = true, admin = false;
+  std::uint64_t quota_mb = 0;  // of what is kept for the owner; 0: none
+};
+
 struct HttpRequest {
   std::string method, path;                    // path: decoded, without the query
   std::map<std::string, std::string> headers;  // names in lower case; of repeated ones the first
   std::map<std::string, std::string> query;
   std::vector<BodyPart> parts;
   TempDir uploads;  // holds the parts' files
+  Caller caller;
 
   std::string Header(const std::string& lower_case_name) const {
     const auto found = headers.find(lower_case_name);
@@ -40,6 +49,9 @@ struct HttpResponse {
   std::string content_type;
   std::string body;
   std::string file_path;  // if not empty, the body is this file's content
+  // If not empty, the body is what this returns, one piece after the other, until it returns nothing. It may
+  // take seconds to find the next piece.
+  std::function<std::optional<std::string>()> stream;
   std::vector<std::pair<std::string, std::string>> headers;
 };
 

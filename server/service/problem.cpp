@@ -54,18 +54,21 @@ bool CallerIsToBlame(ErrorCode code) {
 
 HttpResponse Problem(int status, const std::string& code, const std::string& title,
                      const std::string& detail) {
-  const nlohmann::json body = {
-      {"type", "urn:facetless:problem:" + code}, {"title", title}, {"status", status}, {"detail", detail}};
+  return ProblemResponse(
+      {{"type", "urn:facetless:problem:" + code}, {"title", title}, {"status", status}, {"detail", detail}});
+}
+
+HttpResponse ProblemResponse(const nlohmann::json& document) {
   HttpResponse response;
-  response.status = status;
+  response.status = document.value("status", 500);
   response.content_type = "application/problem+json";
-  response.body = JsonText(body) + "\n";
+  response.body = JsonText(document) + "\n";
   return response;
 }
 
 HttpResponse ProblemOf(const Error& error) {
-  return Problem(CallerIsToBlame(error.code) ? 422 : 500, ErrorCodeName(error.code), TitleOf(error.code),
-                 error.message);
+  const int status = error.code == ErrorCode::kWriteFailed ? 507 : CallerIsToBlame(error.code) ? 422 : 500;
+  return Problem(status, ErrorCodeName(error.code), TitleOf(error.code), error.message);
 }
 
 HttpResponse ProblemOfStatus(int status) {

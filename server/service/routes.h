@@ -5,13 +5,15 @@
 
 namespace facetless {
 
-enum class RouteKind { kNone, kPage, kHealth, kModels, kModel, kRender, kCompare, kArtifact };
+enum class RouteKind { kNone, kPage, kHealth, kSubmit, kModel, kAnswer, kArtifact, kJob, kJobEvents };
 
 struct Route {
   RouteKind kind = RouteKind::kNone;
-  std::string argument;      // kPage: the file in server/web; kModel: the id; kArtifact: the name
+  std::string argument;      // kPage: the file in server/web; kSubmit: the job's kind; else the id or name
   std::string content_type;  // kPage
-  bool post = false;         // POST only; else GET and HEAD
+  std::string methods = "GET, HEAD";
+
+  bool Allows(const std::string& method) const;
 };
 
 // kNone where there is nothing.

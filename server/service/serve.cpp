@@ -3,8 +3,10 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <charconv>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -13,15 +15,20 @@
 #include "server/commands.h"
 #include "server/exit_code.h"
 #include "server/interrupt.h"
+#include "server/service/access.h"
+#include "server/service/data_directory.h"
 #include "server/service/file_store.h"
 #include "server/service/http_server.h"
+#include "server/service/jobs.h"
+#include "server/service/keys.h"
 #include "server/service/service.h"
+#include "server/service/sql_job_store.h"
 
 namespace facetless {
 namespace {
 
-// How long running requests may go on after the signal: container runtimes kill after ten seconds.
-constexpr auto kGrace = std::chrono::seconds(5);
+// How long running jobs may go on after the signal: container runtimes kill after ten seconds.
+constexpr double kGraceSeconds = 5;
 constexpr auto kPoll = std::chrono::milliseconds(50);
 
 struct Address {
@@ -52,6 +59,42 @@ std::string Printable(const std::string& text) {
   return printable;
 }
 
+bool OnlyThisMachineReaches(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+// Are callers without a key let in? Error: kBadUsage if nobody could be.
+Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& host, const std::string& data,
+                              KeyStore& keys) {
+  if (options.allow_anonymous) return true;
+  if (!options.require_keys && OnlyThisMachineReaches(host)) return true;
+  auto known = keys.List();
+  if (!known) return known.error();
+  for (const AccessKey& key : known.value()) {
+    if (key.revoked == 0) return false;
+  }
+  return Error{ErrorCode::kBadUsage, "others reach " + options.listen +
+                                         ", and there is no key: make one with facetless keys create " +
+                                         data + " --name NAME, or let everybody in with --allow-anonymous"};
+}
+
+constexpr double kDaySeconds = 24 * 3600;
+
+StoreLimits StoreLimitsOf(const ServeOptions& options) {
+  return {options.max_store_mb << 20, options.max_age_days * kDaySeconds};
+}
+
+JobSettings JobSettingsOf(const ServeOptions& options, const std::string& data) {
+  JobSettings settings;
+  settings.workers = options.jobs;
+  settings.run.timeout_s = options.timeout_s;
+  settings.run.max_samples = options.max_samples;
+  settings.run.import_memory_mb = options.import_memory_mb;
+  settings.forget_after_s = options.max_age_days * kDaySeconds;
+  settings.private_directory = data;
+  return settings;
+}
+
 }  // namespace
 
 std::string DefaultDataDirectory() {
@@ -69,24 +112,34 @@ int Serve(const ServeOptions& options) {
   if (!address) return PrintError(address.error());
   const std::string data =
       std::filesystem::absolute(options.data.empty() ? DefaultDataDirectory() : options.data);
-  auto store = FileStore::Open(data);
+  // A file that grows beyond what the system allows is an error of that write, and no end of the service.
+  std::signal(SIGXFSZ, SIG_IGN);
+  auto directory = DataDirectory::Open(data);
+  if (!directory) return PrintError(directory.error());
+  auto store = FileStore::Open(*directory.value(), StoreLimitsOf(options));
   if (!store) return PrintError(store.error());
 
-  // The service and its transport.
+  KeyStore keys(directory.value()->reader());
+  auto anonymous = AnonymousAllowed(options, address.value().host, data, keys);
+  if (!anonymous) return PrintError(anonymous.error());
+  AccessControl access(keys, anonymous.value());
+
+  // The queue, the service and its transport. Of several owners, none may have more than half of the queue.
+  QueueLimits queue_limits;
+  queue_limits.queued = options.queue;
+  queue_limits.queued_of_owner = (options.queue + 1) / 2;
+  SqlJobStore queue(*directory.value(), queue_limits);
+  Jobs jobs(queue, *store.value(), JobSettingsOf(options, data));
   ServiceLimits limits;
-  limits.jobs = options.jobs;
   limits.queue = options.queue;
   limits.timeout_s = options.timeout_s;
   limits.max_upload_bytes = options.max_upload_mb << 20;
-  limits.max_samples = options.max_samples;
-  limits.import_memory_mb = options.import_memory_mb;
-  limits.private_directory = data;
-  std::atomic<bool> stop_runs{false};
-  Service service(*store.value(), limits, stop_runs);
+  Service service(*store.value(), jobs, access, limits);
   auto server = HttpServer::Bind(service, address.value().host, address.value().port);
   if (!server) return PrintError(server.error());
   const auto log = spdlog::stderr_logger_mt("facetless");
   log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  access.audit = [&](const std::string& line) { log->info("audit {}", Printable(line)); };
   server.value()->on_request = [&](const std::string& method, const std::string& path, int status,
                                    double ms) {
     log->info("{} {} {} {:.0f} ms", method, Printable(path), status, ms);
@@ -102,23 +155,17 @@ int Serve(const ServeOptions& options) {
   std::printf("http://%s%s%s:%d\n", ipv6 ? "[" : "", address.value().host.c_str(), ipv6 ? "]" : "",
               server.value()->port());
   std::fflush(stdout);
-  log->info("serving on port {}, data in {}, {} jobs, {} waiting", server.value()->port(), data, options.jobs,
-            options.queue);
+  log->info("serving on port {}, data in {}, {} jobs at a time, {} may wait", server.value()->port(), data,
+            options.jobs, options.queue);
   while (!InterruptFlag() && !ended) std::this_thread::sleep_for(kPoll);
 
-  // Stop: nothing new, a few seconds for what runs, then end that, too.
+  // Stop: nothing new, a few seconds for what runs; the rest waits for the next start.
   const bool asked = InterruptFlag();
   log->info("stopping");
+  std::thread grace([&] { jobs.Stop(kGraceSeconds); });
   server.value()->Stop();
-  std::atomic<bool> stopped{false};
-  std::thread grace([&] {
-    for (auto waited = std::chrono::milliseconds(0); waited < kGrace && !stopped; waited += kPoll)
-      std::this_thread::sleep_for(kPoll);
-    stop_runs = true;
-  });
-  serving.join();
-  stopped = true;
   grace.join();
+  serving.join();
   return asked ? kExitDone : kExitInternal;
 }
 

@@ -1,78 +1,69 @@
 // The HTTP service without HTTP: requests in, responses out. docs/api.md is its contract with callers.
 //
-//  1. Handle may be called from many threads. At most `jobs` runs (imports, renderings) happen at the same
-//     time, at most `queue` requests wait for one; others get 503. A run ends at its request's deadline (504)
-//     or when `stop` is set (503).
+//  1. Handle may be called from many threads. Work is a job (jobs.h): it is in the job store before anything of
+//     it happens, and a request waits for its end only as long as the caller wants.
 //  2. Check looks at a request before its body is read: what fails there would fail afterwards, too.
-//  3. Every error is a problem document (problem.h). No message shows where the service keeps its files.
+//  3. A question that was answered before costs a look-up, however full the queue is.
+//  4. What a caller sees and may do is decided by access.h; what is another owner's is not there.
+//  5. Every error is a problem document (problem.h). No message shows where the service keeps its files.
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
-#include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 
-#include "server/interrupt.h"
-#include "server/run.h"
+#include "server/service/access.h"
+#include "server/service/jobs.h"
 #include "server/service/message.h"
 #include "server/service/store.h"
+#include "server/service/submission.h"
 
 namespace facetless {
 
 struct ServiceLimits {
-  int jobs = 2;
-  int queue = 16;
-  double timeout_s = 300;  // of one request, waiting included, upload not
+  int queue = 64;          // jobs that wait
+  int waiters = 32;        // requests that wait for a job's end; more are answered at once
+  int listeners = 32;      // event streams
+  double timeout_s = 300;  // the longest wait; an upload has as long
   std::uint64_t max_upload_bytes = std::uint64_t{256} << 20;
-  std::uint64_t max_samples = 1 << 25;  // pixels × samples per pixel × views
-  std::uint64_t import_memory_mb = 8192;
-  std::string private_directory;  // paths below it are cut from messages
 };
 
 class Service {
  public:
-  // `store` and `stop` must outlive the service.
-  Service(Store& store, const ServiceLimits& limits, const std::atomic<bool>& stop);
+  // All must outlive the service.
+  Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceLimits& limits);
 
-  // A response if the request must not go on: 404, 405, 403, 411, 413, 415, 503. Only method, path and
-  // headers are looked at.
-  std::optional<HttpResponse> Check(const HttpRequest& request) const;
+  // A response if the request must not go on: 401, 403, 404, 405, 413, 415, 429, 503. Only method, path and
+  // headers are looked at. Sets request.caller, which Handle goes by.
+  std::optional<HttpResponse> Check(HttpRequest& request);
   HttpResponse Handle(const HttpRequest& request);
 
   const ServiceLimits& limits() const { return limits_; }
   Store& store() { return store_; }
 
  private:
-  class Slot;
-
-  HttpResponse Health() const;
+  HttpResponse Health();
   HttpResponse Page(const std::string& name, const std::string& content_type) const;
   HttpResponse Artifact(const HttpRequest& request, const std::string& name);
-  HttpResponse GetModel(const std::string& id);
-  HttpResponse PostModel(const HttpRequest& request);
-  HttpResponse PostRun(const HttpRequest& request, bool compare);
-
-  // These three need a Slot.
-  Result<StoredModel> ImportModel(const BodyPart& file, const Deadline& deadline,
-                                  const std::optional<TessellationOptions>& mesh);
-  Result<std::string> EnsureMesh(const StoredModel& model, const TessellationOptions& mesh,
-                                 const Deadline& deadline);
-  Result<nlohmann::json> Execute(const StoredModel& model, const std::string& mesh_path,
-                                 const RunOptions& options, bool compare, const Deadline& deadline);
-  Result<ImportedFiles> RunImport(const std::string& path, const std::vector<TessellationOptions>& meshes,
-                                  const Deadline& deadline);
-  Result<nlohmann::json> Publish(nlohmann::json report, const std::string& directory, const std::string& id);
-  HttpResponse Failed(const Error& error, const Deadline& deadline) const;
+  HttpResponse GetModel(const Caller& caller, const std::string& id);
+  HttpResponse GetAnswer(const Caller& caller, const std::string& key);
+  std::optional<JobView> FindJob(const Caller& caller, const std::string& id);
+  HttpResponse GetJob(const Caller& caller, const std::string& id);
+  HttpResponse CancelJob(const Caller& caller, const std::string& id);
+  HttpResponse JobEvents(const Caller& caller, const std::string& id);
+  HttpResponse Submit(const HttpRequest& request, const std::string& kind);
+  std::optional<std::string> KnownAnswer(const std::string& owner, const Submission& submission);
+  Result<void> KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
+                           std::vector<KeptFile>& kept);
+  HttpResponse WaitAndAnswer(const HttpRequest& request, const Submitted& submitted);
 
   Store& store_;
+  Jobs& jobs_;
+  AccessControl& access_;
   const ServiceLimits limits_;
-  const std::atomic<bool>& stop_;
-  mutable std::mutex mutex_;
-  std::condition_variable slot_freed_;
-  int running_ = 0, waiting_ = 0;
+  std::atomic<int> waiters_{0};
+  std::shared_ptr<std::atomic<int>> listeners_ = std::make_shared<std::atomic<int>>(0);
 };
 
 }  // namespace facetless

@@ -27,6 +27,27 @@ const request = () => {
   return body;
 };
 
+const stages = { queued: "Waiting for its turn", read: "Reading", transfer: "Reading", convert: "Converting", mesh: "Tessellating", compare: "Tracing and comparing", publish: "Storing the pictures" };
+
+// Asks for the job until it has ended; its result, or its problem. A service that is being restarted is asked again.
+const atItsEnd = async (job, report) => {
+  let failures = 0;
+  while (job.state === "queued" || job.state === "running") {
+    if (stages[job.stage]) report(stages[job.stage]);
+    await new Promise((resolve) => { setTimeout(resolve, 500); });
+    try {
+      const response = await fetch(job.links.self.slice(1));
+      if (response.status === 404) return await response.json();
+      if (response.ok) job = await response.json();
+      failures = 0;
+    } catch (error) {
+      if (++failures > 20) throw error;
+    }
+  }
+  if (job.state === "done" && job.result) return job.result;
+  return job.problem || { title: "The job was cancelled", detail: "Send it again if needed." };
+};
+
 const compare = async () => {
   if (!chosen) return;
   if (byId("deflection").value === "own" && !byId("mesh").files.length) {
@@ -35,13 +56,15 @@ const compare = async () => {
   }
   byId("go").disabled = true;
   const start = performance.now();
-  const tick = () => say(`Reading, tracing and comparing … ${Math.round((performance.now() - start) / 1000)} s`, false, true);
+  let doing = "Reading, tracing and comparing";
+  const tick = () => say(`${doing} … ${Math.round((performance.now() - start) / 1000)} s`, false, true);
   tick();
   const timer = setInterval(tick, 1000);
   try {
-    const response = await fetch("v1/compare", { method: "POST", body: request() });
-    const answer = await response.json();
-    if (!response.ok) {
+    const response = await fetch("v1/comparisons", { method: "POST", headers: { Prefer: "wait=2" }, body: request() });
+    let answer = await response.json();
+    if (response.status === 202) answer = await atItsEnd(answer, (stage) => { doing = stage; });
+    if (!response.ok || answer.views === undefined) {
       say(answer.title === undefined ? `The service answered with status ${response.status}.` : `${answer.title}. ${answer.detail}`, true);
       return;
     }

@@ -1,5 +1,6 @@
 // Stands in for facetless-import in tests. What it does is the first word of the input file:
 //   ok         writes a model of one square, and a mesh file of a few bytes per --mesh
+//   slow       the same after so many milliseconds (second word)
 //   unusable   exit code 4 with an error of the given code (second word)
 //   crash      dies of SIGSEGV
 //   hang       never ends, and ignores SIGTERM
@@ -16,12 +17,14 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "render/model/model_file.h"
@@ -94,6 +97,10 @@ int main(int argc, char** argv) {
   std::string mode, detail;
   input >> mode >> detail;
   if (mode == "ok") return WriteModelAndMeshes(argc, argv);
+  if (mode == "slow") {
+    std::this_thread::sleep_for(std::chrono::milliseconds(std::atoi(detail.c_str())));
+    return WriteModelAndMeshes(argc, argv);
+  }
   if (mode == "unusable") {
     Answer("{\"ok\":false,\"error\":{\"code\":\"" + detail + "\",\"message\":\"nothing in here\"}}");
     return 4;

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cstdlib>
@@ -37,6 +38,14 @@ Reply Parsed(const std::string& bytes) {
   return reply;
 }
 
+LiveServer::Headers WithWait(LiveServer::Headers headers, const std::string& content_type) {
+  const bool given = std::any_of(headers.begin(), headers.end(),
+                                 [](const auto& header) { return header.first == "Prefer"; });
+  if (!given) headers.emplace_back("Prefer", "wait=300");
+  headers.emplace_back("Content-Type", content_type);
+  return headers;
+}
+
 }  // namespace
 
 std::string Reply::Problem() const {
@@ -52,16 +61,22 @@ std::string Reply::Problem() const {
 }
 
 LiveServer::LiveServer(const std::vector<std::string>& arguments, const std::string& importer)
-    : directory_(TempDir::Create().value()), data_(directory_.File("data")) {
-  std::vector<std::string> command = {Program("facetless"), "serve",  "--listen",
-                                      "127.0.0.1:0",        "--data", data_};
-  command.insert(command.end(), arguments.begin(), arguments.end());
+    : directory_(TempDir::Create().value()), data_(directory_.File("data")), importer_(importer) {
+  command_ = {Program("facetless"), "serve", "--data", data_};
+  if (std::find(arguments.begin(), arguments.end(), "--listen") == arguments.end())
+    command_.insert(command_.end(), {"--listen", "127.0.0.1:0"});
+  command_.insert(command_.end(), arguments.begin(), arguments.end());
+  Start();
+}
+
+void LiveServer::Start(const std::vector<std::string>& more) {
+  command_.insert(command_.end(), more.begin(), more.end());
   std::vector<char*> argv;
-  for (std::string& word : command) argv.push_back(word.data());
+  for (std::string& word : command_) argv.push_back(word.data());
   argv.push_back(nullptr);
   int out[2];
   if (pipe(out) != 0) return;
-  if (!importer.empty()) setenv("FACETLESS_IMPORTER", importer.c_str(), 1);
+  if (!importer_.empty()) setenv("FACETLESS_IMPORTER", importer_.c_str(), 1);
   pid_ = fork();
   if (pid_ == 0) {
     dup2(out[1], 1);
@@ -107,7 +122,7 @@ int LiveServer::Stop(int signal) {
 }
 
 Reply LiveServer::Raw(const std::string& bytes) {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port_));
@@ -135,11 +150,22 @@ Reply LiveServer::Request(const std::string& method, const std::string& path, co
   return Raw(bytes + "\r\n" + body);
 }
 
-Reply LiveServer::PostJson(const std::string& path, const nlohmann::json& json) {
-  return Request("POST", path, {{"Content-Type", "application/json"}}, json.dump());
+nlohmann::json LiveServer::JobAtItsEnd(const std::string& id) {
+  for (int i = 0; i < 1200; ++i) {
+    const nlohmann::json job = Get("/v1/jobs/" + id).Json();
+    const std::string state = job.is_object() ? job.value("state", "") : "";
+    if (state == "done" || state == "failed" || state == "cancelled") return job;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return nullptr;
 }
 
-Reply LiveServer::PostForm(const std::string& path, const std::vector<FormPart>& parts) {
+Reply LiveServer::PostJson(const std::string& path, const nlohmann::json& json, const Headers& headers) {
+  return Request("POST", path, WithWait(headers, "application/json"), json.dump());
+}
+
+Reply LiveServer::PostForm(const std::string& path, const std::vector<FormPart>& parts,
+                           const Headers& headers) {
   const std::string boundary = "facetless-test-boundary";
   std::string body;
   for (const FormPart& part : parts) {
@@ -149,7 +175,7 @@ Reply LiveServer::PostForm(const std::string& path, const std::vector<FormPart>&
     body += "\r\n\r\n" + part.content + "\r\n";
   }
   body += "--" + boundary + "--\r\n";
-  return Request("POST", path, {{"Content-Type", "multipart/form-data; boundary=" + boundary}}, body);
+  return Request("POST", path, WithWait(headers, "multipart/form-data; boundary=" + boundary), body);
 }
 
 }  // namespace facetless

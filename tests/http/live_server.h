@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <atomic>
 #include <map>
 #include <string>
 #include <utility>
@@ -44,23 +45,30 @@ class LiveServer {
   }
   Reply Request(const std::string& method, const std::string& path, const Headers& headers,
                 const std::string& body);
-  Reply PostJson(const std::string& path, const nlohmann::json& json);
-  Reply PostForm(const std::string& path, const std::vector<FormPart>& parts);
+  // These two wait for the end of the job, unless `headers` has a Prefer of its own.
+  Reply PostJson(const std::string& path, const nlohmann::json& json, const Headers& headers = {});
+  Reply PostForm(const std::string& path, const std::vector<FormPart>& parts, const Headers& headers = {});
+  // The job as it is when it has ended, or null after a minute.
+  nlohmann::json JobAtItsEnd(const std::string& id);
   // Sends the bytes as they are and reads until the server closes.
   Reply Raw(const std::string& bytes);
 
   bool Running();
+  // Starts it again, on the same data and with more arguments; it must have ended.
+  void Start(const std::vector<std::string>& more = {});
   // Sends the signal and waits; the exit code, or −1 if it had to be killed after ten seconds.
   int Stop(int signal);
 
+  pid_t pid() const { return pid_; }
   int port() const { return port_; }
   const std::string& data() const { return data_; }
 
  private:
   TempDir directory_;
-  std::string data_;
+  std::string data_, importer_;
+  std::vector<std::string> command_;
   pid_t pid_ = 0;
-  int port_ = 0;
+  std::atomic<int> port_{0};  // changes with each start; clients of other threads ask anew
 };
 
 }  // namespace facetless

@@ -68,6 +68,23 @@ TEST(HttpRealFiles, ComparesWithAMeshThatWasPosted) {
   EXPECT_EQ(scaled.Problem(), "unit-mismatch") << scaled.body;
 }
 
+TEST(HttpRealFiles, TradesSpeedForAccuracy) {
+  LiveServer server;
+  const Reply reply = server.PostForm(
+      "/v1/trades",
+      {{"file", "sphere.step", ReadText(Sample("sphere.step"))},
+       {"options", "", R"({"size":"64x64","deflections":"1e-2,1e-3","angles":"30","tolerances":"1e-3"})"}});
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json report = reply.Json();
+  EXPECT_GE(report.at("trade").at("points").size(), 3u);
+  const Json& links = report.at("views").at(0).at("links");
+  const Reply plot = server.Get(links.at("trade-time.svg"));
+  EXPECT_EQ(plot.headers.at("content-type"), "image/svg+xml");
+  EXPECT_EQ(plot.headers.at("content-security-policy").substr(0, 7), "sandbox") << "it may carry a script";
+  EXPECT_EQ(server.Get(links.at("direct")).status, 200);
+  EXPECT_EQ(server.Get(report.at("links").at("self")).body, reply.body);
+}
+
 TEST(HttpRealFiles, SurvivesEveryBrokenFileOneByOneAndFourAtATime) {
   const std::string folder = CadFile("broken");
   if (folder.empty()) GTEST_SKIP() << "the folder of real CAD files (FACETLESS_CAD) is not there";

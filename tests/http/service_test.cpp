@@ -253,19 +253,29 @@ TEST_F(HttpService, NamesNoDirectoriesOfItsOwn) {
 }
 
 TEST_F(HttpService, TurnsAwayWhatItCannotDoSoon) {
-  LiveServer server({"--jobs", "1", "--queue", "0", "--timeout", "5"}, FakeImporter());
-  std::atomic<int> first{0};
-  std::thread slow([&] { first = server.PostForm("/v1/models", {{"file", "a.step", "hang"}}).status; });
+  LiveServer server({"--jobs", "1", "--queue", "1"}, FakeImporter());
+  const std::string known = Upload(server);
+  const auto post = [&](const char* text) {
+    return server.PostForm("/v1/models", {{"file", "a.step", text}}, {{"Prefer", "wait=0"}});
+  };
+  const Json running = post("hang").Json();
   while (server.Get("/healthz").Json().at("running") == 0)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  const Reply turned_away = server.PostForm("/v1/models", {{"file", "a.step", "ok"}});
+  const Json waiting = post("ok 1").Json();
+  EXPECT_EQ(waiting.at("state"), "queued");
+  const Reply turned_away = post("ok 2");
   EXPECT_EQ(turned_away.status, 503);
   EXPECT_EQ(turned_away.Problem(), "busy");
   EXPECT_NE(turned_away.headers.at("retry-after"), "");
   EXPECT_EQ(server.Get("/healthz").status, 200) << "what needs no run is still answered";
-  slow.join();
-  EXPECT_EQ(first, 504);
-  EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "ok"}}).status, 201);
+  EXPECT_EQ(Upload(server), known) << "and what is known already";
+  EXPECT_EQ(post("ok 1").Json().at("id"), waiting.at("id")) << "and what waits already";
+  // What is cancelled makes room.
+  EXPECT_EQ(
+      server.Request("DELETE", "/v1/jobs/" + waiting.at("id").get<std::string>(), {}, "").Json().at("state"),
+      "cancelled");
+  EXPECT_EQ(post("ok 2").status, 202);
+  server.Request("DELETE", "/v1/jobs/" + running.at("id").get<std::string>(), {}, "");
 }
 
 TEST_F(HttpService, ServesManyAtOnce) {
@@ -293,9 +303,14 @@ TEST_F(HttpService, StopsInOrder) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   slow.join();
-  EXPECT_EQ(reply.Problem(), "shutting-down");
+  EXPECT_EQ(reply.status, 202) << "the job is kept, and the client is told where to ask: " << reply.body;
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
   EXPECT_EQ(ChildrenLeft(server), 0);
+  // The next start goes on with it, and does not count the attempt that it was not given the time for.
+  server.Start();
+  const Json job = server.Get(reply.headers.at("location")).Json();
+  EXPECT_THAT(job.at("state"), testing::AnyOf("queued", "running"));
+  EXPECT_LE(job.at("attempts").get<int>(), 1);
 }
 
 TEST_F(HttpService, StopsAtOnceWhenNothingRuns) {

@@ -180,6 +180,10 @@ TEST(Layering, HttplibIsInOneFile) {
   EXPECT_THAT(includers, SizeIs(1));
 }
 
+TEST(Layering, SqliteIsInOneFile) {
+  EXPECT_THAT(IncludersOf("(.*/)?sqlite3\\.h"), testing::ElementsAre("server/service/database.cpp"));
+}
+
 TEST(Layering, LibrariesNeitherPrintNorEndTheProcess) {
   static const std::regex forbidden(
       R"((^|[^\w:.>])(std::)?(printf|fprintf|puts|abort|exit|_exit|terminate)\s*\(|std::(cout|cerr|clog)\b)");

@@ -1,0 +1,82 @@
+// SQLite behind a few words: the one place that knows it (docs/api.md, "What is kept").
+//
+//  1. A Database may be used from many threads: a statement has it for itself, and so has a Transaction from its
+//     start to its end.
+//  2. What was committed is on the disk when Commit or a Run outside a transaction returns: write-ahead log,
+//     synchronous=FULL. After a crash of the process or the machine the database is as the last commit left it.
+//  3. A failed statement changes nothing, and a Transaction that ends without Commit is rolled back.
+//  4. Errors: kWriteFailed (the disk is full or fails), kFormatBroken (the file is damaged or no database), else
+//     kInternal.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "render/model/result.h"
+
+namespace facetless {
+
+using SqlValue = std::variant<std::nullptr_t, std::int64_t, double, std::string>;
+
+// A row while a query walks over it; columns count from 0.
+class SqlRow {
+ public:
+  explicit SqlRow(void* statement) : statement_(statement) {}
+  bool IsNull(int column) const;
+  std::int64_t Integer(int column) const;  // 0 for null
+  double Real(int column) const;           // 0 for null
+  std::string Text(int column) const;      // "" for null
+
+ private:
+  void* statement_;
+};
+
+class Database {
+ public:
+  // Makes the file if it is absent.
+  static Result<std::unique_ptr<Database>> Open(const std::string& path);
+  ~Database();
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  // Runs one statement; how many rows it changed.
+  Result<int> Run(const std::string& sql, const std::vector<SqlValue>& values = {});
+  // Calls `row` for each row of the answer. `row` must not use the database.
+  Result<void> Query(const std::string& sql, const std::vector<SqlValue>& values,
+                     const std::function<void(const SqlRow&)>& row);
+  // Runs several statements without values, as one text.
+  Result<void> RunScript(const std::string& sql);
+
+ private:
+  friend class Transaction;
+  struct State;
+  explicit Database(std::unique_ptr<State> state);
+  Error LastError(const std::string& what) const;
+
+  std::unique_ptr<State> state_;
+};
+
+class Transaction {
+ public:
+  // Takes the database for itself and begins; ok() has the error if that fails.
+  explicit Transaction(Database& database);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  const Result<void>& begun() const { return begun_; }
+  Result<void> Commit();
+
+ private:
+  Database& database_;
+  std::unique_lock<std::recursive_mutex> lock_;
+  Result<void> begun_;
+  bool open_ = false;
+};
+
+}  // namespace facetless

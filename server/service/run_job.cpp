@@ -1,0 +1,273 @@
+#include "server/service/run_job.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "render/baseline/mesh_file.h"
+#include "render/model/model_file.h"
+#include "server/files.h"
+#include "server/run.h"
+#include "server/service/submission.h"
+#include "server/sha256.h"
+#include "server/trade.h"
+#include "server/version.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+using Artifacts = std::vector<std::pair<std::string, KeptFile>>;
+
+// A trade whose caller names no budget: so many of its points fit into the job's time at the least.
+constexpr double kTradePoints = 20;
+
+// How a mesh of ours was made, as a key of the store.
+std::string MeshKey(const TessellationOptions& mesh) {
+  const Json identity = {{"version", Version()},
+                         {"deflection", mesh.deflection_mm > 0 ? 0 : mesh.deflection},
+                         {"deflection_mm", mesh.deflection_mm},
+                         {"angular_deg", mesh.angular_deg}};
+  return Sha256Hex(JsonText(identity, -1));
+}
+
+std::uint64_t SamplesOf(const std::vector<Camera>& cameras, int samples) {
+  std::uint64_t count = 0;
+  for (const Camera& camera : cameras)
+    count += std::uint64_t(camera.width_px) * std::uint64_t(camera.height_px) * std::uint64_t(samples);
+  return count;
+}
+
+// Moves a run's files into the store and links them in its report.
+class Publication {
+ public:
+  Publication(Store& store, std::string directory) : store_(store), directory_(std::move(directory)) {}
+
+  // The address of a file of the run.
+  Result<std::string> Add(const std::string& name) {
+    auto kept = store_.Keep(directory_ + "/" + name, "");
+    if (!kept) return kept.error();
+    const std::string artifact = kept.value().sha256 + "." + name.substr(name.rfind('.') + 1);
+    artifacts_.emplace_back(artifact, std::move(kept).value());
+    return "/v1/artifacts/" + artifact;
+  }
+  // Adds `links[role]`.
+  Result<void> Link(Json& links, const std::string& role, const std::string& name) {
+    auto address = Add(name);
+    if (!address) return address.error();
+    links[role] = std::move(address).value();
+    return {};
+  }
+  const Artifacts& artifacts() const { return artifacts_; }
+
+ private:
+  Store& store_;
+  const std::string directory_;
+  Artifacts artifacts_;
+};
+
+class JobRun {
+ public:
+  JobRun(const Job& job, Store& store, const RunLimits& limits, const JobWatch& watch)
+      : job_(job), store_(store), limits_(limits), watch_(watch) {}
+
+  Result<std::string> Run() {
+    auto parsed = ParseJobRequest(job_.request);
+    if (!parsed) return parsed.error();
+    request_ = std::move(parsed).value();
+    const std::string answer = AnswerItem(job_.owner, job_.question);
+    if (job_.kind != "model" && store_.FindAnswer(job_.owner, job_.question)) return answer;
+
+    // The model, and the mesh to compare it with.
+    if (auto ready = MakeModel(); !ready) return ready.error();
+    if (job_.kind == "model") return ModelItem(job_.owner, request_.model_id);
+    std::string mesh_path;
+    if (job_.kind == "comparison") {
+      auto made = MakeMesh();
+      if (!made) return made.error();
+      mesh_path = std::move(made).value();
+    }
+    if (auto run = Execute(mesh_path); !run) return run.error();
+    return answer;
+  }
+
+ private:
+  bool foreign_mesh() const { return !request_.mesh.empty(); }
+
+  Result<void> MakeModel() {
+    model_ = store_.FindModel(job_.owner, request_.model_id);
+    if (model_) return {};
+    if (request_.file_name.empty())
+      return Error{ErrorCode::kFileUnreadable, "the model " + request_.model_id + " is not there any more"};
+    const auto source = store_.Pin(request_.model_id);
+    if (!source) return Error{ErrorCode::kInternal, "the uploaded file is not there any more"};
+
+    // Import it, with its mesh on the way.
+    std::vector<TessellationOptions> meshes;
+    if (job_.kind == "comparison" && !foreign_mesh()) meshes.push_back(request_.options.tessellation);
+    auto files = Import(source->path, request_.file_name, meshes);
+    if (!files) return files.error();
+
+    // Describe it and keep it.
+    auto read = ReadModel(files.value().model_path);
+    if (!read) return read.error();
+    ImportedModel imported;
+    imported.model = std::make_unique<const Model>(std::move(read).value());
+    imported.import_ms = files.value().wall_ms;
+    imported.import_peak_bytes = files.value().peak_bytes;
+    auto model_file = store_.Keep(files.value().model_path, "");
+    if (!model_file) return model_file.error();
+    if (auto put = store_.PutModel(job_.owner, request_.model_id, request_.file_name,
+                                   ImportedModelJson(imported), *source, model_file.value());
+        !put)
+      return put;
+    if (!meshes.empty()) {
+      auto mesh = store_.Keep(files.value().mesh_paths.front(), "");
+      if (!mesh) return mesh.error();
+      if (auto put = store_.PutMesh(job_.owner, request_.model_id, MeshKey(meshes.front()), mesh.value());
+          !put)
+        return put;
+    }
+    model_ = store_.FindModel(job_.owner, request_.model_id);
+    if (!model_) return Error{ErrorCode::kWriteFailed, "the model cannot be read back"};
+    const std::size_t lost = LossCount(*imported.model);
+    if (lost > 0 && watch_.message)
+      watch_.message(std::to_string(lost) + " faces, loops or edges of the file were lost");
+    return {};
+  }
+
+  // Where the mesh lies.
+  Result<std::string> MakeMesh() {
+    if (foreign_mesh()) {
+      posted_mesh_ = store_.Pin(request_.mesh);
+      if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh is not there any more"};
+      return posted_mesh_->path;
+    }
+    const std::string key = MeshKey(request_.options.tessellation);
+    if (auto known = store_.FindMesh(job_.owner, model_->id, key)) return *known;
+    auto files = Import(model_->source_path, model_->name, {request_.options.tessellation});
+    if (!files) return files.error();
+    auto mesh = store_.Keep(files.value().mesh_paths.front(), "");
+    if (!mesh) return mesh.error();
+    if (auto put = store_.PutMesh(job_.owner, model_->id, key, mesh.value()); !put) return put.error();
+    return mesh.value().path;
+  }
+
+  // What every import of the job has in common. `source` lies in the job's scratch directory under the name that
+  // it came with: reports show it.
+  Result<ImportRequest> ImportRequestFor(const std::string& path, const std::string& name) {
+    auto scratch = store_.Scratch();
+    if (!scratch) return scratch.error();
+    scratch_.push_back(std::move(scratch).value());
+    ImportRequest request;
+    request.input = scratch_.back().File(name);
+    std::error_code error;
+    std::filesystem::create_hard_link(path, request.input, error);
+    if (error) return Error{ErrorCode::kWriteFailed, "cannot store the upload: " + error.message()};
+    // The job's deadline ends it first.
+    request.limits.timeout_s = 2 * limits_.timeout_s;
+    request.limits.memory_mb = limits_.import_memory_mb;
+    request.temp_parent = std::filesystem::path(scratch_.back().path()).parent_path();
+    request.cancel = watch_.deadline->flag();
+    request.progress = watch_.progress;
+    return request;
+  }
+
+  Result<ImportedFiles> Import(const std::string& path, const std::string& name,
+                               const std::vector<TessellationOptions>& meshes) {
+    auto request = ImportRequestFor(path, name);
+    if (!request) return request.error();
+    request.value().meshes = meshes;
+    return RunImporter(request.value());
+  }
+
+  Result<void> Execute(const std::string& mesh_path) {
+    auto read = ReadModel(model_->model_path);
+    if (!read) return read.error();
+    ImportedModel imported;
+    imported.model = std::make_unique<const Model>(std::move(read).value());
+    imported.import_ms = model_->report.value("import_ms", 0.0);
+    imported.import_peak_bytes = model_->report.value("import_peak_bytes", std::uint64_t{0});
+
+    // How much work is asked for.
+    auto cameras = ResolveCameras(request_.options, imported.model->bounds);
+    if (!cameras) return cameras.error();
+    const std::uint64_t samples = SamplesOf(cameras.value(), request_.options.samples);
+    if (samples > limits_.max_samples)
+      return Error{ErrorCode::kLimitExceeded, "the request asks for " + std::to_string(samples) +
+                                                  " samples (pixels × samples per pixel × views), and " +
+                                                  std::to_string(limits_.max_samples) + " are allowed"};
+
+    // Run into a directory of its own, then move its files into the store.
+    auto scratch = store_.Scratch();
+    if (!scratch) return scratch.error();
+    const std::string out = scratch.value().File("out");
+    auto report = Report(imported, mesh_path, out);
+    if (!report) return report.error();
+    return Publish(std::move(report).value(), out);
+  }
+
+  Result<Json> Report(const ImportedModel& imported, const std::string& mesh_path, const std::string& out) {
+    const RunContext context = {watch_.deadline->flag(), watch_.progress};
+    if (job_.kind == "render") return RunRender(imported, request_.options, out, context);
+    if (job_.kind == "comparison") {
+      const MeshLoadOptions how = {.unit = request_.options.mesh_unit, .up = request_.options.mesh_up};
+      auto mesh = LoadMesh(mesh_path, how, imported.model.get());
+      if (!mesh) return mesh.error();
+      return RunCompare(imported, mesh.value(), request_.options, out, context);
+    }
+    RunOptions options = request_.options;
+    const double budget_s = limits_.timeout_s / (request_.budget_given ? 1 : kTradePoints);
+    options.trade.budget_s = std::min(options.trade.budget_s, budget_s);
+    options.trade.budget_mb = std::min(options.trade.budget_mb, limits_.import_memory_mb);
+    auto request = ImportRequestFor(model_->source_path, model_->name);
+    if (!request) return request.error();
+    request.value().progress = nullptr;
+    auto result = RunTrade(request.value(), imported, options, out, context);
+    if (!result) return result.error();
+    return std::move(result).value().report;
+  }
+
+  Result<void> Publish(Json report, const std::string& directory) {
+    if (watch_.progress) watch_.progress("publish", 0);
+    Publication publication(store_, directory);
+    for (Json& view : report["views"]) {
+      Json links = Json::object();
+      for (const auto& [role, file] : view["files"].items()) {
+        if (auto linked = publication.Link(links, role, file.get<std::string>()); !linked) return linked;
+      }
+      const Json plots = view.value("plots", Json::object());
+      for (const auto& [cost, files] : plots.items()) {
+        for (const auto& [type, file] : files.items()) {
+          const std::string role = "trade-" + cost + "." + type;
+          if (auto linked = publication.Link(links, role, file.get<std::string>()); !linked) return linked;
+        }
+      }
+      view["links"] = std::move(links);
+    }
+    Json links = {{"model", "/v1/models/" + model_->id}, {"self", "/v1/answers/" + job_.question}};
+    for (const auto& [role, name] : {std::pair{"report", "report.json"}, {"page", "report.html"}}) {
+      if (auto linked = publication.Link(links, role, name); !linked) return linked;
+    }
+    report["links"] = std::move(links);
+    return store_.PutAnswer(job_.owner, job_.question, JsonText(report) + "\n", publication.artifacts());
+  }
+
+  const Job& job_;
+  Store& store_;
+  const RunLimits& limits_;
+  const JobWatch& watch_;
+  JobRequest request_;
+  std::optional<StoredModel> model_;
+  std::optional<KeptFile> posted_mesh_;
+  std::vector<TempDir> scratch_;
+};
+
+}  // namespace
+
+Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits, const JobWatch& watch) {
+  return JobRun(job, store, limits, watch).Run();
+}
+
+}  // namespace facetless

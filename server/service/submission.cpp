@@ -1,0 +1,153 @@
+#include "server/service/submission.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <utility>
+
+#include "server/files.h"
+#include "server/service/store.h"
+#include "server/sha256.h"
+#include "server/version.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+Error Malformed(const std::string& message) {
+  return {ErrorCode::kBadUsage, message};
+}
+
+Result<Json> ParseObject(const std::string& text, const std::string& what) {
+  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded() || !json.is_object()) return Malformed(what + " must be a JSON object");
+  return json;
+}
+
+std::string BodyDigest(const HttpRequest& request, const std::string& kind) {
+  Json parts = Json::array({kind});
+  for (const BodyPart& part : request.parts)
+    parts.push_back({part.name, part.file_name, part.text, part.sha256});
+  return Sha256Hex(JsonText(parts, -1));
+}
+
+Result<void> TakeParts(const HttpRequest& request, Submission& submission) {
+  const bool mesh_allowed = submission.kind == "comparison";
+  for (const BodyPart& part : request.parts) {
+    if (part.name == "file") {
+      submission.file = &part;
+    } else if (part.name == "mesh" && mesh_allowed) {
+      submission.mesh = &part;
+    } else if (part.name == "model") {
+      submission.model_id = part.text;
+    } else if (part.name == "options") {
+      auto json = ParseObject(part.text, "the part \"options\"");
+      if (!json) return json.error();
+      submission.options = std::move(json).value();
+    } else {
+      return Malformed("there is no part \"" + part.name + "\"; the parts are file or model, options" +
+                       (mesh_allowed ? " and mesh" : ""));
+    }
+  }
+  return {};
+}
+
+Result<void> TakeJson(const HttpRequest& request, Submission& submission) {
+  auto json = ParseObject(request.parts.empty() ? "" : request.parts.front().text, "the body");
+  if (!json) return json.error();
+  submission.options = std::move(json).value();
+  if (!submission.options.contains("model")) return {};
+  if (!submission.options["model"].is_string())
+    return Malformed("model must be the id that POST /v1/models gave");
+  submission.model_id = submission.options["model"].get<std::string>();
+  submission.options.erase("model");
+  return {};
+}
+
+Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
+  for (const BodyPart& part : request.parts) {
+    if (part.name == "file" || (request.parts.size() == 1 && part.name.empty())) submission.file = &part;
+  }
+  if (submission.file == nullptr || submission.file->path.empty())
+    return Malformed("send the file as the body, or as the part \"file\" of multipart/form-data");
+  return {};
+}
+
+Result<void> CheckOptions(const Submission& submission) {
+  // Options that make sense on the caller's own machine only.
+  for (const char* name :
+       {"mesh", "threads", "timeout", "import_timeout", "import-timeout", "import_memory", "import-memory"}) {
+    if (submission.options.contains(name))
+      return Malformed(std::string(name) + " is no option of the service");
+  }
+  auto options = ParseOptions(submission.options);
+  if (!options) return options.error();
+  return {};
+}
+
+}  // namespace
+
+Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind) {
+  Submission submission;
+  submission.kind = kind;
+  if (kind == "model") {
+    if (auto taken = TakeModelFile(request, submission); !taken) return taken.error();
+  } else {
+    const bool multipart = request.Header("content-type").starts_with("multipart/");
+    auto taken = multipart ? TakeParts(request, submission) : TakeJson(request, submission);
+    if (!taken) return taken.error();
+    if ((submission.file != nullptr) == !submission.model_id.empty())
+      return Malformed(
+          "give either a file (multipart part \"file\") or a model (the id that POST /v1/models gave)");
+    if (auto checked = CheckOptions(submission); !checked) return checked.error();
+  }
+  if (submission.file != nullptr) submission.model_id = submission.file->sha256;
+  const Json identity = {{"version", Version()},
+                         {"kind", kind},
+                         {"model", submission.model_id},
+                         {"mesh", submission.mesh != nullptr ? submission.mesh->sha256 : ""},
+                         {"options", submission.options}};
+  submission.question = Sha256Hex(JsonText(identity, -1));
+  submission.body = BodyDigest(request, kind);
+  return submission;
+}
+
+Json JobRequestJson(const Submission& submission) {
+  Json json = {{"model", submission.model_id}, {"options", submission.options}};
+  if (submission.file != nullptr) json["name"] = SafeFileName(submission.file->file_name);
+  if (submission.mesh != nullptr) json["mesh"] = submission.mesh->sha256;
+  return json;
+}
+
+Result<JobRequest> ParseJobRequest(const Json& json) {
+  JobRequest request;
+  if (!json.is_object() || !json.contains("options"))
+    return Error{ErrorCode::kInternal, "the job's request is not well-formed"};
+  request.model_id = json.value("model", "");
+  request.file_name = json.value("name", "");
+  request.mesh = json.value("mesh", "");
+  request.budget_given =
+      json["options"].contains("budget_seconds") || json["options"].contains("budget-seconds");
+  auto options = ParseOptions(json["options"]);
+  if (!options) return options.error();
+  request.options = std::move(options).value();
+  return request;
+}
+
+double WaitSeconds(const std::string& prefer, double usual, double most) {
+  double seconds = usual;
+  for (std::size_t begin = 0; begin < prefer.size();) {
+    const std::size_t end = std::min(prefer.find_first_of(",;", begin), prefer.size());
+    std::string word = prefer.substr(begin, end - begin);
+    word.erase(std::remove_if(word.begin(), word.end(), [](unsigned char c) { return std::isspace(c) != 0; }),
+               word.end());
+    if (word == "respond-async" && prefer.find("wait") == std::string::npos) seconds = 0;
+    if (word.starts_with("wait=")) seconds = std::strtod(word.c_str() + 5, nullptr);
+    begin = end + 1;
+  }
+  // In this form a NaN is no wait.
+  return seconds > 0 ? std::min(seconds, most) : 0;
+}
+
+}  // namespace facetless
