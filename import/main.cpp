@@ -141,6 +141,12 @@ int Fail(const Error& error, const Answer& answer) {
   return error.code == ErrorCode::kBadUsage ? kExitUsage : kExitNothingUsable;
 }
 
+int OutOfMemory(const std::string& input, const Answer& answer) {
+  return Fail({ErrorCode::kLimitExceeded, std::filesystem::path(input).filename().string() +
+                                              ": the import needs more memory than it may use."},
+              answer);
+}
+
 nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes,
                        const std::vector<MeshRequest>& requests) {
   const ImportInfo& info = model.info;
@@ -250,9 +256,9 @@ int Run(int argc, char** argv) {
     OCC_CATCH_SIGNALS
     return Import(options.value(), answer);
   } catch (const std::bad_alloc&) {
-    return Fail({ErrorCode::kLimitExceeded, "The import needs more memory than it may use."}, answer);
+    return OutOfMemory(options.value().input, answer);
   } catch (const Standard_OutOfMemory&) {
-    return Fail({ErrorCode::kLimitExceeded, "The import needs more memory than it may use."}, answer);
+    return OutOfMemory(options.value().input, answer);
   } catch (const Standard_Failure& failure) {
     return Fail({ErrorCode::kFormatBroken, options.value().input + " makes OpenCASCADE fail (" +
                                                failure.DynamicType()->Name() + "); export the model again."},

@@ -22,6 +22,9 @@ bool IsNotFinite(std::string_view word) {
 // The largest power of ten that a number may have: its square is no double. OpenCASCADE can run for good on what is larger.
 constexpr int kGreatestExponent = 150;
 
+// Lists within lists: no entity of the standard needs ten, and OpenCASCADE's parser calls itself for each.
+constexpr int kDeepestList = 200;
+
 void AppendUtf8(std::uint32_t code, std::string& out) {
   if (code < 0x80) {
     out += static_cast<char>(code);
@@ -134,7 +137,14 @@ class Scanner {
         TakeKeyword(word);
       } else {
         ++at_;
+        if (c == '(' && ++depth_ > kDeepestList) {
+          return Error{ErrorCode::kFormatBroken,
+                       name_ + ": entity #" + std::to_string(id_) + " holds lists within more than " +
+                           std::to_string(kDeepestList) + " others; export the model again."};
+        }
+        if (c == ')') --depth_;
         if (c == ';') {
+          depth_ = 0;
           expects_name_ = expects_schema_ = false;
           facts_.complete_bytes = at_;
           facts_.last_entity = id_;
@@ -226,6 +236,7 @@ class Scanner {
   std::string_view text_;
   std::size_t at_ = 0;
   std::uint64_t id_ = 0;
+  int depth_ = 0;  // of lists
   bool in_data_ = false, expects_name_ = false, expects_schema_ = false, ended_ = false;
   StepFacts facts_;
 };
