@@ -136,12 +136,12 @@ Verdict JudgePost(const std::string& host, int port, const std::string& file_nam
   const std::string body =
       "--" + boundary + "\r\nContent-Disposition: form-data; name=\"file\"; filename=\"" + file_name +
       "\"\r\nContent-Type: application/octet-stream\r\n\r\n" + bytes + "\r\n--" + boundary + "--\r\n";
-  const std::string answer =
-      Exchange(host, port,
-               "POST /v1/models HTTP/1.1\r\nHost: " + host +
-                   "\r\nContent-Type: multipart/form-data; boundary=" + boundary +
-                   "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body,
-               limits.timeout_s);
+  const std::string answer = Exchange(
+      host, port,
+      "POST /v1/models HTTP/1.1\r\nHost: " + host +
+          "\r\nPrefer: wait=60\r\nConnection: close\r\nContent-Type: multipart/form-data; boundary=" +
+          boundary + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body,
+      limits.timeout_s);
   Verdict verdict;
   verdict.wall_ms = MillisecondsSince(start);
   const std::size_t head = answer.find("\r\n\r\n");
