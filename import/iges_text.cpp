@@ -404,6 +404,8 @@ IgesRepair RepairIges(std::string& bytes) {
       parameter.push_back(line + Padded(i + 1, 8) + 'P' + Padded(parameter.size() + 1, 7));
     }
   }
+  // Parameters of entities that the directory does not have are nobody's.
+  if (parameter.empty()) return {};
   std::string out;
   for (const auto* section : {&lines.start, &lines.global, &lines.directory, &parameter}) {
     for (const std::string& line : *section) out += line + '\n';
