@@ -207,6 +207,9 @@ int Import(const CommandLine& options, const Answer& answer) {
   // Mesh, once for each request.
   Model& model = conversion.value().model;
   std::vector<MeshReport> meshes;
+  if (!options.meshes.empty() && !(model.Diagonal() > 0))
+    return Fail({ErrorCode::kNothingUsable, source.value().name + ": all that it holds lies in one point."},
+                answer);
   for (const MeshRequest& request : options.meshes) {
     Stages::Report("mesh", 0);
     const double deflection =

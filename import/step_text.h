@@ -28,7 +28,7 @@ struct StepFacts {
 };
 
 // Errors: kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity), kFormatBroken (no data section; lists
-// nested too deeply, which names the entity).
+// nested too deeply, or an oriented edge of itself: both name the entity).
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes);
 
 // The UTF-8 of a STEP text's inside: control directives (\X2\, \X4\, \X\, \S\) decoded, bytes that are no UTF-8 taken as ISO 8859-1,
