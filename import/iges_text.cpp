@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <map>
 
 namespace facetless {
@@ -166,7 +168,8 @@ std::pair<std::size_t, std::size_t> Reals(int type, const std::vector<std::strin
     const auto value = [&](std::size_t i) {
       long long number = 0;
       if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
-      return number;
+      // Products of two must stay numbers.
+      return std::clamp(number, -1LL, 1'000'000'000LL);
     };
     if (type == 126) {
       const long long k = value(1), m = value(2);
@@ -194,16 +197,113 @@ bool IsInteger(const std::string& token) {
                                              [](unsigned char c) { return std::isdigit(c); });
 }
 
-// The largest number of values that a B-spline's counts claim.
+// The number that a token writes; 0 if it writes none.
+double NumberIn(const std::vector<std::string>& tokens, std::size_t i) {
+  double number = 0;
+  if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
+  return number;
+}
+
+// What entities say of their own length: values (numbers or pointers) per item, and the tokens whose product is the number of
+// items.
+struct Claim {
+  int type;
+  double values;
+  std::size_t count, other;  // tokens; other 0: none
+};
+constexpr std::array<Claim, 12> kClaims{{{102, 1, 1, 0},
+                                         {106, 1, 2, 0},
+                                         {112, 13, 4, 0},
+                                         {114, 48, 3, 4},
+                                         {141, 3, 4, 0},
+                                         {143, 1, 3, 0},
+                                         {502, 3, 1, 0},
+                                         {504, 5, 1, 0},
+                                         {508, 5, 1, 0},
+                                         {510, 1, 2, 0},
+                                         {514, 2, 1, 0},
+                                         {402, 1, 1, 0}}};
+
+// True if an entity's counts claim more values than its text has room for, each value taking at least its delimiter.
 bool ClaimsMoreThan(std::size_t available, int type, const std::vector<std::string>& tokens) {
-  if (type != 126 && type != 128) return false;
-  const auto value = [&](std::size_t i) {
-    double number = 0;
-    if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
-    return number;
-  };
-  const double points = type == 126 ? value(1) + 1 : (value(1) + 1) * (value(2) + 1);
-  return points * 3 > static_cast<double>(available);
+  const double room = static_cast<double>(available);
+  if (type == 126) return (NumberIn(tokens, 1) + 1) * 3 > room;
+  if (type == 128) return std::fabs((NumberIn(tokens, 1) + 1) * (NumberIn(tokens, 2) + 1)) * 3 > room;
+  for (const Claim& claim : kClaims) {
+    if (claim.type != type) continue;
+    const double items =
+        NumberIn(tokens, claim.count) * (claim.other > 0 ? NumberIn(tokens, claim.other) : 1.0);
+    // The last value's delimiter may be lost with the record's end.
+    if (items * claim.values > room + 2 || NumberIn(tokens, claim.count) < 0) return true;
+  }
+  return false;
+}
+
+// The first token that writes a number which is none, is infinite, or has an exponent beyond kGreatestExponent; nullptr if there is
+// none. Texts (nH…) are no numbers.
+constexpr int kGreatestExponent = 150;  // as in STEP files: its square is no double
+const std::string* NotFinite(const std::vector<std::string>& tokens) {
+  for (const std::string& token : tokens) {
+    if (token.size() > 64) continue;
+    std::string upper;
+    for (const char c : token) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    const std::size_t sign = upper.find_first_not_of("+-");
+    const std::string word = sign == std::string::npos ? "" : upper.substr(sign);
+    if (word == "NAN" || word == "INF" || word == "INFINITY") return &token;
+    const std::size_t exponent = upper.find_first_of("ED");
+    if (exponent == std::string::npos || upper.find_first_not_of("0123456789.+-ED") != std::string::npos)
+      continue;
+    int power = 0;
+    const char* begin = upper.data() + exponent + 1;
+    if (begin < upper.data() + upper.size() && *begin == '+') ++begin;
+    const auto parsed = std::from_chars(begin, upper.data() + upper.size(), power);
+    if ((parsed.ec == std::errc::result_out_of_range && *begin != '-') || power > kGreatestExponent)
+      return &token;
+  }
+  return nullptr;
+}
+
+// Where curves and surfaces that are made of others name them: tokens first … last − 1.
+std::pair<std::size_t, std::size_t> MadeOf(int type, const std::vector<std::string>& tokens) {
+  switch (type) {
+    case 102:
+      return {2, 2 + static_cast<std::size_t>(std::clamp(NumberIn(tokens, 1), 0.0, 1e7))};
+    case 118:
+    case 120:
+      return {1, 3};
+    case 122:
+    case 130:
+      return {1, 2};
+    case 140:
+      return {5, 6};
+    default:
+      return {0, 0};
+  }
+}
+
+// The directory number of an entity that is made of itself, by whatever detour: OpenCASCADE would follow it until its stack ends. 0 if
+// there is none.
+int MadeOfItself(const std::map<int, std::vector<int>>& made_of) {
+  enum class State : std::uint8_t { kNew, kOpen, kDone };
+  std::map<int, State> states;
+  for (const auto& [start, unused] : made_of) {
+    std::vector<std::pair<int, std::size_t>> path;
+    if (states[start] == State::kNew) path.emplace_back(start, 0);
+    while (!path.empty()) {
+      auto& [at, next] = path.back();
+      states[at] = State::kOpen;
+      const auto parts = made_of.find(at);
+      if (parts == made_of.end() || next == parts->second.size()) {
+        states[at] = State::kDone;
+        path.pop_back();
+        continue;
+      }
+      const int part = parts->second[next++];
+      if (states[part] == State::kOpen) return part;
+      if (states[part] == State::kNew) path.emplace_back(part, 0);
+    }
+  }
+  return 0;
 }
 
 std::string Padded(std::size_t number, std::size_t width) {
@@ -215,14 +315,14 @@ std::string Padded(std::size_t number, std::size_t width) {
 std::vector<std::string> Wrapped(const std::vector<std::string>& tokens, const Delimiters& delimiters) {
   std::vector<std::string> lines{""};
   for (std::size_t i = 0; i < tokens.size(); ++i) {
-    std::string token = tokens[i] + (i + 1 == tokens.size() ? delimiters.record : delimiters.parameter);
+    const std::string token = tokens[i] + (i + 1 == tokens.size() ? delimiters.record : delimiters.parameter);
     if (lines.back().size() + token.size() > kParameterColumns && !lines.back().empty()) lines.emplace_back();
-    while (token.size() > kParameterColumns) {
-      lines.back() = token.substr(0, kParameterColumns);
-      token.erase(0, kParameterColumns);
+    std::size_t at = 0;
+    for (; token.size() - at > kParameterColumns; at += kParameterColumns) {
+      lines.back() = token.substr(at, kParameterColumns);
       lines.emplace_back();
     }
-    lines.back() += token;
+    lines.back() += token.substr(at);
   }
   return lines;
 }
@@ -239,6 +339,7 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
   facts.cut_off = !whole;
   const Delimiters delimiters = DelimitersOf(lines);
   const ParameterTexts texts = CollectParameters(lines);
+  std::map<int, std::vector<int>> made_of;
   for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
     IgesEntity entity;
     entity.type = Field(lines.directory[i], 0);
@@ -248,15 +349,27 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
     facts.entities.push_back(entity);
     const auto text = texts.of.find(entity.directory);
     bool ended = false;
-    if (text != texts.of.end()) Tokens(text->second, delimiters, &ended);
+    std::vector<std::string> tokens;
+    if (text != texts.of.end()) tokens = Tokens(text->second, delimiters, &ended);
     if (!ended && entity.type != 0) facts.without_data.push_back(entity);
-    if (text != texts.of.end()) {
-      if (ClaimsMoreThan(text->second.size(), entity.type, Tokens(text->second.substr(0, 256), delimiters)))
-        return Error{ErrorCode::kFormatBroken, name + ": entity D" + std::to_string(entity.directory) +
-                                                   " (type " + std::to_string(entity.type) +
-                                                   ") claims more control points than the file holds."};
-    }
+    if (text == texts.of.end()) continue;
+    const auto entity_name = [&] {
+      return name + ": entity D" + std::to_string(entity.directory) + " (type " +
+             std::to_string(entity.type) + ")";
+    };
+    if (ClaimsMoreThan(text->second.size(), entity.type, tokens))
+      return Error{ErrorCode::kFormatBroken, entity_name() + " claims more values than the file holds."};
+    if (const std::string* bad = NotFinite(tokens))
+      return Error{ErrorCode::kNotFinite,
+                   entity_name() + " holds \"" + *bad +
+                       "\", beyond what can be computed with; export the model again."};
+    const auto [first, last] = MadeOf(entity.type, tokens);
+    for (std::size_t t = first; t < std::min(last, tokens.size()); ++t)
+      made_of[entity.directory].push_back(static_cast<int>(std::clamp(NumberIn(tokens, t), -1.0, 1e7)));
   }
+  if (const int cycle = MadeOfItself(made_of); cycle != 0)
+    return Error{ErrorCode::kFormatBroken,
+                 name + ": entity D" + std::to_string(cycle) + " is made of itself; export the model again."};
   return facts;
 }
 
@@ -291,6 +404,8 @@ IgesRepair RepairIges(std::string& bytes) {
       parameter.push_back(line + Padded(i + 1, 8) + 'P' + Padded(parameter.size() + 1, 7));
     }
   }
+  // Parameters of entities that the directory does not have are nobody's.
+  if (parameter.empty()) return {};
   std::string out;
   for (const auto* section : {&lines.start, &lines.global, &lines.directory, &parameter}) {
     for (const std::string& line : *section) out += line + '\n';

@@ -22,8 +22,8 @@ struct IgesFacts {
   bool cut_off = false;                  // ends, or is damaged, before the last section
 };
 
-// Reads the directory. Error: kFormatBroken (no directory or no parameters, or an entity that claims more values than the file has
-// bytes; names the entity).
+// Reads the directory. Errors: kFormatBroken (no directory or no parameters, or an entity that claims more values than the file has
+// bytes or is made of itself; names the entity), kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity).
 Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes);
 
 struct IgesRepair {

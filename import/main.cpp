@@ -141,6 +141,12 @@ int Fail(const Error& error, const Answer& answer) {
   return error.code == ErrorCode::kBadUsage ? kExitUsage : kExitNothingUsable;
 }
 
+int OutOfMemory(const std::string& input, const Answer& answer) {
+  return Fail({ErrorCode::kLimitExceeded, std::filesystem::path(input).filename().string() +
+                                              ": the import needs more memory than it may use."},
+              answer);
+}
+
 nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes,
                        const std::vector<MeshRequest>& requests) {
   const ImportInfo& info = model.info;
@@ -201,6 +207,9 @@ int Import(const CommandLine& options, const Answer& answer) {
   // Mesh, once for each request.
   Model& model = conversion.value().model;
   std::vector<MeshReport> meshes;
+  if (!options.meshes.empty() && !(model.Diagonal() > 0))
+    return Fail({ErrorCode::kNothingUsable, source.value().name + ": all that it holds lies in one point."},
+                answer);
   for (const MeshRequest& request : options.meshes) {
     Stages::Report("mesh", 0);
     const double deflection =
@@ -250,9 +259,9 @@ int Run(int argc, char** argv) {
     OCC_CATCH_SIGNALS
     return Import(options.value(), answer);
   } catch (const std::bad_alloc&) {
-    return Fail({ErrorCode::kLimitExceeded, "The import needs more memory than it may use."}, answer);
+    return OutOfMemory(options.value().input, answer);
   } catch (const Standard_OutOfMemory&) {
-    return Fail({ErrorCode::kLimitExceeded, "The import needs more memory than it may use."}, answer);
+    return OutOfMemory(options.value().input, answer);
   } catch (const Standard_Failure& failure) {
     return Fail({ErrorCode::kFormatBroken, options.value().input + " makes OpenCASCADE fail (" +
                                                failure.DynamicType()->Name() + "); export the model again."},

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 
 #include "import/curve_pieces.h"
@@ -61,6 +62,14 @@ Vec3 NormalAt(const GeomAdaptor_Surface& surface, gp_Pnt2d uv, const gp_Trsf& pl
   return Normalized(Cross(ToVec3(du.XYZ()), ToVec3(dv.XYZ())));
 }
 
+// True for what the file's float32 can hold relative to any centre: OpenCASCADE meshes faces of damaged files to infinity.
+bool IsStorable(const Vec3& position) {
+  constexpr double kGreatest = std::numeric_limits<float>::max() / 4;
+  return std::fabs(position.x) <= kGreatest && std::fabs(position.y) <= kGreatest &&
+         std::fabs(position.z) <= kGreatest;
+}
+
+// Without triangles if the face has none that can be stored.
 FaceMesh MeshOf(const TopoDS_Face& face) {
   FaceMesh mesh;
   TopLoc_Location location;
@@ -77,6 +86,8 @@ FaceMesh MeshOf(const TopoDS_Face& face) {
     Vec3 normal;
     if (triangulation->HasUVNodes())
       normal = NormalAt(surface, triangulation->UVNode(i), placement, &sign_unknown);
+    if (!IsStorable(mesh.positions.back())) return {};
+    if (!IsStorable(normal)) normal = {};
     mesh.normals.push_back(reversed ? -normal : normal);
     unsigned_normal.push_back(sign_unknown);
   }

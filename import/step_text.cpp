@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <unordered_map>
 
 namespace facetless {
 namespace {
@@ -21,6 +22,11 @@ bool IsNotFinite(std::string_view word) {
 
 // The largest power of ten that a number may have: its square is no double. OpenCASCADE can run for good on what is larger.
 constexpr int kGreatestExponent = 150;
+
+// Lists within lists: no entity of the standard needs ten, and OpenCASCADE's parser calls itself for each.
+constexpr int kDeepestList = 200;
+// Oriented edges of oriented edges of … an edge.
+constexpr int kMostOrientations = 16;
 
 void AppendUtf8(std::uint32_t code, std::string& out) {
   if (code < 0x80) {
@@ -134,13 +140,23 @@ class Scanner {
         TakeKeyword(word);
       } else {
         ++at_;
+        if (c == '(' && ++depth_ > kDeepestList) {
+          return Error{ErrorCode::kFormatBroken,
+                       name_ + ": entity #" + std::to_string(id_) + " holds lists within more than " +
+                           std::to_string(kDeepestList) + " others; export the model again."};
+        }
+        if (c == ')') --depth_;
         if (c == ';') {
-          expects_name_ = expects_schema_ = false;
+          depth_ = 0;
+          expects_name_ = expects_schema_ = in_oriented_edge_ = false;
           facts_.complete_bytes = at_;
           facts_.last_entity = id_;
         }
       }
     }
+    if (const std::uint64_t id = EdgeOfItself(); id != 0)
+      return Error{ErrorCode::kFormatBroken, name_ + ": oriented edge #" + std::to_string(id) +
+                                                 " is made of itself; export the model again."};
     if (!in_data_)
       return Error{ErrorCode::kFormatBroken,
                    name_ + " is a STEP file without a DATA section; it may have been cut off."};
@@ -194,10 +210,26 @@ class Scanner {
       id = id * 10 + (text_[at_++] - '0');
     std::size_t next = at_;
     while (next < text_.size() && std::isspace(static_cast<unsigned char>(text_[next]))) ++next;
-    if (next >= text_.size() || text_[next] != '=') return;
+    if (next >= text_.size() || text_[next] != '=') {
+      if (in_oriented_edge_) edge_of_[id_] = id;
+      return;
+    }
     id_ = id;
     ++facts_.entities;
     at_ = next + 1;
+  }
+
+  // An oriented edge whose edge is, by whatever detour, itself; 0 if there is none. OpenCASCADE would follow it until its stack ends.
+  std::uint64_t EdgeOfItself() const {
+    for (const auto& [id, edge] : edge_of_) {
+      auto at = edge_of_.find(edge);
+      // The standard allows none; more than these are a circle, or as good as one.
+      for (int steps = 0; at != edge_of_.end(); ++steps) {
+        if (steps == kMostOrientations) return id;
+        at = edge_of_.find(at->second);
+      }
+    }
+    return 0;
   }
 
   static bool IsNumeral(char c) { return c == '.' || std::isdigit(static_cast<unsigned char>(c)); }
@@ -218,6 +250,7 @@ class Scanner {
     if (word == "ENDSEC" && in_data_) ended_ = true;
     if (word == "FILE_SCHEMA") expects_schema_ = true;
     if (word == "ADVANCED_FACE" || word == "FACE_SURFACE") expects_name_ = true;
+    if (word == "ORIENTED_EDGE") in_oriented_edge_ = true;
     if (word == "PCURVE") facts_.has_pcurves = true;
     if (word.starts_with("TESSELLATED_") || word.starts_with("TRIANGULATED_")) facts_.has_tessellation = true;
   }
@@ -226,6 +259,9 @@ class Scanner {
   std::string_view text_;
   std::size_t at_ = 0;
   std::uint64_t id_ = 0;
+  int depth_ = 0;                                             // of lists
+  std::unordered_map<std::uint64_t, std::uint64_t> edge_of_;  // oriented edges → what they refer to last
+  bool in_oriented_edge_ = false;
   bool in_data_ = false, expects_name_ = false, expects_schema_ = false, ended_ = false;
   StepFacts facts_;
 };

@@ -27,7 +27,8 @@ struct StepFacts {
   std::size_t complete_bytes = 0;  // of a file that is cut off: up to the end of its last whole entity
 };
 
-// Errors: kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity), kFormatBroken (no data section).
+// Errors: kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity), kFormatBroken (no data section; lists
+// nested too deeply, or an oriented edge of itself: both name the entity).
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes);
 
 // The UTF-8 of a STEP text's inside: control directives (\X2\, \X4\, \X\, \S\) decoded, bytes that are no UTF-8 taken as ISO 8859-1,

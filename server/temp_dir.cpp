@@ -3,12 +3,39 @@
 #include <stdlib.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace facetless {
+namespace {
+
+// Brings every directory below `root` directly into it: a tree that is deeper than a path can name, or than we may
+// have files open, can then be removed. Each round works on two levels alone.
+void Flatten(const std::string& root) {
+  std::error_code ignored;
+  std::uint64_t moved = 0;
+  for (bool deep = true; deep;) {
+    deep = false;
+    std::vector<std::filesystem::path> directories;
+    for (const auto& entry : std::filesystem::directory_iterator(root, ignored))
+      if (entry.symlink_status(ignored).type() == std::filesystem::file_type::directory)
+        directories.push_back(entry.path());
+    for (const std::filesystem::path& directory : directories) {
+      for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
+        if (entry.symlink_status(ignored).type() != std::filesystem::file_type::directory) continue;
+        std::filesystem::rename(entry.path(), root + "/flattened" + std::to_string(moved++), ignored);
+        deep = deep || !ignored;
+      }
+      std::filesystem::remove_all(directory, ignored);
+    }
+  }
+}
+
+}  // namespace
 
 Result<TempDir> TempDir::Create(const std::string& parent) {
   std::string root = parent;
@@ -29,6 +56,9 @@ Result<TempDir> TempDir::Create(const std::string& parent) {
 TempDir::~TempDir() {
   if (path_.empty()) return;
   std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+  if (!ignored) return;
+  Flatten(path_);
   std::filesystem::remove_all(path_, ignored);
 }
 

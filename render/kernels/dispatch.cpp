@@ -1,10 +1,25 @@
 #include "render/kernels/dispatch.h"
 
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
 #include <cstdlib>
 
 #include "render/kernels/net_kernel.h"
 
 namespace facetless {
+namespace {
+
+#if defined(__x86_64__)
+// By the instruction itself: clang 14 knows no such name.
+bool SupportsF16c() {
+  unsigned eax = 0, ebx = 0, ecx = 0, edx = 0;
+  return __get_cpuid(1, &eax, &ebx, &ecx, &edx) != 0 && (ecx & bit_F16C) != 0;
+}
+#endif
+
+}  // namespace
 
 std::vector<Kernels> AvailableKernels() {
   // Narrowest first; each needs all that Highway's target of that name uses.
@@ -13,8 +28,7 @@ std::vector<Kernels> AvailableKernels() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                    __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                    __builtin_cpu_supports("f16c");
+                    __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && SupportsF16c();
   if (avx2)
     available.push_back({"avx2", kernel_avx2::TraceTile, kernel_avx2_float::TraceTile, &kernel_avx2::kNets});
   if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&

@@ -1,6 +1,7 @@
 #include "server/importer/child_process.h"
 
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <linux/seccomp.h>
 #include <poll.h>
 #include <signal.h>
@@ -16,13 +17,19 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <utility>
+
+#include "server/importer/directory_use.h"
+#include "server/importer/sandbox.h"
 
 namespace facetless {
 namespace {
 
 // How often the cancel flag and the wall clock are looked at.
 constexpr int kPollMs = 20;
+// Tasks that others of this user may start while the child runs: many imports at the same time.
+constexpr std::uint64_t kSpareTasks = 4096;
 
 class Fd {
  public:
@@ -78,7 +85,8 @@ struct ChildPlan {
   std::vector<std::string> argument_strings;
   std::vector<char*> arguments, environment;
   const ChildRequest* request = nullptr;
-  sock_fprog filter = {};
+  std::vector<sock_filter> filter;
+  std::uint64_t tasks_before = 0;
   int null_fd = -1, out_fd = -1, err_fd = -1, report_fd = -1;
   pid_t parent = 0;
 };
@@ -89,7 +97,16 @@ struct ChildPlan {
   _exit(127);
 }
 
-[[noreturn]] void BecomeChild(const ChildPlan& plan) {
+// Takes from root what it has beyond its own files, but for reading: files to import may be somebody else's. For
+// others there is nothing to take, and the calls fail.
+void DropCapabilities() {
+  prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
+  for (int capability = 0; capability < 64; ++capability) {
+    if (capability != CAP_DAC_READ_SEARCH) prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
+  }
+}
+
+[[noreturn]] void BecomeChild(ChildPlan& plan) {
   // Die with the parent, also if it died just now.
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || setpgid(0, 0) != 0) FailInChild(plan.report_fd);
   if (getppid() != plan.parent) _exit(127);
@@ -120,12 +137,22 @@ struct ChildPlan {
       // The soft limit sends SIGXCPU, which can be told from our SIGKILL; the hard one is for a child that
       // ignores it.
       !SetLimit(RLIMIT_CPU, limits.cpu_seconds, 2) || !SetLimit(RLIMIT_FSIZE, limits.file_bytes) ||
-      !SetLimit(RLIMIT_NOFILE, limits.open_files))
+      !SetLimit(RLIMIT_NOFILE, limits.open_files) ||
+      // Only a net below the watched limit: it counts all processes of this user.
+      (limits.threads > 0 && !SetLimit(RLIMIT_NPROC, plan.tasks_before + limits.threads + kSpareTasks)))
     FailInChild(3);
 
-  // No new privileges, and the filter of system calls last.
+  // No privileges, no other files, and the filter of system calls last.
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) FailInChild(3);
-  if (plan.filter.len > 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &plan.filter) != 0) FailInChild(3);
+  if (!plan.request->file_access.empty()) {
+    DropCapabilities();
+    if (!ConfineFileAccess(plan.request->file_access)) FailInChild(3);
+  }
+  if (!plan.filter.empty()) {
+    SetOwnProcess(plan.filter, static_cast<std::uint32_t>(getpid()));
+    const sock_fprog program = {static_cast<unsigned short>(plan.filter.size()), plan.filter.data()};
+    if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) FailInChild(3);
+  }
   execve(plan.request->program.c_str(), plan.arguments.data(), plan.environment.data());
   FailInChild(3);
 }
@@ -145,13 +172,24 @@ bool Drain(int fd, const std::function<void(std::string_view)>& take) {
   }
 }
 
-// Largest resident size and largest address space so far, from /proc: unlike getrusage's, these begin at exec
-// and don't contain the size that we had when we forked.
-struct MemoryPeaks {
-  std::uint64_t resident = 0, address_space = 0;
+// All processes and threads of the machine, from the fourth number of /proc/loadavg ("running/all"); 0 if it
+// can't be read.
+std::uint64_t TasksOfMachine() {
+  std::ifstream file("/proc/loadavg");
+  std::string word;
+  for (int i = 0; i < 4; ++i) file >> word;
+  const std::size_t slash = word.find('/');
+  return slash == std::string::npos ? 0 : std::strtoull(word.c_str() + slash + 1, nullptr, 10);
+}
+
+// Largest resident size and largest address space so far, and threads now, from /proc: unlike getrusage's,
+// these begin at exec and don't contain the size that we had when we forked.
+struct StatusSamples {
+  std::uint64_t resident = 0, address_space = 0, threads = 0;
   void Sample(pid_t child) {
     std::ifstream status("/proc/" + std::to_string(child) + "/status");
     for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("Threads:")) threads = std::strtoull(line.c_str() + 8, nullptr, 10);
       const bool is_resident = line.starts_with("VmHWM:");
       if (!is_resident && !line.starts_with("VmPeak:")) continue;
       const std::uint64_t bytes = std::strtoull(line.c_str() + line.find(':') + 1, nullptr, 10) * 1024;
@@ -160,6 +198,17 @@ struct MemoryPeaks {
     }
   }
 };
+
+// The limit of its directory that the child has passed. `child` 0: it has ended.
+std::optional<ChildEnd> DirectoryEnd(const ChildRequest& request, pid_t child) {
+  const DirectoryUse limit{request.limits.directory_bytes, request.limits.directory_names};
+  if (limit.bytes == 0 && limit.names == 0) return std::nullopt;
+  DirectoryUse use = MeasureDirectory(request.working_directory, limit);
+  if (child > 0) use.bytes += NamelessBytes(child);
+  if (limit.bytes > 0 && use.bytes > limit.bytes) return ChildEnd::kDirectoryTooLarge;
+  if (limit.names > 0 && use.names > limit.names) return ChildEnd::kTooManyNames;
+  return std::nullopt;
+}
 
 // Collects standard error: its tail, and its lines.
 class ErrorStream {
@@ -209,8 +258,8 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
                                request.arguments.end());
   plan.arguments = Pointers(plan.argument_strings);
   plan.environment = Pointers(request.environment);
-  plan.filter = {static_cast<unsigned short>(request.syscall_filter.size()),
-                 const_cast<sock_filter*>(request.syscall_filter.data())};
+  plan.filter = request.syscall_filter;
+  if (request.limits.threads > 0) plan.tasks_before = TasksOfMachine();
   plan.null_fd = null.get();
   plan.out_fd = out.write.get();
   plan.err_fd = err.write.get();
@@ -234,7 +283,8 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   err.write.Close();
   report.write.Close();
 
-  // Watch it: streams, clock, cancel flag, end.
+  // Watch it: streams, clock, cancel flag, limits, end.
+  const ChildLimits& limits = request.limits;
   ChildOutcome outcome;
   ErrorStream error_stream(request);
   const auto take_out = [&](std::string_view bytes) {
@@ -243,7 +293,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   const auto take_err = [&](std::string_view bytes) { error_stream.Take(bytes); };
   // By number: this C library declares its wrapper without C linkage.
   const Fd process(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
-  MemoryPeaks peaks;
+  StatusSamples samples;
   bool out_open = true, err_open = true, started = false, killed = false;
   int start_error = 0;
   for (bool running = true; running;) {
@@ -255,18 +305,28 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     if (watched[1].revents != 0) err_open = Drain(err.read.get(), take_err);
     // The report pipe closes when exec succeeds.
     if (!started) started = read(report.read.get(), &start_error, sizeof start_error) == 0;
-    if (started) peaks.Sample(child);
+    if (started) samples.Sample(child);
     siginfo_t info = {};
     running =
         waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0;
     if (!running || killed) continue;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const bool cancelled = request.cancel != nullptr && *request.cancel;
-    if (cancelled || (request.limits.wall_seconds > 0 && seconds > request.limits.wall_seconds)) {
-      outcome.end = cancelled ? ChildEnd::kCancelled : ChildEnd::kTimedOut;
-      kill(-child, SIGKILL);
-      killed = true;
+    std::optional<ChildEnd> end;
+    if (request.cancel != nullptr && *request.cancel) {
+      end = ChildEnd::kCancelled;
+    } else if (limits.wall_seconds > 0 && seconds > limits.wall_seconds) {
+      end = ChildEnd::kTimedOut;
+    } else if (limits.threads > 0 && samples.threads > limits.threads) {
+      end = ChildEnd::kTooManyThreads;
+    } else if (started) {
+      end = DirectoryEnd(request, child);
     }
+    if (!end) continue;
+    // The group, and the child itself: it may have left the group.
+    outcome.end = *end;
+    kill(-child, SIGKILL);
+    kill(child, SIGKILL);
+    killed = true;
   }
   outcome.wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -281,9 +341,14 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  outcome.peak_bytes = peaks.resident;
-  outcome.peak_address_bytes = peaks.address_space;
+  outcome.peak_bytes = samples.resident;
+  outcome.peak_address_bytes = samples.address_space;
   outcome.error_tail = std::move(error_stream).Tail();
+  // What it wrote last.
+  if (const auto end = DirectoryEnd(request, 0); end && !killed) {
+    outcome.end = *end;
+    killed = true;
+  }
 
   // A child that never became the program says why.
   if (start_error == 0 && !started) {

@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -40,6 +42,13 @@ std::string ImporterPath() {
   return (self.parent_path() / "facetless-import").string();
 }
 
+// A sound import keeps a handful of files open and writes fewer; its threads are those of OpenCASCADE's and
+// TBB's pools, one each per core, and what the sanitizers add.
+constexpr std::uint64_t kOpenFiles = 256, kWrittenFiles = 256, kSpareThreads = 16;
+
+// What the importer says in words: its own reasons are shorter.
+constexpr std::size_t kMessageBytes = 2000;
+
 // A number that reads back as the same double.
 std::string Number(double value) {
   char text[32];
@@ -53,6 +62,11 @@ std::string Seconds(double seconds) {
   return text;
 }
 
+// True if the variable says where OpenCASCADE's resources are.
+bool NamesResources(std::string_view variable) {
+  return variable.starts_with("CSF_") || variable.starts_with("CASROOT=");
+}
+
 // What the importer may know of our environment: where OpenCASCADE's resources and shared libraries are,
 // nothing else.
 std::vector<std::string> ImporterEnvironment(const std::string& directory) {
@@ -61,11 +75,53 @@ std::vector<std::string> ImporterEnvironment(const std::string& directory) {
   if (kSanitized) environment.push_back("ASAN_OPTIONS=detect_leaks=0");
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
-    if (text.starts_with("CSF_") || text.starts_with("CASROOT=") || text.starts_with("LD_LIBRARY_PATH=") ||
-        text.starts_with("GLIBC_TUNABLES="))
+    if (NamesResources(text) || text.starts_with("LD_LIBRARY_PATH=") || text.starts_with("GLIBC_TUNABLES="))
       environment.emplace_back(text);
   }
   return environment;
+}
+
+// The parts of a list such as LD_LIBRARY_PATH that are absolute.
+void AddPaths(std::string_view list, std::vector<std::string>& paths) {
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(':'), list.size());
+    if (list.starts_with('/')) paths.emplace_back(list.substr(0, end));
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+}
+
+// What the importer may reach: its input, its directory, itself with the libraries and resources that it needs,
+// and what libraries ask about the machine.
+FileAccess ImporterFiles(const std::string& program, const std::string& input, const std::string& directory) {
+  FileAccess access;
+  access.writable = {directory};
+  // Its own memory's peak is reset through here.
+  access.opened = {"/proc/self", "/dev/null"};
+  access.runnable = {program,          "/lib",       "/lib64",     "/usr/lib", "/usr/lib64",
+                     "/usr/local/lib", "/nix/store", "/gnu/store", "/opt/lib"};
+  access.readable = {input,
+                     "/usr/share",
+                     "/usr/local/share",
+                     "/opt",
+                     "/etc/ld.so.cache",
+                     "/etc/ld.so.preload",
+                     "/etc/localtime",
+                     "/etc/ssl/openssl.cnf",
+                     "/proc/cpuinfo",
+                     "/proc/meminfo",
+                     "/proc/stat",
+                     "/proc/sys/vm",
+                     "/sys/devices/system",
+                     "/sys/kernel/mm",
+                     "/dev/urandom"};
+  const std::filesystem::path beside = std::filesystem::path(program).parent_path();
+  access.readable.push_back((beside.parent_path() / "lib").string());
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    if (NamesResources(text) || text.starts_with("LD_LIBRARY_PATH="))
+      AddPaths(text.substr(text.find('=') + 1), access.readable);
+  }
+  return access;
 }
 
 Result<void> CheckInput(const std::string& path) {
@@ -88,7 +144,10 @@ void ReportProgress(std::string_view line, const ImportRequest& request) {
   double fraction = 0;
   const auto parsed = std::from_chars(line.data() + space + 1, line.data() + line.size(), fraction);
   if (parsed.ec != std::errc{} || !(fraction >= 0 && fraction <= 1)) return;
-  request.progress(std::string(line.substr(0, space)), fraction);
+  const std::string_view stage = line.substr(0, space);
+  constexpr std::array<std::string_view, 5> kStages = {"read", "transfer", "convert", "mesh", "intersect"};
+  if (std::find(kStages.begin(), kStages.end(), stage) == kStages.end()) return;
+  request.progress(std::string(stage), fraction);
 }
 
 Error TimeError(const std::string& name, const ImportLimits& limits) {
@@ -100,6 +159,11 @@ Error MemoryError(const std::string& name, const ImportLimits& limits) {
   return {ErrorCode::kLimitExceeded, name + ": the import needs more than " +
                                          std::to_string(limits.memory_mb) +
                                          " MB of memory; --import-memory allows more"};
+}
+
+Error SizeError(const std::string& name, const ImportLimits& limits) {
+  return {ErrorCode::kLimitExceeded,
+          name + ": the imported model is larger than " + std::to_string(limits.file_mb) + " MB"};
 }
 
 // True if a death by a signal was a failed allocation: the library says so, or the address space had come
@@ -122,13 +186,19 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
       return Error{ErrorCode::kCancelled, name + ": the import was stopped"};
     case ChildEnd::kTimedOut:
       return TimeError(name, limits);
+    case ChildEnd::kTooManyThreads:
+      return Error{ErrorCode::kLimitExceeded, name + ": the import started more than " +
+                                                  std::to_string(child_limits.threads) + " threads"};
+    case ChildEnd::kDirectoryTooLarge:
+      return SizeError(name, limits);
+    case ChildEnd::kTooManyNames:
+      return Error{ErrorCode::kLimitExceeded, name + ": the import wrote more than " +
+                                                  std::to_string(child_limits.directory_names) + " files"};
     case ChildEnd::kSignalled:
       break;
   }
   if (outcome.signal == SIGXCPU) return TimeError(name, limits);
-  if (outcome.signal == SIGXFSZ)
-    return Error{ErrorCode::kLimitExceeded,
-                 name + ": the imported model is larger than " + std::to_string(limits.file_mb) + " MB"};
+  if (outcome.signal == SIGXFSZ) return SizeError(name, limits);
   // Nobody but the kernel's out-of-memory killer sends SIGKILL here.
   if (outcome.signal == SIGKILL)
     return Error{ErrorCode::kLimitExceeded, name + ": the machine ran out of memory during the import"};
@@ -137,14 +207,59 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
                name + ": the importer died of " + SignalName(outcome.signal) + " while reading it"};
 }
 
+// Words of the importer's: cut, on one line, with a question mark for each byte that is no printable ASCII and no
+// part of a longer UTF-8 sequence.
+std::string Printable(std::string_view text) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size() && out.size() < kMessageBytes;) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t length = lead < 0x80                   ? 1
+                               : lead >= 0xc2 && lead < 0xe0 ? 2
+                               : lead >= 0xe0 && lead < 0xf0 ? 3
+                               : lead >= 0xf0 && lead < 0xf5 ? 4
+                                                             : 0;
+    bool sound = length > 0 && at + length <= text.size() && lead != 0x7f && lead >= 0x20;
+    for (std::size_t i = 1; sound && i < length; ++i)
+      sound = (static_cast<unsigned char>(text[at + i]) & 0xc0) == 0x80;
+    out += sound ? std::string(text.substr(at, length)) : "?";
+    at += sound ? length : 1;
+  }
+  return out;
+}
+
+// The error in an answer; nothing if there is none.
+std::optional<Error> AnsweredError(const nlohmann::json& answer, const std::string& name) {
+  const auto error = answer.find("error");
+  if (error == answer.end()) return std::nullopt;
+  const auto text = [&](const char* key) {
+    const auto found = error->is_object() ? error->find(key) : error->end();
+    return found != error->end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const std::string message = Printable(text("message"));
+  return Error{ErrorCodeFromName(text("code")), message.empty() ? name + ": no reason given" : message};
+}
+
+// Nothing, or why what should be a file of the importer's is none: links, pipes and devices would lead us elsewhere,
+// or block.
+std::optional<Error> OutputError(const std::string& path, const std::string& name) {
+  struct stat info = {};
+  const auto broken = [&](const char* what) {
+    return Error{ErrorCode::kImporterCrashed, name + ": the importer's answer is " + what};
+  };
+  if (lstat(path.c_str(), &info) != 0) return broken("incomplete: a file is missing");
+  if (!S_ISREG(info.st_mode)) return broken("not sound: one of its files is no regular file");
+  if (info.st_nlink != 1) return broken("not sound: one of its files has another name, too");
+  return std::nullopt;
+}
+
 // ": " and the last line that is no progress; nothing if there is none.
 std::string LastLine(const std::string& text) {
   std::string last;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (!line.empty() && !line.starts_with("progress ")) last = ": " + line;
+    if (!line.empty() && !line.starts_with("progress ")) last = line;
   }
-  return last;
+  return last.empty() ? last : ": " + Printable(last);
 }
 
 // What the importer wrote for at most `count` rays.
@@ -210,12 +325,16 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   child.limits.cpu_seconds = static_cast<std::uint64_t>(std::ceil(limits.timeout_s * cores));
   child.limits.memory_bytes = kSanitized ? 0 : limits.memory_mb * kMegabyte;
   child.limits.file_bytes = limits.file_mb * kMegabyte;
-  child.limits.open_files = 256;
+  child.limits.directory_bytes = child.limits.file_bytes;
+  child.limits.directory_names = kWrittenFiles;
+  child.limits.open_files = kOpenFiles;
+  child.limits.threads = 2 * static_cast<std::uint64_t>(cores) + kSpareThreads;
   child.environment = ImporterEnvironment(files.directory.path());
   child.working_directory = files.directory.path();
   auto filter = ImporterSyscallFilter();
   if (!filter) return filter.error();
   child.syscall_filter = std::move(filter).value();
+  child.file_access = ImporterFiles(child.program, child.arguments.front(), files.directory.path());
   child.cancel = request.cancel;
   if (request.progress) child.on_stderr_line = [&](std::string_view line) { ReportProgress(line, request); };
 
@@ -229,15 +348,19 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   files.peak_address_bytes = outcome.peak_address_bytes;
   files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
   const bool answered = files.summary.is_object();
-  if (answered && files.summary.contains("error")) {
-    const nlohmann::json& error = files.summary["error"];
-    return Error{ErrorCodeFromName(error.value("code", "internal")),
-                 error.value("message", name + ": no reason given")};
+  if (answered) {
+    if (auto error = AnsweredError(files.summary, name)) return *error;
   }
   if (!answered || outcome.exit_code != 0)
     return Error{ErrorCode::kImporterCrashed, name + ": the importer gave up with exit code " +
                                                   std::to_string(outcome.exit_code) +
                                                   LastLine(outcome.error_tail)};
+  std::vector<std::string> outputs = files.mesh_paths;
+  outputs.push_back(files.model_path);
+  if (!request.exact.rays.empty()) outputs.push_back(depths_path);
+  for (const std::string& output : outputs) {
+    if (auto error = OutputError(output, name)) return *error;
+  }
   if (!request.exact.rays.empty()) {
     auto depths = ReadDepths(depths_path, request.exact.rays.size());
     if (!depths) return depths.error();

@@ -1,11 +1,14 @@
 // Runs `facetless-import` on one file: the only way from a CAD file to a Model.
 //
 //  1. The importer is a process of its own (child_process.h), under limits of memory, processor time, wall
-//     time and file size, without sockets and without the right to start processes (sandbox.h), in an empty
-//     directory of its own.
+//     time, threads, files and what it writes, without sockets, processes or signals to others (sandbox.h), in
+//     an empty directory of its own, beside which it may read its input and the system's libraries alone
+//     (file_access.h).
 //  2. Whatever the file does to it, RunImporter returns either files or one Error, and leaves nothing behind
 //     but what ImportedFiles owns.
-//  3. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
+//  3. Nothing that the importer says is trusted: its files are regular ones that only this directory names,
+//     its answer is checked before it is used, and what it says in words is cut and made printable.
+//  4. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
 //     another one.
 #pragma once
 
@@ -32,7 +35,7 @@ struct TessellationOptions {
 struct ImportLimits {
   double timeout_s = 300;          // wall clock; --import-timeout
   std::uint64_t memory_mb = 8192;  // address space; --import-memory
-  std::uint64_t file_mb = 4096;    // of each file that it writes
+  std::uint64_t file_mb = 4096;    // of all files that it writes
 };
 
 // Rays for OpenCASCADE's exact intersector, which only the importer's process knows.
@@ -65,7 +68,7 @@ struct ImportedFiles {
 };
 
 // Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last
-// words); kLimitExceeded (names the limit and the option that raises it); kCancelled; kInternal (no importer);
+// words, or what was wrong with its answer); kLimitExceeded (names the limit, and the option that raises it where there is one); kCancelled; kInternal (no importer);
 // and whatever the importer reports.
 Result<ImportedFiles> RunImporter(const ImportRequest& request);
 

@@ -1,62 +1,40 @@
 #include "server/importer/sandbox.h"
 
+#include <fcntl.h>
+#include <linux/bpf_common.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 namespace facetless {
 namespace {
 
 // By name, since a call that this kernel's headers don't know must not break the build.
-constexpr const char* kDenied[] = {"socket",
-                                   "socketpair",
-                                   "connect",
-                                   "bind",
-                                   "listen",
-                                   "accept",
-                                   "accept4",
-                                   "sendto",
-                                   "sendmsg",
-                                   "sendmmsg",
-                                   "fork",
-                                   "vfork",
-                                   "ptrace",
-                                   "process_vm_readv",
-                                   "process_vm_writev",
-                                   "process_madvise",
-                                   "pidfd_getfd",
-                                   "mount",
-                                   "umount2",
-                                   "pivot_root",
-                                   "chroot",
-                                   "unshare",
-                                   "setns",
-                                   "open_by_handle_at",
-                                   "bpf",
-                                   "perf_event_open",
-                                   "userfaultfd",
-                                   "io_uring_setup",
-                                   "keyctl",
-                                   "add_key",
-                                   "request_key",
-                                   "init_module",
-                                   "finit_module",
-                                   "delete_module",
-                                   "kexec_load",
-                                   "kexec_file_load",
-                                   "reboot",
-                                   "swapon",
-                                   "swapoff",
-                                   "acct",
-                                   "settimeofday",
-                                   "clock_settime",
-                                   "adjtimex",
-                                   "personality"};
+constexpr const char* kDenied[] = {
+    "socket", "socketpair", "connect", "bind", "listen", "accept", "accept4", "sendto", "sendmsg", "sendmmsg",
+    "fork", "vfork", "ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "process_mrelease",
+    "move_pages", "migrate_pages", "kcmp", "pidfd_getfd", "mount", "umount2", "pivot_root", "chroot",
+    "unshare", "setns", "open_by_handle_at", "bpf", "perf_event_open", "userfaultfd", "io_uring_setup",
+    "keyctl", "add_key", "request_key", "init_module", "finit_module", "delete_module", "kexec_load",
+    "kexec_file_load", "reboot", "swapon", "swapoff", "acct", "settimeofday", "clock_settime", "adjtimex",
+    "personality",
+    // Out of the group that is killed as one, or after our death.
+    "setpgid", "setsid",
+    // Signals; kill and tgkill have rules of their own.
+    "tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "pidfd_send_signal",
+    // A real-time thread of root's would keep us from the processor.
+    "sched_setscheduler", "sched_setparam", "sched_setattr", "setpriority", "ioprio_set",
+    // What we read afterwards must be a file of its own.
+    "symlink", "symlinkat", "link", "linkat", "mknod", "mknodat",
+    // Memory that no limit counts, or that stays.
+    "memfd_create", "memfd_secret", "shmget", "msgget", "semget", "mq_open"};
 
 }  // namespace
 
@@ -83,6 +61,32 @@ Result<std::vector<sock_filter>> ImporterSyscallFilter() {
   if (seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0) != 0)
     return failed("clone3");
 
+  // Signals to itself alone: a failed assertion is one.
+  for (const int call : {SCMP_SYS(kill), SCMP_SYS(tgkill)}) {
+    if (seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(EPERM), call, 1, SCMP_A0(SCMP_CMP_NE, kOwnProcess)) !=
+        0)
+      return failed("kill");
+  }
+  // It dies when we die, and can't take that back.
+  if (seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(EPERM), SCMP_SYS(prctl), 1,
+                       SCMP_A0(SCMP_CMP_EQ, PR_SET_PDEATHSIG)) != 0)
+    return failed("prctl");
+  // Limits and processors of its own alone; the C library names itself by 0.
+  for (const int call : {SCMP_SYS(prlimit64), SCMP_SYS(sched_setaffinity)}) {
+    if (seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(EPERM), call, 1, SCMP_A0(SCMP_CMP_NE, 0)) != 0)
+      return failed("prlimit64");
+  }
+  // No file without a name, which no count of its directory would find.
+  for (const auto& [call, argument] : {std::pair{SCMP_SYS(open), 1U}, std::pair{SCMP_SYS(openat), 2U}}) {
+    const int result = seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(EOPNOTSUPP), call, 1,
+                                        SCMP_CMP(argument, SCMP_CMP_MASKED_EQ, O_TMPFILE, O_TMPFILE));
+    if (result != 0 && result != -EDOM) return failed("open");
+  }
+  // openat2, whose flags a filter can't see, pretends not to exist.
+  if (const int call = seccomp_syscall_resolve_name("openat2");
+      call != __NR_SCMP_ERROR && seccomp_rule_add(context.get(), SCMP_ACT_ERRNO(ENOSYS), call, 0) != 0)
+    return failed("openat2");
+
   // Export the program through a file in memory.
   const int file = memfd_create("facetless-filter", MFD_CLOEXEC);
   if (file < 0) return failed("memfd_create");
@@ -95,6 +99,12 @@ Result<std::vector<sock_filter>> ImporterSyscallFilter() {
   close(file);
   if (!read_back) return failed("export");
   return program;
+}
+
+void SetOwnProcess(std::vector<sock_filter>& filter, std::uint32_t process) {
+  for (sock_filter& step : filter) {
+    if (BPF_CLASS(step.code) == BPF_JMP && step.k == kOwnProcess) step.k = process;
+  }
 }
 
 }  // namespace facetless

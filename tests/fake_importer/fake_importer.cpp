@@ -8,12 +8,36 @@
 //   memory     allocates until it fails, and dies of the exception
 //   flood      writes without end to both streams
 //   bigfile    writes a file without end
-//   socket     reports whether it may open a socket
-//   fork       reports whether it may start a process
+//   outputs    writes files of 256 KB without end
+//   manyfiles  writes small files without end
+//   deep       makes directories in each other without end
+//   nameless   writes without end to files that it has removed
+//   threads    starts threads without end
+//   leave      leaves its process group, then hangs
+//   link       answers with a model file that is a symbolic link to the path given (second word)
+//   pipe       answers with a model file that is a pipe
+//   nothing    answers that all is well, and has written nothing
+//   words      dies with words that no terminal should see
+//   lies       answers with an error that is none
+//   open       reports how many files it may open, as `opened`
+// These report as `denied` whether they were kept from
+//   socket, fork, vfork, memfd
+//   signal     signals to its parent, to its parent's group and to everybody
+//   ptrace     attaching to its parent, reading its memory, changing its limits
+//   read, list, write, run      the path given
 //   env        reports its environment, directory and open files
 //   garbage    exits 0 with an answer that is no JSON
+#include <dirent.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -66,7 +90,7 @@ int Answer(const std::string& text) {
   return 0;
 }
 
-int WriteModelAndMeshes(int argc, char** argv) {
+int WriteModelAndMeshes(int argc, char** argv, bool answer = true) {
   std::fprintf(stderr, "progress read 0.5\nprogress transfer 1\n");
   for (int i = 2; i + 1 < argc; ++i) {
     if (std::string(argv[i]) == "--mesh") std::ofstream(argv[i + 1]) << "mesh";
@@ -76,7 +100,101 @@ int WriteModelAndMeshes(int argc, char** argv) {
       return 70;
     }
   }
-  return Answer(R"({"ok":true,"faces":1})");
+  return answer ? Answer(R"({"ok":true,"faces":1})") : 0;
+}
+
+int ReportDenied(int argc, char** argv, bool denied) {
+  WriteModelAndMeshes(argc, argv, false);
+  return Answer(std::string("{\"ok\":true,\"denied\":") + (denied ? "true}" : "false}"));
+}
+
+// True if a signal reaches nobody but this process.
+bool SignalsDenied() {
+  const pid_t parent = getppid();
+  siginfo_t info = {};
+  info.si_code = SI_QUEUE;
+  const long handle = syscall(SYS_pidfd_open, parent, 0);
+  return kill(parent, 0) != 0 && kill(-getpgid(parent), 0) != 0 && kill(-1, 0) != 0 &&
+         syscall(SYS_tgkill, parent, parent, 0) != 0 && syscall(SYS_tkill, parent, 0) != 0 &&
+         syscall(SYS_rt_sigqueueinfo, parent, 0, &info) != 0 &&
+         (handle < 0 || syscall(SYS_pidfd_send_signal, handle, 0, nullptr, 0) != 0);
+}
+
+// True if its parent can't be looked into nor changed.
+bool TracingDenied() {
+  const pid_t parent = getppid();
+  char here[8] = {};
+  iovec to = {here, sizeof here}, from = {here, sizeof here};
+  const rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
+  return ptrace(PTRACE_ATTACH, parent, nullptr, nullptr) != 0 &&
+         process_vm_readv(parent, &to, 1, &from, 1, 0) < 0 &&
+         prlimit(parent, RLIMIT_CORE, &limit, nullptr) != 0;
+}
+
+bool IsDenied(const std::string& mode, const std::string& path) {
+  if (mode == "socket") {
+    int pair[2];
+    return socket(AF_INET, SOCK_STREAM, 0) < 0 && socket(AF_INET6, SOCK_DGRAM, 0) < 0 &&
+           socket(AF_UNIX, SOCK_STREAM, 0) < 0 && socket(AF_NETLINK, SOCK_RAW, 0) < 0 &&
+           socketpair(AF_UNIX, SOCK_STREAM, 0, pair) < 0;
+  }
+  if (mode == "fork") {
+    const pid_t child = fork();
+    if (child == 0) _exit(0);
+    return child < 0;
+  }
+  if (mode == "vfork") {
+    const long child = syscall(SYS_clone, CLONE_VM | CLONE_VFORK | SIGCHLD, nullptr);
+    if (child == 0) _exit(0);
+    return child < 0;
+  }
+  if (mode == "memfd")
+    return syscall(SYS_memfd_create, "bomb", 0) < 0 && open(".", O_TMPFILE | O_RDWR, 0600) < 0;
+  if (mode == "signal") return SignalsDenied();
+  if (mode == "ptrace") return TracingDenied();
+  if (mode == "read") return open(path.c_str(), O_RDONLY) < 0;
+  if (mode == "list") return opendir(path.c_str()) == nullptr;
+  if (mode == "write") return open(path.c_str(), O_WRONLY | O_CREAT, 0600) < 0;
+  // execve returns only if it failed.
+  char* arguments[] = {const_cast<char*>(path.c_str()), nullptr};
+  execve(path.c_str(), arguments, environ);
+  return true;
+}
+
+void WriteWithoutEnd(const std::string& mode) {
+  const std::string block(1 << 20, 'x');
+  for (int i = 0;; ++i) {
+    const std::string name = "file" + std::to_string(i);
+    if (mode == "bigfile") {
+      std::ofstream file("big");
+      for (;;) file << block << std::flush;
+    } else if (mode == "outputs") {
+      std::ofstream(name) << block.substr(0, 1 << 18);
+    } else if (mode == "manyfiles") {
+      std::ofstream(name) << "x";
+    } else if (mode == "deep") {
+      if (mkdir(name.c_str(), 0700) != 0 || chdir(name.c_str()) != 0) pause();
+    } else {
+      const int file = open(name.c_str(), O_CREAT | O_WRONLY, 0600);
+      unlink(name.c_str());
+      if (file < 0 || write(file, block.data(), block.size()) < 0) pause();
+    }
+  }
+}
+
+void StartThreadsWithoutEnd() {
+  pthread_attr_t small;
+  pthread_attr_init(&small);
+  pthread_attr_setstacksize(&small, 1 << 14);
+  for (;;) {
+    pthread_t thread;
+    pthread_create(
+        &thread, &small,
+        [](void*) -> void* {
+          for (;;) pause();
+        },
+        nullptr);
+  }
 }
 
 int ReportEnvironment() {
@@ -128,20 +246,42 @@ int main(int argc, char** argv) {
       std::fputs(block.c_str(), stderr);
     }
   }
-  if (mode == "bigfile") {
-    std::ofstream file("big");
-    const std::string block(1 << 20, 'x');
-    for (;;) file << block << std::flush;
+  for (const char* endless : {"bigfile", "outputs", "manyfiles", "deep", "nameless"})
+    if (mode == endless) WriteWithoutEnd(mode);
+  for (const char* question :
+       {"socket", "fork", "vfork", "memfd", "signal", "ptrace", "read", "list", "write", "run"})
+    if (mode == question) return ReportDenied(argc, argv, IsDenied(mode, detail));
+  if (mode == "threads") StartThreadsWithoutEnd();
+  if (mode == "leave") {
+    setsid();
+    setpgid(0, getpgid(getppid()));
+    for (;;) pause();
   }
-  if (mode == "socket")
-    return Answer(std::string("{\"ok\":true,\"denied\":") +
-                  (socket(AF_INET, SOCK_STREAM, 0) < 0 ? "true}" : "false}"));
-  if (mode == "fork") {
-    const pid_t child = fork();
-    if (child == 0) _exit(0);
-    return Answer(std::string("{\"ok\":true,\"denied\":") + (child < 0 ? "true}" : "false}"));
+  if (mode == "link" || mode == "pipe") {
+    std::string model;
+    for (int i = 2; i + 1 < argc; ++i)
+      if (std::string(argv[i]) == "--model") model = argv[i + 1];
+    const bool made =
+        mode == "link" ? symlink(detail.c_str(), model.c_str()) == 0 : mkfifo(model.c_str(), 0600) == 0;
+    return Answer(made ? R"({"ok":true,"made":true})" : R"({"ok":true,"made":false})");
   }
-  if (mode == "env") return ReportEnvironment();
+  if (mode == "nothing") return Answer(R"({"ok":true})");
+  if (mode == "words") {
+    std::fprintf(stderr, "\x1b[2Jbell\a and \xff\xfe bytes\n");
+    return 70;
+  }
+  if (mode == "lies") return Answer(detail);
+  if (mode == "open") {
+    std::vector<int> opened;
+    for (int file = 0; (file = open(argv[1], O_RDONLY)) >= 0;) opened.push_back(file);
+    for (const int file : opened) close(file);
+    WriteModelAndMeshes(argc, argv, false);
+    return Answer("{\"ok\":true,\"opened\":" + std::to_string(opened.size()) + "}");
+  }
+  if (mode == "env") {
+    WriteModelAndMeshes(argc, argv, false);
+    return ReportEnvironment();
+  }
   if (mode == "garbage") return Answer("hello");
   std::fprintf(stderr, "unknown mode %s\n", mode.c_str());
   return 70;

@@ -149,8 +149,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Broken{"dangling_refs.step", 1, 9, {}, ""}, Broken{"self_ref_cycle.step", 8, 2, {}, ""},
                       Broken{"assembly_self_cycle.step", 10, 0, {}, ""},
                       Broken{"fuzz_step_2.step", 5, 5, {}, ""},
-                      Broken{"fuzz_iges_1.igs", 0, 0, ErrorCode::kNothingUsable, "D1"},
-                      Broken{"fuzz_iges_2.igs", 0, 0, ErrorCode::kNothingUsable, "not finite"},
+                      Broken{"fuzz_iges_1.igs", 0, 0, ErrorCode::kNotFinite, "entity D3"},
+                      Broken{"fuzz_iges_2.igs", 0, 0, ErrorCode::kNotFinite, "entity D3"},
                       Broken{"p128_count_2147483647.igs", 0, 0, ErrorCode::kFormatBroken, "D3"},
                       Broken{"html_named.step", 0, 0, ErrorCode::kFormatUnknown, "web page"}),
     [](const auto& info) {

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/import/shapes.h"
 
@@ -133,6 +136,64 @@ TEST(SourceFile, ClaimsOfMorePointsThanTheFileHoldsAreRefused) {
   ASSERT_FALSE(source.ok());
   EXPECT_EQ(source.error().code, ErrorCode::kFormatBroken);
   EXPECT_NE(source.error().message.find("D1"), std::string::npos);
+}
+
+// Iges() with another entity in the place of its surface.
+Result<SourceFile> OpenEntity(const TemporaryFolder& folder, const std::string& type,
+                              const std::string& parameters) {
+  std::string bytes = Iges();
+  for (std::size_t at = 0; (at = bytes.find("     128", at)) != std::string::npos;)
+    bytes.replace(at + 5, 3, type);
+  const std::size_t first = bytes.find("128,1,1,1"), second = bytes.find("0,3,0,2,3,1");
+  std::string text = parameters;
+  text.resize(64, ' ');
+  bytes.replace(first, 64, text);
+  bytes.replace(second, 64, std::string(64, ' '));
+  return Open(folder, "a.igs", bytes);
+}
+
+TEST(SourceFile, OtherClaimsOfMoreThanTheFileHoldsAreRefusedToo) {
+  const TemporaryFolder folder;
+  for (const auto& [type, parameters] :
+       std::vector<std::pair<std::string, std::string>>{{"102", "102,2147483647,1;"},
+                                                        {"106", "106,2,1000000000,0.,0.,0.;"},
+                                                        {"114", "114,3,0,100000,100000,0.,1.;"},
+                                                        {"141", "141,0,1,1,2147483647,1,1,0;"},
+                                                        {"502", "502,2147483647,0.,0.,0.;"},
+                                                        {"504", "504,-1,1,1,1,1,1;"},
+                                                        {"508", "508,2147483647,0,1,1,1,0;"},
+                                                        {"514", "514,2147483647,1,1;"}}) {
+    const Result<SourceFile> source = OpenEntity(folder, type, parameters);
+    ASSERT_FALSE(source.ok()) << parameters;
+    EXPECT_EQ(source.error().code, ErrorCode::kFormatBroken) << parameters;
+    EXPECT_NE(source.error().message.find("D1 (type " + type + ") claims more"), std::string::npos);
+  }
+  EXPECT_TRUE(OpenEntity(folder, "106", "106,2,3,0.,0.,0.,1.,0.,0.,1.,1.,0.;").ok());
+}
+
+TEST(SourceFile, IgesNumbersThatAreNoneNameTheirEntity) {
+  const TemporaryFolder folder;
+  for (const std::string token : {"1.E400", "1.D+151", "-2.E99999999999", "nan", "-INF"}) {
+    const Result<SourceFile> source = OpenEntity(folder, "110", "110,0.,0.,0.,1.,1.," + token + ";");
+    ASSERT_FALSE(source.ok()) << token;
+    EXPECT_EQ(source.error().code, ErrorCode::kNotFinite);
+    EXPECT_NE(source.error().message.find("D1 (type 110) holds \"" + token), std::string::npos);
+  }
+  EXPECT_TRUE(OpenEntity(folder, "110", "110,0.,0.,0.,1.E-400,1.D100,3HNAN;").ok());
+}
+
+TEST(SourceFile, AnIgesEntityThatIsMadeOfItselfIsRefused) {
+  const TemporaryFolder folder;
+  for (const auto& [type, parameters] :
+       std::vector<std::pair<std::string, std::string>>{{"140", "140,0.,0.,1.,1.,1;"},
+                                                        {"102", "102,1,1;"},
+                                                        {"122", "122,1,0.,0.,1.;"},
+                                                        {"130", "130,1,1;"}}) {
+    const Result<SourceFile> source = OpenEntity(folder, type, parameters);
+    ASSERT_FALSE(source.ok()) << parameters;
+    EXPECT_EQ(source.error().code, ErrorCode::kFormatBroken);
+    EXPECT_NE(source.error().message.find("D1 is made of itself"), std::string::npos);
+  }
 }
 
 struct Refusal {

@@ -47,6 +47,33 @@ TEST(StepText, ANumberThatIsNoneNamesItsEntity) {
   Scan(File("#1=CARTESIAN_POINT('NAN',(1.E5,2.E+100,INFO(2.)));\n#2=X(.NAN.,.INF.,1.E-400);\n"));
 }
 
+TEST(StepText, ListsInTooManyListsNameTheirEntity) {
+  const auto nested = [](int depth) {
+    return File("#77=X(" + std::string(depth, '(') + "1." + std::string(depth, ')') + ");\n");
+  };
+  Scan(nested(100));
+  const Result<StepFacts> facts = ScanStep("a.step", nested(1'000'000));
+  ASSERT_FALSE(facts.ok());
+  EXPECT_EQ(facts.error().code, ErrorCode::kFormatBroken);
+  EXPECT_NE(facts.error().message.find("#77"), std::string::npos);
+  // Parentheses in texts are none.
+  Scan(File("#77=X('" + std::string(1000, '(') + "');\n"));
+}
+
+TEST(StepText, AnOrientedEdgeOfItselfIsRefused) {
+  const auto edges = [](const std::string& last) {
+    return File("#1=ORIENTED_EDGE('',*,*,#2,.T.);\n#2=ORIENTED_EDGE('',*,*," + last +
+                ",.F.);\n#3=EDGE_CURVE('',#4,#4,#5,.T.);\n");
+  };
+  Scan(edges("#3"));
+  for (const char* last : {"#1", "#2"}) {
+    const Result<StepFacts> facts = ScanStep("a.step", edges(last));
+    ASSERT_FALSE(facts.ok());
+    EXPECT_EQ(facts.error().code, ErrorCode::kFormatBroken);
+    EXPECT_NE(facts.error().message.find("oriented edge #"), std::string::npos);
+  }
+}
+
 TEST(StepText, ACutOffFileEndsAfterItsLastWholeEntity) {
   const std::string whole = File("#1=A('x');\n#2=B('y');\n");
   const std::size_t half = whole.find("'y'");

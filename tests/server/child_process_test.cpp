@@ -1,7 +1,10 @@
 #include "server/importer/child_process.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -151,6 +154,24 @@ TEST(TempDir, IsEmptyPrivateAndGoneAfterwards) {
   }
   EXPECT_FALSE(std::filesystem::exists(path));
   EXPECT_TRUE(std::filesystem::exists("/usr/bin"));
+}
+
+TEST(TempDir, RemovesWhatIsDeeperThanPathsAndOpenFiles) {
+  std::string path;
+  {
+    const TempDir directory = TempDir::Create().value();
+    path = directory.path();
+    int at = open(path.c_str(), O_RDONLY | O_DIRECTORY);
+    for (int depth = 0; depth < 3000; ++depth) {
+      ASSERT_EQ(mkdirat(at, "directory", 0700), 0) << depth;
+      const int next = openat(at, "directory", O_RDONLY | O_DIRECTORY);
+      close(openat(next, "file", O_WRONLY | O_CREAT, 0600));
+      close(at);
+      at = next;
+    }
+    close(at);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 }  // namespace
