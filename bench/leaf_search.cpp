@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "bench/leaf_tree.h"
@@ -37,7 +38,7 @@ struct Winner {
 class Query {
  public:
   // Asks the solver, or, with a `winner`, knows the answer.
-  Query(const std::vector<Leaf>& leaves, const Camera& camera, Pixel pixel, const Winner* winner)
+  Query(std::span<const Leaf> leaves, const Camera& camera, Pixel pixel, const Winner* winner)
       : leaves_(leaves),
         x_(pixel.column + 0.5 - 0.5 * camera.width_px),
         y_(pixel.row + 0.5 - 0.5 * camera.height_px),
@@ -60,7 +61,7 @@ class Query {
   std::uint64_t candidates = 0;
 
  private:
-  const std::vector<Leaf>& leaves_;
+  std::span<const Leaf> leaves_;
   const double x_, y_;
   const Winner* winner_;
 };
@@ -70,12 +71,16 @@ bool Holds(const Leaf& leaf, Pixel pixel) {
          (pixel.row < leaf.row_end);
 }
 
+std::vector<std::span<const Leaf>> OnePart(std::span<const Leaf> leaves) {
+  return {leaves};
+}
+
 class Comparison {
  public:
-  Comparison(const Camera& camera, std::vector<Leaf> leaves, int repeats)
+  Comparison(const Camera& camera, std::span<const Leaf> leaves, int repeats)
       : camera_(camera), repeats_(repeats) {
     build_bitmaps_ms_ = MillisecondsOf(
-        [&] { tiles_ = std::make_unique<TileLeaves>(std::move(leaves), camera.width_px, camera.height_px); });
+        [&] { tiles_ = std::make_unique<TileLeaves>(OnePart(leaves), camera.width_px, camera.height_px); });
   }
 
   Result<void> Run(LeafSearches& searches) {
@@ -123,7 +128,7 @@ class Comparison {
     Tally tally, unused_tally;
   };
 
-  const std::vector<Leaf>& leaves() const { return tiles_->leaves(); }
+  std::span<const Leaf> leaves() const { return tiles_->leaves(); }
 
   void ChooseRays() {
     for (int tile = 0; tile < tiles_->tiles_x() * tiles_->tiles_y(); ++tile) {
@@ -208,9 +213,7 @@ class Comparison {
       }
   }
 
-  std::size_t BitmapBytes() const {
-    return tiles_->bytes() - leaves().capacity() * sizeof(Leaf) + tiles_->bits() / 8;
-  }
+  std::size_t BitmapBytes() const { return tiles_->bytes() - leaves().size_bytes() + tiles_->bits() / 8; }
 
   void TraceScan(std::size_t stride, const Winner* known, std::vector<Winner>& found, Tally& tally) const {
     for (std::size_t i = 0; i < rays_.size(); i += stride) {

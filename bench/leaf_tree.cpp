@@ -2,7 +2,7 @@
 
 namespace facetless {
 
-LeafTree::LeafTree(const std::vector<Leaf>& leaves) {
+LeafTree::LeafTree(std::span<const Leaf> leaves) {
   for (std::uint32_t i = 0; i < leaves.size(); ++i) {
     const Leaf& leaf = leaves[i];
     boxes_.push_back({leaf.col_begin, leaf.col_end, leaf.row_begin, leaf.row_end, leaf.near_depth, i, 0});

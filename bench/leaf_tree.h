@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "render/nurbs/leaf.h"
@@ -14,7 +15,7 @@ namespace facetless {
 
 class LeafTree {
  public:
-  explicit LeafTree(const std::vector<Leaf>& leaves);
+  explicit LeafTree(std::span<const Leaf> leaves);
 
   // Calls meet(leaf) for the leaves whose boxes hold the pixel, roughly front to back; meet returns the nearest depth so far, and what
   // begins behind it is left out.

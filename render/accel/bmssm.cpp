@@ -2,39 +2,75 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
 
-bool FrontToBack(const Leaf& a, const Leaf& b) {
-  return std::tie(a.near_depth, a.placed_face, a.patch, a.u_mid, a.v_mid, a.u_half, a.v_half) <
-         std::tie(b.near_depth, b.placed_face, b.patch, b.u_mid, b.v_mid, b.u_half, b.v_half);
+// Fewer leaves than this are not worth another list of counts.
+constexpr std::size_t kLeavesPerShare = 4096;
+constexpr std::size_t kMostShares = 16;
+
+// Sorted in place of its leaf, which is ten times the size.
+struct Key {
+  double near_depth;
+  const Leaf* leaf;
+};
+
+bool FrontToBack(const Key& a, const Key& b) {
+  if (a.near_depth != b.near_depth) return a.near_depth < b.near_depth;
+  const auto rest = [](const Leaf& leaf) {
+    return std::tie(leaf.placed_face, leaf.patch, leaf.u_mid, leaf.v_mid, leaf.u_half, leaf.v_half);
+  };
+  return rest(*a.leaf) < rest(*b.leaf);
 }
 
 }  // namespace
 
-TileLeaves::TileLeaves(std::vector<Leaf> leaves, int columns, int rows)
-    : tiles_x_((columns + kTileSize - 1) / kTileSize),
-      tiles_y_((rows + kTileSize - 1) / kTileSize),
-      leaves_(std::move(leaves)) {
-  ParallelSort(leaves_.begin(), leaves_.end(), FrontToBack);
+TileLeaves::TileLeaves(const std::vector<std::span<const Leaf>>& parts, int columns, int rows)
+    : tiles_x_((columns + kTileSize - 1) / kTileSize), tiles_y_((rows + kTileSize - 1) / kTileSize) {
+  std::vector<Key> keys;
+  std::size_t count = 0;
+  for (const auto& part : parts) count += part.size();
+  keys.reserve(count);
+  for (const auto& part : parts)
+    for (const Leaf& leaf : part) keys.push_back({leaf.near_depth, &leaf});
+  ParallelSort(keys.begin(), keys.end(), FrontToBack);
 
-  // Count, then fill: leaves come in order, so each tile's list is sorted.
+  // Gather and count share by share, then fill: leaves come in order, so each tile's list is sorted.
+  const std::size_t shares = std::clamp<std::size_t>(count / kLeavesPerShare, 1, kMostShares);
+  const auto first_of = [&](std::size_t share) { return count * share / shares; };
   const auto for_each_tile = [this](const Leaf& leaf, auto&& visit) {
     for (int y = leaf.row_begin / kTileSize; y <= (leaf.row_end - 1) / kTileSize; ++y) {
       for (int x = leaf.col_begin / kTileSize; x <= (leaf.col_end - 1) / kTileSize; ++x)
         visit(y * tiles_x_ + x);
     }
   };
-  begin_.assign(std::size_t(tiles_x_) * tiles_y_ + 1, 0);
-  for (const Leaf& leaf : leaves_) for_each_tile(leaf, [this](int tile) { ++begin_[tile + 1]; });
-  for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-  indices_.resize(begin_.back());
-  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t i = 0; i < leaves_.size(); ++i)
-    for_each_tile(leaves_[i], [&](int tile) { indices_[next[tile]++] = i; });
+  leaves_.resize(count);
+  const std::size_t tiles = std::size_t(tiles_x_) * tiles_y_;
+  std::vector<std::vector<std::size_t>> next(shares);
+  ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
+    next[share].assign(tiles, 0);
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
+      leaves_[i] = *keys[i].leaf;
+      for_each_tile(leaves_[i], [&](int tile) { ++next[share][tile]; });
+    }
+  });
+  begin_.resize(tiles + 1);
+  std::size_t listed = 0;
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    begin_[tile] = listed;
+    for (auto& counts : next) listed += std::exchange(counts[tile], listed);
+  }
+  begin_[tiles] = listed;
+  indices_.resize(listed);
+  ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i)
+      for_each_tile(leaves_[i],
+                    [&](int tile) { indices_[next[share][tile]++] = static_cast<std::uint32_t>(i); });
+  });
 }
 
 std::size_t TileLeaves::bytes() const {

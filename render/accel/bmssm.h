@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "render/model/large_pages.h"
 #include "render/nurbs/leaf.h"
 
 namespace facetless {
@@ -24,13 +25,13 @@ inline constexpr int kTileSize = 32;  // samples along each side
 // The leaves of all tiles of one view, front to back within each tile.
 class TileLeaves {
  public:
-  // Sorts `leaves` and lists them per tile. Parallel over tiles' lists; the result does not depend on the
-  // thread count.
-  TileLeaves(std::vector<Leaf> leaves, int columns, int rows);
+  // Sorts the leaves of all parts and lists them per tile; in parallel, and the result depends neither on the thread count
+  // nor on how the leaves are dealt out to the parts.
+  TileLeaves(const std::vector<std::span<const Leaf>>& parts, int columns, int rows);
 
   int tiles_x() const { return tiles_x_; }
   int tiles_y() const { return tiles_y_; }
-  const std::vector<Leaf>& leaves() const { return leaves_; }
+  std::span<const Leaf> leaves() const { return leaves_; }
   // Indices into leaves(), ascending.
   std::span<const std::uint32_t> Tile(int tile) const {
     return {indices_.data() + begin_[tile], begin_[tile + 1] - begin_[tile]};
@@ -40,7 +41,7 @@ class TileLeaves {
 
  private:
   int tiles_x_, tiles_y_;
-  std::vector<Leaf> leaves_;
+  std::vector<Leaf, LargePages<Leaf>> leaves_;
   std::vector<std::size_t> begin_;
   std::vector<std::uint32_t> indices_;
 };

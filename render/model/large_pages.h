@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <type_traits>
 #include <utility>
 
 namespace facetless {
@@ -36,10 +37,10 @@ struct LargePages {
       std::free(memory);
     }
   }
-  // std::vector::resize leaves new elements as they are.
+  // std::vector::resize leaves new elements as they are, also of types whose constructor would write something.
   template <typename U>
   void construct(U* at) {
-    ::new (static_cast<void*>(at)) U;
+    if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(at)) U;
   }
   template <typename U, typename... Arguments>
   void construct(U* at, Arguments&&... arguments) {

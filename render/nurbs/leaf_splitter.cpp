@@ -16,18 +16,18 @@ constexpr int kMaxLevels = 64;
 // the overlap of neighbouring leaves.
 constexpr double kBoxSlack = 0x1p-20;
 
-constexpr std::size_t kArenaBlock = 1 << 15;  // doubles
+constexpr std::size_t kArenaBlock = 1 << 15, kLargestArenaBlock = 1 << 20;  // doubles
 
 }  // namespace
 
 double* CoefficientArena::Allocate(std::size_t count) {
   if (blocks_.empty() || used_ + count > capacity_) {
-    capacity_ = std::max(kArenaBlock, count);
-    blocks_.push_back(std::make_unique_for_overwrite<double[]>(capacity_));
+    capacity_ = std::max(std::clamp(bytes_ / sizeof(double) / 2, kArenaBlock, kLargestArenaBlock), count);
+    blocks_.emplace_back(capacity_);
     bytes_ += capacity_ * sizeof(double);
     used_ = 0;
   }
-  double* result = blocks_.back().get() + used_;
+  double* result = blocks_.back().data() + used_;
   used_ += count;
   return result;
 }

@@ -14,6 +14,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/model/large_pages.h"
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/bezier.h"
 #include "render/nurbs/leaf.h"
@@ -46,7 +47,7 @@ struct SplitBudget {
   bool Stopped() const { return Exhausted() || (cancel && cancel->load(std::memory_order_relaxed)); }
 };
 
-// Storage of coefficients: grows in blocks, never moves, freed as a whole.
+// Storage of coefficients: grows in blocks, each of a share of what is there already, never moves, freed as a whole.
 class CoefficientArena {
  public:
   double* Allocate(std::size_t count);
@@ -54,7 +55,7 @@ class CoefficientArena {
   std::size_t bytes() const { return bytes_; }
 
  private:
-  std::vector<std::unique_ptr<double[]>> blocks_;
+  std::vector<std::vector<double, LargePages<double>>> blocks_;
   std::size_t used_ = 0, capacity_ = 0, bytes_ = 0;
 };
 

@@ -48,6 +48,7 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
   const bool perspective = frame.projection == Projection::kPerspective;
   const std::size_t first = static_cast<std::size_t>(y) * samples.width;
   StudioView view(Normalized(ToViewer(frame, -frame.forward)));
+  std::size_t alike = kNoPixel;  // the last pixel whose light may be that of the next
   for (std::size_t i = first; i < first + samples.width; ++i) {
     // Nothing hit: the background. NaN and −inf are no misses.
     if (samples.depth[i] == INFINITY) {
@@ -59,6 +60,12 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
         !std::isfinite(n[2]))
       return i;
 
+    // In parallel light a plane looks the same everywhere.
+    const std::uint32_t face = samples.face[i];
+    if (alike != kNoPixel && samples.normal[alike] == n && samples.face[alike] == face) {
+      film.pixels[i] = film.pixels[alike];
+      continue;
+    }
     if (perspective) {
       const Ray ray = PixelRay(frame, static_cast<double>(i - first) + 0.5, y + 0.5);
       view = StudioView(Normalized(ToViewer(frame, -ray.direction)));
@@ -68,10 +75,10 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
     if (!(Dot(normal, normal) > 0)) normal = view.toward();
     if (Dot(normal, view.toward()) < 0) normal = -normal;
 
-    const std::uint32_t face = samples.face[i];
     const Vec3 light = view.Light(normal, face < albedo.size() ? albedo[face] : fallback);
     film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z),
                       1.0f};
+    if (!perspective) alike = i;
   }
   return kNoPixel;
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "render/kernels/dispatch.h"
@@ -42,7 +43,7 @@ float RoundedUp(double x) {
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
-  const std::vector<Leaf>& leaves = shared.view.tiles->leaves();
+  const std::span<const Leaf> leaves = shared.view.tiles->leaves();
   // All misses first: most tiles are of one kind or the other.
   for (int i = 0; i < tile.rows(); ++i) {
     const std::size_t first = std::size_t(tile.row() + i) * samples->width + tile.column();

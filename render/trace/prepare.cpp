@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "render/kernels/dispatch.h"
 #include "render/trace/parallel.h"
@@ -19,6 +20,8 @@ struct Worker {
   LeafSplitter splitter;
   CoefficientArena arena;
   std::vector<Leaf> leaves;
+  std::vector<std::uint32_t> faces;  // placed faces that have some of them, not for seams
+  std::uint64_t hard_leaves = 0;
 };
 
 class Preparation {
@@ -51,26 +54,19 @@ class Preparation {
 
     PreparedView view;
     view.nets = window_.nets;
-    std::vector<Leaf> leaves;
-    std::size_t count = 0;
-    for (const Worker& worker : workers_) count += worker.leaves.size();
-    leaves.reserve(count);
-    for (Worker& worker : workers_) {
-      leaves.insert(leaves.end(), worker.leaves.begin(), worker.leaves.end());
-      std::vector<Leaf>().swap(worker.leaves);
-      view.nodes += worker.splitter.nodes();
-      view.arenas.push_back(std::move(worker.arena));
-    }
+    std::vector<std::span<const Leaf>> leaves;
     std::vector<bool> seen(model_.PlacedFaceCount(), false);
-    for (const Leaf& leaf : leaves) {
-      if (leaf.flags & kLeafSeam) continue;
-      seen[leaf.placed_face] = true;
-      view.hard_leaves += (leaf.flags & kLeafHard) != 0;
+    for (const Worker& worker : workers_) {
+      leaves.emplace_back(worker.leaves);
+      for (const std::uint32_t face : worker.faces) seen[face] = true;
+      view.nodes += worker.splitter.nodes();
+      view.hard_leaves += worker.hard_leaves;
     }
+    view.tiles = std::make_unique<TileLeaves>(leaves, columns, rows);
+    for (Worker& worker : workers_) view.arenas.push_back(std::move(worker.arena));
     for (std::uint32_t id = 0; id < seen.size(); ++id) {
       if (!seen[id]) view.unseen_faces.push_back(id);
     }
-    view.tiles = std::make_unique<TileLeaves>(std::move(leaves), columns, rows);
     return view;
   }
 
@@ -162,7 +158,12 @@ class Preparation {
     if (!window_.perspective && weight_varies && net.at(0, kQ) != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
     ContinuePastBorder(surface, data, i, j, net, &split);
+    const std::size_t before = worker.leaves.size();
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
+    if (worker.leaves.size() == before) return;
+    if (worker.faces.empty() || worker.faces.back() != placed_face) worker.faces.push_back(placed_face);
+    for (std::size_t k = before; k < worker.leaves.size(); ++k)
+      worker.hard_leaves += (worker.leaves[k].flags & kLeafHard) != 0;
   }
 
   // A leaf of one sample for every seam sample: front to back it takes its turn among the others.

@@ -419,7 +419,7 @@ std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& tab
   for (const std::vector<SeamSample>& some : found) all.insert(all.end(), some.begin(), some.end());
 
   // A face owes each ray once: on the nearest of the edges that the ray passes, whichever way it goes.
-  std::sort(all.begin(), all.end(), [](const SeamSample& a, const SeamSample& b) {
+  ParallelSort(all.begin(), all.end(), [](const SeamSample& a, const SeamSample& b) {
     return std::tie(a.instance, a.face, a.row, a.column, a.distance_px, a.source) <
            std::tie(b.instance, b.face, b.row, b.column, b.distance_px, b.source);
   });

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <span>
 
 namespace facetless {
 namespace {
@@ -27,7 +30,8 @@ std::vector<Leaf> RandomBoxes(int count, int columns, int rows) {
 
 TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
   const int columns = 131, rows = 77;  // no multiples of a tile
-  const TileLeaves tiles(RandomBoxes(400, columns, rows), columns, rows);
+  const std::vector<Leaf> leaves = RandomBoxes(400, columns, rows);
+  const TileLeaves tiles({leaves}, columns, rows);
   TileBitmaps bitmaps;
   for (int tile = 0; tile < tiles.tiles_x() * tiles.tiles_y(); ++tile) {
     const int column = tile % tiles.tiles_x() * kTileSize, row = tile / tiles.tiles_x() * kTileSize;
@@ -57,8 +61,22 @@ TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
   }
 }
 
+TEST(Bmssm, TheOrderDoesNotDependOnHowLeavesAreDealtOut) {
+  // Enough for several shares, and depths that repeat.
+  std::vector<Leaf> leaves = RandomBoxes(20000, 256, 256);
+  for (Leaf& leaf : leaves) leaf.near_depth = std::floor(100 * leaf.near_depth);
+  const std::span<const Leaf> all(leaves);
+  const TileLeaves whole({all}, 256, 256), dealt({all.subspan(7000), {}, all.first(7000)}, 256, 256);
+  ASSERT_EQ(whole.leaves().size(), dealt.leaves().size());
+  for (std::size_t i = 0; i < whole.leaves().size(); ++i)
+    ASSERT_EQ(whole.leaves()[i].placed_face, dealt.leaves()[i].placed_face);
+  for (int tile = 0; tile < whole.tiles_x() * whole.tiles_y(); ++tile)
+    ASSERT_TRUE(std::ranges::equal(whole.Tile(tile), dealt.Tile(tile)));
+}
+
 TEST(Bmssm, BitsGoFrontToBack) {
-  const TileLeaves tiles(RandomBoxes(1000, 256, 256), 256, 256);
+  const std::vector<Leaf> leaves = RandomBoxes(1000, 256, 256);
+  const TileLeaves tiles({leaves}, 256, 256);
   for (int tile = 0; tile < tiles.tiles_x() * tiles.tiles_y(); ++tile) {
     const auto list = tiles.Tile(tile);
     for (std::size_t k = 1; k < list.size(); ++k) {

@@ -357,6 +357,39 @@ TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
   }
 }
 
+TEST(Direct, TheEndsOfAnOpenSpiralDoNotVouchForEachOther) {
+  // One turn of a ramp: from above, the ray through its one end passes the other, 20 mm deeper. The middle row runs along both
+  // ends on the right, and on the left along a border of patches within the ramp.
+  testing::PatchGrid spiral = testing::Frustum({0, 0, 0}, 10, 4, 1);
+  spiral.kind = SurfaceKind::kBspline;
+  for (std::size_t i = 0; i < spiral.points.size(); ++i) {
+    Vec4& point = spiral.points[i];
+    const std::size_t quarter = i / 6, control = i % 6 / 2;
+    point.z += point.w * 5 * (double(quarter) + 0.5 * double(control));
+  }
+  const Model model = ModelOf({spiral});
+  for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
+    DirectOptions options;
+    options.precision = precision;
+    const Camera camera = ViewOf(model, "top", Projection::kOrthographic, 101);
+    const SampleBuffer samples = TraceDirect(Scene(model), camera, options).value().samples;
+    int at_ends = 0, within = 0;
+    for (int column = 0; column < 101; ++column) {
+      const std::size_t k = 50 * 101 + column;
+      if (!std::isfinite(samples.depth[k])) continue;
+      if (column > 50) {
+        ++at_ends;
+        EXPECT_NE(samples.certificate[k], Certificate::kCertified) << column;
+      } else {
+        ++within;
+        EXPECT_EQ(samples.certificate[k], Certificate::kCertified) << column;
+      }
+    }
+    EXPECT_GT(at_ends, 20);
+    EXPECT_GT(within, 20);
+  }
+}
+
 TEST(Direct, AnEyeAtAPoleOrFarDownATubeCostsNoMoreLeavesThanAnyOther) {
   struct Case {
     const char* what;
