@@ -12,6 +12,7 @@
 #include "server/interrupt.h"
 #include "server/service/keys.h"
 #include "server/service/serve.h"
+#include "server/service/serve_config.h"
 #include "server/service/store_check.h"
 #include "server/version.h"
 
@@ -85,6 +86,8 @@ constexpr const char* kServeFooter = R"(Examples:
   facetless serve
   facetless keys create /var/lib/facetless --name anna && facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
   facetless serve --max-store 50000 --max-age 30          forget what nobody asked for in a month
+  facetless serve --config /etc/facetless.toml --ops-listen 127.0.0.1:9090 --log json
+  FACETLESS_SERVE_JOBS=4 facetless serve --print-config   what would it do, and why?
   curl -F file=@part.step http://127.0.0.1:8080/v1/comparisons
 
 On an address that others reach it wants keys (facetless keys create), and it speaks no TLS: put it behind a proxy that does.
@@ -239,55 +242,6 @@ CLI::App* AddFileCommand(CLI::App& app, const std::string& name, const std::stri
   return command;
 }
 
-void AddServeOptions(CLI::App* command, ServeOptions& serve) {
-  command->add_option("--listen", serve.listen, "Address and port; port 0 takes a free one")
-      ->type_name("ADDR:PORT")
-      ->capture_default_str();
-  command
-      ->add_option("--data", serve.data,
-                   "Directory of models and results (default: " + DefaultDataDirectory() + ")")
-      ->type_name("DIR");
-  command->add_option("--jobs", serve.jobs, "Jobs that run at the same time")
-      ->type_name("N")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command->add_option("--queue", serve.queue, "Jobs that may wait; more get status 503")
-      ->type_name("N")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  command->add_option("--max-upload", serve.max_upload_mb, "Megabytes of one upload")
-      ->type_name("MB")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  command->add_option("--max-samples", serve.max_samples, "Samples of one request: pixels × samples × views")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--timeout", serve.timeout_s, "Seconds that one job may run, and one upload take")
-      ->type_name("S")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--import-memory", serve.import_memory_mb, "Megabytes of address space of one import")
-      ->type_name("MB")
-      ->check(CLI::Range(64, 1 << 30))
-      ->capture_default_str();
-  command
-      ->add_option("--max-store", serve.max_store_mb,
-                   "Megabytes of files that are kept; what was used longest ago goes first (0: no limit)")
-      ->type_name("MB")
-      ->check(CLI::Range(0, 1 << 30))
-      ->capture_default_str();
-  command->add_flag("--require-keys", serve.require_keys, "Let nobody in without a key, on any address");
-  command->add_flag("--allow-anonymous", serve.allow_anonymous,
-                    "Let everybody in, also on an address that others reach");
-  command
-      ->add_option("--max-age", serve.max_age_days,
-                   "Days that unused models and answers are kept (0: no limit)")
-      ->type_name("DAYS")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-}
-
 // The commands about keys; which of them was given.
 struct KeyCommands {
   CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
@@ -331,6 +285,14 @@ int Dispatch(int (*command)(const CommandArguments&), CommandArguments& argument
   return command(arguments);
 }
 
+int RunServe(ServeConfig& config) {
+  auto options = config.Resolve();
+  if (!options) return PrintError(options.error());
+  if (!config.print()) return Serve(options.value());
+  std::printf("%s\n", JsonText(config.Description()).c_str());
+  return kExitDone;
+}
+
 }  // namespace
 
 int RunCommandLine(int argc, char** argv) {
@@ -343,7 +305,6 @@ int RunCommandLine(int argc, char** argv) {
   app.footer(kFooter);
   CommandArguments arguments;
   OptionCollector options;
-  ServeOptions serve;
 
   // The commands.
   CLI::App* inspect = AddFileCommand(app, "inspect", "Say what the file holds and what was lost (JSON)",
@@ -362,6 +323,7 @@ int RunCommandLine(int argc, char** argv) {
   regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
   CLI::App* serve_command = app.add_subcommand("serve", "Serve the HTTP API and a page for browsers");
   serve_command->footer(kServeFooter);
+  ServeConfig serve(serve_command);
   KeyArguments key;
   const KeyCommands keys = AddKeyCommands(app, key);
   CLI::App* store = app.add_subcommand("store", "Look after the data directory of serve");
@@ -403,7 +365,6 @@ int RunCommandLine(int argc, char** argv) {
   options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
   for (CLI::App* command : {inspect, render, mesh, compare, trade, bench, regress})
     AddImportOptions(command, options, arguments);
-  AddServeOptions(serve_command, serve);
 
   // Parse: help and version end with 0, everything that is wrong with 64.
   try {
@@ -411,7 +372,7 @@ int RunCommandLine(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitUsage;
   }
-  if (*serve_command) return Serve(serve);
+  if (*serve_command) return RunServe(serve);
   if (*keys.create) return CreateKeyCommand(key);
   if (*keys.list) return ListKeysCommand(key);
   if (*keys.revoke) return RevokeKeyCommand(key);

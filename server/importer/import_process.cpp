@@ -207,6 +207,27 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
                name + ": the importer died of " + SignalName(outcome.signal) + " while reading it"};
 }
 
+// The same in one word for who counts; nullptr if it exited or was told to end.
+const char* DeathCause(const ChildOutcome& outcome, const ChildLimits& child_limits) {
+  switch (outcome.end) {
+    case ChildEnd::kExited:
+    case ChildEnd::kCancelled:
+      return nullptr;
+    case ChildEnd::kTimedOut:
+      return "timeout";
+    case ChildEnd::kTooManyThreads:
+      return "threads";
+    case ChildEnd::kDirectoryTooLarge:
+    case ChildEnd::kTooManyNames:
+      return "output";
+    case ChildEnd::kSignalled:
+      break;
+  }
+  if (outcome.signal == SIGXCPU) return "timeout";
+  if (outcome.signal == SIGXFSZ) return "output";
+  return outcome.signal == SIGKILL || RanOutOfMemory(outcome, child_limits) ? "memory" : "crash";
+}
+
 // Words of the importer's: cut, on one line, with a question mark for each byte that is no printable ASCII and no
 // part of a longer UTF-8 sequence.
 std::string Printable(std::string_view text) {
@@ -342,6 +363,10 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   auto run = RunChild(child);
   if (!run) return run.error();
   const ChildOutcome& outcome = run.value();
+  const auto died = [&](const char* cause) {
+    if (cause != nullptr && request.died) request.died(cause);
+  };
+  died(DeathCause(outcome, child.limits));
   if (auto error = EndError(outcome, child.limits, name, limits)) return *error;
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
@@ -351,15 +376,20 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   if (answered) {
     if (auto error = AnsweredError(files.summary, name)) return *error;
   }
-  if (!answered || outcome.exit_code != 0)
+  if (!answered || outcome.exit_code != 0) {
+    died("answer");
     return Error{ErrorCode::kImporterCrashed, name + ": the importer gave up with exit code " +
                                                   std::to_string(outcome.exit_code) +
                                                   LastLine(outcome.error_tail)};
+  }
   std::vector<std::string> outputs = files.mesh_paths;
   outputs.push_back(files.model_path);
   if (!request.exact.rays.empty()) outputs.push_back(depths_path);
   for (const std::string& output : outputs) {
-    if (auto error = OutputError(output, name)) return *error;
+    if (auto error = OutputError(output, name)) {
+      died("answer");
+      return *error;
+    }
   }
   if (!request.exact.rays.empty()) {
     auto depths = ReadDepths(depths_path, request.exact.rays.size());

@@ -54,6 +54,9 @@ struct ImportRequest {
   const std::atomic<bool>* cancel = nullptr;
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
+  // Called if the importer did not end by itself, or its answer could not be used. `cause` is crash, timeout, memory,
+  // output (files too many or too large), threads or answer.
+  std::function<void(const std::string& cause)> died;
 };
 
 struct ImportedFiles {

@@ -30,14 +30,17 @@ HttpResponse Unauthorized(const std::string& detail) {
 }  // namespace
 
 std::optional<HttpResponse> AccessControl::Decide(HttpRequest& request, const Route& route) {
-  if (route.kind == RouteKind::kPage || route.kind == RouteKind::kHealth) return std::nullopt;
+  if (route.kind == RouteKind::kPage || route.kind == RouteKind::kHealth || route.kind == RouteKind::kReady ||
+      (route.kind == RouteKind::kMetrics && request.operations))
+    return std::nullopt;
   std::string reason;
   auto refusal = Judge(request, route, reason);
   // Where everybody may come in, that somebody did is no decision.
   if (audit && (!anonymous_ || !request.Header("authorization").empty())) {
     const std::string who = request.caller.owner.empty() ? "none" : request.caller.owner;
     audit("key=" + who + " " + request.method + " " + request.path +
-          (refusal ? " denied: " + reason : " allowed"));
+              (refusal ? " denied: " + reason : " allowed"),
+          request);
   }
   return refusal;
 }
@@ -63,7 +66,10 @@ std::optional<HttpResponse> AccessControl::Judge(HttpRequest& request, const Rou
   caller.quota_mb = static_cast<std::uint64_t>(std::max<std::int64_t>(key->quota_mb, 0));
   const bool job = route.kind == RouteKind::kJob || route.kind == RouteKind::kJobEvents;
   const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (!(reads ? caller.read : caller.submit) && !(caller.admin && job)) {
+  const bool allowed = route.kind == RouteKind::kMetrics
+                           ? caller.admin
+                           : (reads ? caller.read : caller.submit) || (caller.admin && job);
+  if (!allowed) {
     reason = "its scopes are " + ScopesText(*key);
     return Problem(403, "forbidden", "This key may not do that", "Its scopes are " + ScopesText(*key) + ".");
   }

@@ -1,6 +1,7 @@
 #include "server/service/file_store.h"
 
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -313,11 +314,24 @@ void FileStore::WriteTouches() {
   (void)transaction.Commit();
 }
 
-std::uint64_t FileStore::TotalBytes() {
+std::uint64_t FileStore::KeptBytes() {
   std::int64_t total = 0;
   (void)directory_.writer().Query("SELECT bytes FROM totals", {},
                                   [&](const SqlRow& row) { total = row.Integer(0); });
   return static_cast<std::uint64_t>(std::max<std::int64_t>(total, 0));
+}
+
+std::uint64_t FileStore::FreeBytes() {
+  struct statvfs disk = {};
+  if (statvfs(directory_.path().c_str(), &disk) != 0) return 0;
+  return std::uint64_t{disk.f_bavail} * disk.f_frsize;
+}
+
+// Makes a directory, as each upload does: that needs a disk that can be written and has entries left.
+Result<void> FileStore::Check() {
+  auto scratch = Scratch();
+  if (!scratch) return scratch.error();
+  return {};
 }
 
 // Of a file that is kept twice for the same owner, once.
@@ -350,10 +364,10 @@ bool FileStore::GiveUpOldest(double unused_since, const std::string& prefix) {
 }
 
 Result<void> FileStore::MakeRoom(std::uint64_t bytes) {
-  if (limits_.max_bytes == 0 || TotalBytes() + bytes <= limits_.max_bytes) return {};
+  if (limits_.max_bytes == 0 || KeptBytes() + bytes <= limits_.max_bytes) return {};
   WriteTouches();
   RemoveLooseFiles();
-  while (TotalBytes() + bytes > limits_.max_bytes) {
+  while (KeptBytes() + bytes > limits_.max_bytes) {
     if (bytes > limits_.max_bytes || !GiveUpOldest(std::numeric_limits<double>::infinity()))
       return Error{ErrorCode::kWriteFailed, "the store is full: --max-store allows " +
                                                 std::to_string(limits_.max_bytes >> 20) + " MB"};

@@ -43,6 +43,9 @@ class FileStore : public Store {
                          const std::vector<std::pair<std::string, KeptFile>>& artifacts) override;
   std::optional<std::string> FindAnswer(const std::string& owner, const std::string& key) override;
   std::optional<StoredArtifact> FindArtifact(const std::string& owner, const std::string& name) override;
+  Result<void> Check() override;
+  std::uint64_t KeptBytes() override;
+  std::uint64_t FreeBytes() override;
   void Sweep() override;
 
  private:
@@ -59,7 +62,6 @@ class FileStore : public Store {
   bool HasRow(const std::string& sha256);
   void RemoveLooseFiles();
   void RemoveUnnamedFiles();
-  std::uint64_t TotalBytes();
   std::uint64_t BytesOf(const std::string& owner);
   bool GiveUpOldest(double unused_since, const std::string& prefix = "");
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <httplib.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cctype>
@@ -12,7 +13,9 @@
 #include <thread>
 #include <utility>
 
+#include "server/service/job_store.h"
 #include "server/service/problem.h"
+#include "server/service/trace_context.h"
 #include "server/sha256.h"
 
 namespace facetless {
@@ -23,8 +26,12 @@ using Clock = std::chrono::steady_clock;
 // Text parts are options and identifiers.
 constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr std::size_t kMaxParts = 16;
+constexpr const char* kRequestIdHeader = "X-Request-Id";
 // Beyond the requests that wait or listen: threads for uploads, pages and pictures.
 constexpr int kSpareThreads = 32;
+// Health and metrics: the second answers while the first waits for somebody slow, and nobody may be slow for long.
+constexpr int kOperationsThreads = 2;
+constexpr int kPatienceSeconds = 30, kOperationsPatienceSeconds = 2;
 
 HttpRequest Translated(const httplib::Request& request) {
   HttpRequest translated;
@@ -36,6 +43,8 @@ HttpRequest Translated(const httplib::Request& request) {
     translated.headers.emplace(lower, value);
   }
   for (const auto& [name, value] : request.params) translated.query.emplace(name, value);
+  translated.id = RandomId();
+  translated.trace_id = TraceIdOf(translated.Header("traceparent"));
   return translated;
 }
 
@@ -195,9 +204,8 @@ class BodyReader {
   std::uint64_t total_ = 0;
 };
 
-HttpResponse HandlePost(Service& service, const httplib::Request& request,
+HttpResponse HandlePost(Service& service, const httplib::Request& request, HttpRequest& translated,
                         const httplib::ContentReader& content) {
-  HttpRequest translated = Translated(request);
   BodyReader body(service, translated);
   if (auto refusal = service.Check(translated)) body.Refuse(std::move(*refusal));
   const auto take = [&](const char* data, std::size_t size) { return body.Take(data, size); };
@@ -223,7 +231,7 @@ struct HttpServer::State {
   explicit State(Service& s) : service(s) {}
   Service& service;
   httplib::Server server;
-  int port = 0;
+  Listener listener;
   std::atomic<bool> stopping{false}, ended{false};
 };
 
@@ -231,7 +239,7 @@ HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) 
 HttpServer::~HttpServer() = default;
 
 int HttpServer::port() const {
-  return state_->port;
+  return state_->listener.port;
 }
 
 bool HttpServer::Run() {
@@ -248,37 +256,57 @@ void HttpServer::Stop() {
   state_->server.stop();
 }
 
-Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std::string& host, int port) {
+Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Listener& listener) {
   std::unique_ptr<HttpServer> self(new HttpServer(std::make_unique<State>(service)));
   HttpServer* const owner = self.get();
   httplib::Server& server = self->state_->server;
+  const bool operations = listener.operations;
 
   // Bounds. The library's own limit of the payload is left off: it does not see chunked and compressed
   // bodies, ours does.
-  const int threads = service.limits().waiters + service.limits().listeners + kSpareThreads;
+  const int threads =
+      operations ? kOperationsThreads : service.limits().waiters + service.limits().listeners + kSpareThreads;
+  const int patience = operations ? kOperationsPatienceSeconds : kPatienceSeconds;
   server.new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<std::size_t>(threads)); };
+  // The library's own options share a port with whoever else does; two services would get half of the requests each.
+  server.set_socket_options([](int socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   server.set_keep_alive_max_count(1);
-  server.set_read_timeout(30, 0);
-  server.set_write_timeout(30, 0);
+  server.set_read_timeout(patience, 0);
+  server.set_write_timeout(patience, 0);
+  if (operations) server.set_keep_alive_timeout(patience);  // also for the first request of a connection
   server.set_default_headers({{"X-Content-Type-Options", "nosniff"}, {"Referrer-Policy", "no-referrer"}});
 
   // One handler for all that has no body (that of a DELETE means nothing), one for all that has.
-  const auto timed = [owner](const httplib::Request& request, httplib::Response& response, auto respond) {
+  const auto timed = [owner, operations](const httplib::Request& request, httplib::Response& response,
+                                         auto respond) {
     const auto start = Clock::now();
-    Apply(respond(), response);
-    if (owner->on_request)
-      owner->on_request(request.method, request.path, response.status,
-                        std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    HttpRequest translated = Translated(request);
+    translated.operations = operations;
+    HttpResponse answer = ProblemOfStatus(500);
+    try {
+      answer = respond(translated);
+    } catch (const std::exception&) {
+      // What it says may name what is nobody's business.
+    }
+    Apply(answer, response);
+    response.set_header(kRequestIdHeader, translated.id);
+    if (!owner->on_request) return;
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    owner->on_request({translated.id, translated.trace_id, request.method, request.path,
+                       translated.caller.owner, answer.job, response.status, ms});
   };
-  server.set_pre_routing_handler([timed, &service](const httplib::Request& request,
-                                                   httplib::Response& response) {
-    if (request.method == "POST") return httplib::Server::HandlerResponse::Unhandled;
-    timed(request, response, [&] {
+  server.set_pre_routing_handler([timed, operations, &service](const httplib::Request& request,
+                                                               httplib::Response& response) {
+    // Where there is nothing to post to, no body is waited for.
+    if (request.method == "POST" && !operations) return httplib::Server::HandlerResponse::Unhandled;
+    timed(request, response, [&](HttpRequest& translated) {
       // Ranges are ignored, which HTTP allows: the library checks none against the file, and many of them
       // would make a large answer out of a small request. The request is the library's own object; only the
       // handler sees it as constant.
       const_cast<httplib::Request&>(request).ranges.clear();
-      HttpRequest translated = Translated(request);
       if (auto refusal = service.Check(translated)) return *refusal;
       return service.Handle(translated);
     });
@@ -286,11 +314,13 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
   });
   server.Post("/.*", [timed, &service](const httplib::Request& request, httplib::Response& response,
                                        const httplib::ContentReader& content) {
-    timed(request, response, [&] { return HandlePost(service, request, content); });
+    timed(request, response,
+          [&](HttpRequest& translated) { return HandlePost(service, request, translated, content); });
   });
   server.set_expect_100_continue_handler(
-      [&service](const httplib::Request& request, httplib::Response& response) {
+      [&service, operations](const httplib::Request& request, httplib::Response& response) {
         HttpRequest translated = Translated(request);
+        translated.operations = operations;
         const auto refusal = service.Check(translated);
         if (!refusal) return 100;
         Apply(*refusal, response);
@@ -298,18 +328,25 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const std
       });
 
   // What the library answers by itself, and what was thrown.
-  server.set_error_handler([](const httplib::Request&, httplib::Response& response) {
+  server.set_error_handler([owner](const httplib::Request& request, httplib::Response& response) {
     if (response.body.empty() && response.status != 304) Apply(ProblemOfStatus(response.status), response);
+    if (response.has_header(kRequestIdHeader)) return;
+    const std::string id = RandomId();
+    response.set_header(kRequestIdHeader, id);
+    if (owner->on_request)
+      owner->on_request({id, "", request.method, request.path, "", "", response.status, 0});
   });
   server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
     Apply(ProblemOfStatus(500), response);
   });
 
-  self->state_->port = port;
-  const bool bound =
-      port == 0 ? (self->state_->port = server.bind_to_any_port(host)) > 0 : server.bind_to_port(host, port);
+  self->state_->listener = listener;
+  int& port = self->state_->listener.port;
+  const bool bound = port == 0 ? (port = server.bind_to_any_port(listener.host)) > 0
+                               : server.bind_to_port(listener.host, port);
   if (!bound)
-    return Error{ErrorCode::kBadUsage, "cannot listen on " + host + " port " + std::to_string(port) +
+    return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
+                                           std::to_string(listener.port) +
                                            ": in use, or no address of this machine"};
   return self;
 }

@@ -105,12 +105,19 @@ class JobStore {
   virtual std::optional<Job> Find(const std::string& id) = 0;
   virtual JobCounts Counts() = 0;
 
+  // Nothing, if it would take a job now. Errors: those of Submit.
+  virtual Result<void> Check() = 0;
+
   // Gives back or fails (law 3) every running job, whatever its lease: to be called when no other process can
   // have any.
   virtual Result<void> Recover() = 0;
   // Forgets jobs that ended before `finished_before`, and the oldest beyond a bound of the implementation's.
   virtual Result<void> Forget(double finished_before) = 0;
 };
+
+// A problem document with what finds its job in the log: job_id, request_id and trace_id of the request that
+// brought it.
+nlohmann::json ProblemOfJob(nlohmann::json problem, const Job& job);
 
 // 128 bits that nobody guesses, as 32 hexadecimal digits.
 std::string RandomId();

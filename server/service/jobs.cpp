@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/interrupt.h"
+#include "server/service/data_directory.h"
 #include "server/service/problem.h"
 
 namespace facetless {
@@ -51,6 +52,7 @@ struct Jobs::Active {
   double fraction = 0;
   std::vector<std::string> messages;
   std::uint64_t version = 0;
+  Clock::time_point stage_began = Clock::now();
 };
 
 Jobs::Jobs(JobStore& queue, Store& store, const JobSettings& settings)
@@ -127,11 +129,12 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
   watch.progress = [&](const std::string& stage, double fraction) {
     const std::lock_guard lock(mutex_);
     if (active->stage == stage && active->fraction == fraction) return;
-    active->stage = stage;
+    EnterStage(*active, stage);
     active->fraction = fraction;
     active->version = ++changes_;
     changed_.notify_all();
   };
+  watch.observer = &settings_.observer;
   watch.message = [&](const std::string& sentence) {
     const std::lock_guard lock(mutex_);
     active->messages.push_back(sentence);
@@ -146,8 +149,19 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
   } catch (const std::exception&) {
     // What it says is of no use to a caller, and may name what is nobody's business.
   }
+  EnterStage(*active, "");
   RecordEnd(Ended(*active, result, deadline.expired()));
   store_.Sweep();
+}
+
+// Reports the time of the stage that is over.
+void Jobs::EnterStage(Active& active, const std::string& stage) const {
+  if (active.stage == stage) return;
+  const auto now = Clock::now();
+  if (settings_.observer.stage_ended)
+    settings_.observer.stage_ended(active.stage, Seconds(now - active.stage_began).count());
+  active.stage_began = now;
+  if (!stage.empty()) active.stage = stage;
 }
 
 Job Jobs::Ended(const Active& active, const Result<std::string>& result, bool expired) const {
@@ -171,14 +185,20 @@ Job Jobs::Ended(const Active& active, const Result<std::string>& result, bool ex
     job.state = active.cancelled ? JobState::kCancelled : JobState::kQueued;
     return job;
   }
-  job.problem = nlohmann::json::parse(problem.body, nullptr, /*allow_exceptions=*/false);
+  job.problem =
+      ProblemOfJob(nlohmann::json::parse(problem.body, nullptr, /*allow_exceptions=*/false), active.job);
   return job;
 }
 
-void Jobs::RecordEnd(const Job& ended) {
+void Jobs::RecordEnd(Job ended) {
   for (int i = 0; i < kEndTries; ++i) {
     const auto recorded = ended.state == JobState::kQueued ? queue_.Release(ended) : queue_.Finish(ended);
-    if (recorded) return;
+    if (recorded) {
+      ended.finished = WallClock();
+      if (recorded.value() && ended.Ended() && settings_.observer.job_ended)
+        settings_.observer.job_ended(ended);
+      return;
+    }
     std::unique_lock lock(mutex_);
     if (changed_.wait_for(lock, kLookSeconds, [this] { return ending_; })) return;
   }
@@ -263,9 +283,14 @@ std::optional<JobView> Jobs::WaitForChange(const std::string& id, std::uint64_t 
 }
 
 Result<std::optional<JobView>> Jobs::Cancel(const std::string& id) {
+  const auto before = queue_.Find(id);
   auto job = queue_.Cancel(id);
   if (!job) return job.error();
   if (!job.value()) return std::optional<JobView>();
+  // One that waited has ended here, and nowhere else.
+  if (before && before->state == JobState::kQueued && job.value()->state == JobState::kCancelled &&
+      settings_.observer.job_ended)
+    settings_.observer.job_ended(*job.value());
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = active_.find(id); found != active_.end()) {

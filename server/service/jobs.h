@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "server/service/job_store.h"
+#include "server/service/observer.h"
 #include "server/service/run_job.h"
 #include "server/service/store.h"
 
@@ -40,6 +41,7 @@ struct JobSettings {
   RunLimits run;
   double forget_after_s = 0;      // how long jobs that ended are remembered; 0: by number only
   std::string private_directory;  // paths below it are cut from problems
+  Observer observer;
 };
 
 class Jobs {
@@ -59,6 +61,8 @@ class Jobs {
   // Waits up to a second for running work to end. Nothing if there is no such job.
   Result<std::optional<JobView>> Cancel(const std::string& id);
   JobCounts Counts() { return queue_.Counts(); }
+  // Nothing, if a job would be taken now and run here.
+  Result<void> Check() { return queue_.Check(); }
 
   // Stops, with so many seconds of grace; may be called more than once.
   void Stop(double grace_s);
@@ -71,7 +75,8 @@ class Jobs {
   void Keep();
   void Run(const std::shared_ptr<Active>& active);
   Job Ended(const Active& active, const Result<std::string>& result, bool expired) const;
-  void RecordEnd(const Job& ended);
+  void EnterStage(Active& active, const std::string& stage) const;
+  void RecordEnd(Job ended);
   std::optional<JobView> Wait(const std::string& id, double seconds,
                               const std::function<bool(const JobView&)>& enough);
 

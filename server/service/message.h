@@ -37,6 +37,9 @@ struct HttpRequest {
   std::vector<BodyPart> parts;
   TempDir uploads;  // holds the parts' files
   Caller caller;
+  std::string id;           // in X-Request-Id of the response, and in the log
+  std::string trace_id;     // of its traceparent (trace_context.h); "" without a sound one
+  bool operations = false;  // came in where health and metrics are served, and nothing else
 
   std::string Header(const std::string& lower_case_name) const {
     const auto found = headers.find(lower_case_name);
@@ -53,6 +56,7 @@ struct HttpResponse {
   // take seconds to find the next piece.
   std::function<std::optional<std::string>()> stream;
   std::vector<std::pair<std::string, std::string>> headers;
+  std::string job;  // the id of the job that this is about, for the log; "" if it is about none
 };
 
 }  // namespace facetless

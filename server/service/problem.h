@@ -3,7 +3,8 @@
 // {"type": "urn:facetless:problem:<code>", "title", "status", "detail"}: type and status are stable, title
 // and detail are for people. The codes are those of ErrorCodeName, and for what concerns HTTP itself
 // not-found, method-not-allowed, payload-too-large, unauthorized, forbidden, rate-limited, unsupported-media-type, malformed-request, cross-site,
-// request-timeout, busy, timeout, cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them.
+// request-timeout, busy, not-ready, timeout, cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them.
+// That of a job that failed has job_id, request_id and, if there was one, trace_id too: they are in the log.
 #pragma once
 
 #include <string>

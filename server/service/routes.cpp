@@ -1,8 +1,34 @@
 #include "server/service/routes.h"
 
-#include <string_view>
+#include <algorithm>
+#include <optional>
 
 namespace facetless {
+namespace {
+
+Route Page(const char* path, const char* file, const char* content_type) {
+  return {RouteKind::kPage, file, content_type, "GET, HEAD", path};
+}
+
+Route Submit(const char* path, const char* kind) {
+  return {RouteKind::kSubmit, kind, "", "POST", path};
+}
+
+Route Look(RouteKind kind, const char* path, const char* methods = "GET, HEAD") {
+  return {kind, "", "", methods, path};
+}
+
+// What stands in `path` for the part of `pattern` in braces; "" where there are none.
+std::optional<std::string> Match(const std::string& pattern, const std::string& path) {
+  const std::size_t open = pattern.find('{');
+  if (open == std::string::npos) return pattern == path ? std::optional<std::string>("") : std::nullopt;
+  const std::string prefix = pattern.substr(0, open), suffix = pattern.substr(pattern.find('}') + 1);
+  if (!path.starts_with(prefix) || !path.ends_with(suffix) || path.size() <= prefix.size() + suffix.size())
+    return std::nullopt;
+  return path.substr(prefix.size(), path.size() - prefix.size() - suffix.size());
+}
+
+}  // namespace
 
 bool Route::Allows(const std::string& method) const {
   for (std::size_t begin = 0; begin < methods.size();) {
@@ -13,41 +39,41 @@ bool Route::Allows(const std::string& method) const {
   return false;
 }
 
-Route FindRoute(const std::string& path) {
-  static const struct {
-    const char* path;
-    Route route;
-  } kFixed[] = {
-      {"/", {RouteKind::kPage, "index.html", "text/html; charset=utf-8"}},
-      {"/style.css", {RouteKind::kPage, "style.css", "text/css; charset=utf-8"}},
-      {"/app.js", {RouteKind::kPage, "app.js", "text/javascript; charset=utf-8"}},
-      {"/viewer.js", {RouteKind::kPage, "viewer.js", "text/javascript; charset=utf-8"}},
-      {"/favicon.svg", {RouteKind::kPage, "favicon.svg", "image/svg+xml"}},
-      {"/healthz", {RouteKind::kHealth, "", ""}},
-      {"/v1/models", {RouteKind::kSubmit, "model", "", "POST"}},
-      {"/v1/renders", {RouteKind::kSubmit, "render", "", "POST"}},
-      {"/v1/comparisons", {RouteKind::kSubmit, "comparison", "", "POST"}},
-      {"/v1/trades", {RouteKind::kSubmit, "trade", "", "POST"}},
+const std::vector<Route>& AllRoutes() {
+  static const std::vector<Route> kRoutes = {
+      Page("/", "index.html", "text/html; charset=utf-8"),
+      Page("/style.css", "style.css", "text/css; charset=utf-8"),
+      Page("/app.js", "app.js", "text/javascript; charset=utf-8"),
+      Page("/viewer.js", "viewer.js", "text/javascript; charset=utf-8"),
+      Page("/favicon.svg", "favicon.svg", "image/svg+xml"),
+      Page("/openapi.json", "openapi.json", "application/json"),
+      Look(RouteKind::kHealth, "/healthz"),
+      Look(RouteKind::kReady, "/readyz"),
+      Look(RouteKind::kMetrics, "/metrics"),
+      Submit("/v1/models", "model"),
+      Submit("/v1/renders", "render"),
+      Submit("/v1/comparisons", "comparison"),
+      Submit("/v1/trades", "trade"),
       // Their names before there were jobs.
-      {"/v1/render", {RouteKind::kSubmit, "render", "", "POST"}},
-      {"/v1/compare", {RouteKind::kSubmit, "comparison", "", "POST"}},
+      Submit("/v1/render", "render"),
+      Submit("/v1/compare", "comparison"),
+      Look(RouteKind::kModel, "/v1/models/{id}"),
+      Look(RouteKind::kAnswer, "/v1/answers/{id}"),
+      Look(RouteKind::kArtifact, "/v1/artifacts/{name}"),
+      // Before the next one, which would take it for an id.
+      Look(RouteKind::kJobEvents, "/v1/jobs/{id}/events"),
+      Look(RouteKind::kJob, "/v1/jobs/{id}", "GET, HEAD, DELETE"),
   };
-  for (const auto& fixed : kFixed) {
-    if (path == fixed.path) return fixed.route;
-  }
-  static const struct {
-    std::string_view prefix, suffix;
-    RouteKind kind;
-    const char* methods;
-  } kPatterns[] = {{"/v1/models/", "", RouteKind::kModel, "GET, HEAD"},
-                   {"/v1/answers/", "", RouteKind::kAnswer, "GET, HEAD"},
-                   {"/v1/artifacts/", "", RouteKind::kArtifact, "GET, HEAD"},
-                   {"/v1/jobs/", "/events", RouteKind::kJobEvents, "GET, HEAD"},
-                   {"/v1/jobs/", "", RouteKind::kJob, "GET, HEAD, DELETE"}};
-  for (const auto& [prefix, suffix, kind, methods] : kPatterns) {
-    if (!path.starts_with(prefix) || !path.ends_with(suffix) || path.size() <= prefix.size() + suffix.size())
-      continue;
-    return {kind, path.substr(prefix.size(), path.size() - prefix.size() - suffix.size()), "", methods};
+  return kRoutes;
+}
+
+Route FindRoute(const std::string& path) {
+  for (const Route& known : AllRoutes()) {
+    const auto argument = Match(known.pattern, path);
+    if (!argument) continue;
+    Route route = known;
+    if (!argument->empty()) route.argument = *argument;
+    return route;
   }
   return {};
 }

@@ -39,6 +39,17 @@ std::uint64_t SamplesOf(const std::vector<Camera>& cameras, int samples) {
   return count;
 }
 
+// Tells how fast the direct renderer was, view by view; a trade's report has none.
+void ReportTracing(const Json& report, const Observer* observer) {
+  if (observer == nullptr || !observer->traced) return;
+  for (const Json& view : report.value("views", Json::array())) {
+    if (!view.contains("direct") || !view["direct"].contains("timing_ms")) continue;
+    const Json& direct = view["direct"];
+    constexpr double kMillisecond = 1e-3;
+    observer->traced(direct.value("rays", 0.0), direct["timing_ms"].value("trace", 0.0) * kMillisecond);
+  }
+}
+
 // Moves a run's files into the store and links them in its report.
 class Publication {
  public:
@@ -171,6 +182,7 @@ class JobRun {
     request.temp_parent = std::filesystem::path(scratch_.back().path()).parent_path();
     request.cancel = watch_.deadline->flag();
     request.progress = watch_.progress;
+    if (watch_.observer != nullptr) request.died = watch_.observer->importer_died;
     return request;
   }
 
@@ -179,7 +191,12 @@ class JobRun {
     auto request = ImportRequestFor(path, name);
     if (!request) return request.error();
     request.value().meshes = meshes;
-    return RunImporter(request.value());
+    auto files = RunImporter(request.value());
+    // The job's deadline ends an importer before its own does.
+    if (!files && files.error().code == ErrorCode::kCancelled && watch_.deadline->expired() &&
+        request.value().died)
+      request.value().died("timeout");
+    return files;
   }
 
   Result<void> Execute(const std::string& mesh_path) {
@@ -205,6 +222,7 @@ class JobRun {
     const std::string out = scratch.value().File("out");
     auto report = Report(imported, mesh_path, out);
     if (!report) return report.error();
+    ReportTracing(report.value(), watch_.observer);
     return Publish(std::move(report).value(), out);
   }
 

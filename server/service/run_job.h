@@ -12,6 +12,7 @@
 #include "render/model/result.h"
 #include "server/interrupt.h"
 #include "server/service/job_store.h"
+#include "server/service/observer.h"
 #include "server/service/store.h"
 
 namespace facetless {
@@ -26,6 +27,7 @@ struct JobWatch {
   const Deadline* deadline = nullptr;  // ends the job with kCancelled
   std::function<void(const std::string& stage, double fraction)> progress;
   std::function<void(const std::string& sentence)> message;  // what a person may want to know on the way
+  const Observer* observer = nullptr;
 };
 
 // The item that holds the answer (store.h). Errors: those of the importer, of ReadModel, LoadMesh and the runs;

@@ -1,8 +1,5 @@
 #include "server/service/serve.h"
 
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-
 #include <atomic>
 #include <charconv>
 #include <chrono>
@@ -10,7 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <thread>
+#include <utility>
 
 #include "server/commands.h"
 #include "server/exit_code.h"
@@ -21,7 +20,9 @@
 #include "server/service/http_server.h"
 #include "server/service/jobs.h"
 #include "server/service/keys.h"
+#include "server/service/metrics.h"
 #include "server/service/service.h"
+#include "server/service/service_log.h"
 #include "server/service/sql_job_store.h"
 
 namespace facetless {
@@ -37,9 +38,9 @@ struct Address {
 };
 
 // "127.0.0.1:8080", "[::1]:8080", "localhost:0".
-Result<Address> ParseAddress(const std::string& text) {
+Result<Address> ParseAddress(const std::string& option, const std::string& text) {
   const Error error = {ErrorCode::kBadUsage,
-                       "--listen is " + text + ", but must be ADDRESS:PORT, like 127.0.0.1:8080"};
+                       option + " is " + text + ", but must be ADDRESS:PORT, like 127.0.0.1:8080"};
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0) return error;
   Address address;
@@ -50,13 +51,6 @@ Result<Address> ParseAddress(const std::string& text) {
   const auto parsed = std::from_chars(text.data() + colon + 1, end, address.port);
   if (parsed.ec != std::errc{} || parsed.ptr != end || address.port < 0 || address.port > 65535) return error;
   return address;
-}
-
-// Control characters would forge lines of the log.
-std::string Printable(const std::string& text) {
-  std::string printable;
-  for (const char c : text) printable += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return printable;
 }
 
 bool OnlyThisMachineReaches(const std::string& host) {
@@ -78,10 +72,61 @@ Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& ho
                                          data + " --name NAME, or let everybody in with --allow-anonymous"};
 }
 
-constexpr double kDaySeconds = 24 * 3600;
+constexpr double kDaySeconds = 24 * 3600, kMillisecond = 1e-3;
 
 StoreLimits StoreLimitsOf(const ServeOptions& options) {
   return {options.max_store_mb << 20, options.max_age_days * kDaySeconds};
+}
+
+// What is counted and written down of jobs.
+Observer ObserverOf(Metrics& metrics, ServiceLog& log) {
+  Observer observer;
+  observer.job_ended = [&](const Job& job) {
+    metrics.JobEnded(job.kind, JobStateName(job.state), job.started > 0 ? job.finished - job.started : 0);
+    log.Write(JobEntry(job));
+  };
+  observer.stage_ended = [&](const std::string& stage, double seconds) {
+    metrics.StageEnded(stage, seconds);
+  };
+  observer.traced = [&](double rays, double seconds) { metrics.Traced(rays, seconds); };
+  observer.importer_died = [&](const std::string& cause) { metrics.ImporterDied(cause); };
+  return observer;
+}
+
+LogEntry ServiceEntry(const std::string& text, const std::string& level = "info") {
+  return {level, "service", text, nlohmann::json::object()};
+}
+
+// Serves one listener in a thread until it is stopped.
+class Serving {
+ public:
+  Serving(HttpServer& server, ServiceLog& log)
+      : server_(server), thread_([this, &log] {
+          if (!server_.Run()) log.Write(ServiceEntry("the listening socket failed", "error"));
+          ended_ = true;
+        }) {}
+  ~Serving() { Stop(); }
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+
+  bool ended() const { return ended_; }
+  // Returns when every request has been answered; may be called more than once.
+  void Stop() {
+    if (!thread_.joinable()) return;
+    server_.Stop();
+    thread_.join();
+  }
+
+ private:
+  HttpServer& server_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
+void PrintAddress(const char* prefix, const Address& address, int port) {
+  const bool ipv6 = address.host.find(':') != std::string::npos;
+  std::printf("%shttp://%s%s%s:%d\n", prefix, ipv6 ? "[" : "", address.host.c_str(), ipv6 ? "]" : "", port);
+  std::fflush(stdout);
 }
 
 JobSettings JobSettingsOf(const ServeOptions& options, const std::string& data) {
@@ -108,8 +153,11 @@ std::string DefaultDataDirectory() {
 }
 
 int Serve(const ServeOptions& options) {
-  auto address = ParseAddress(options.listen);
+  auto address = ParseAddress("--listen", options.listen);
   if (!address) return PrintError(address.error());
+  const bool apart = !options.ops_listen.empty();
+  auto operations_address = ParseAddress("--ops-listen", apart ? options.ops_listen : options.listen);
+  if (!operations_address) return PrintError(operations_address.error());
   const std::string data =
       std::filesystem::absolute(options.data.empty() ? DefaultDataDirectory() : options.data);
   // A file that grows beyond what the system allows is an error of that write, and no end of the service.
@@ -123,49 +171,66 @@ int Serve(const ServeOptions& options) {
   auto anonymous = AnonymousAllowed(options, address.value().host, data, keys);
   if (!anonymous) return PrintError(anonymous.error());
   AccessControl access(keys, anonymous.value());
+  Metrics metrics;
+  ServiceLog log(options.log);
 
   // The queue, the service and its transport. Of several owners, none may have more than half of the queue.
   QueueLimits queue_limits;
   queue_limits.queued = options.queue;
   queue_limits.queued_of_owner = (options.queue + 1) / 2;
   SqlJobStore queue(*directory.value(), queue_limits);
-  Jobs jobs(queue, *store.value(), JobSettingsOf(options, data));
+  JobSettings settings = JobSettingsOf(options, data);
+  settings.observer = ObserverOf(metrics, log);
+  Jobs jobs(queue, *store.value(), settings);
   ServiceLimits limits;
   limits.queue = options.queue;
   limits.timeout_s = options.timeout_s;
   limits.max_upload_bytes = options.max_upload_mb << 20;
+  limits.operations_apart = apart;
   Service service(*store.value(), jobs, access, limits);
-  auto server = HttpServer::Bind(service, address.value().host, address.value().port);
-  if (!server) return PrintError(server.error());
-  const auto log = spdlog::stderr_logger_mt("facetless");
-  log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
-  access.audit = [&](const std::string& line) { log->info("audit {}", Printable(line)); };
-  server.value()->on_request = [&](const std::string& method, const std::string& path, int status,
-                                   double ms) {
-    log->info("{} {} {} {:.0f} ms", method, Printable(path), status, ms);
+  service.metrics_text = [&](const MetricsNow& now) { return metrics.Text(now); };
+  service.looked_up = [&](const std::string& kind, bool found) { metrics.LookedUp(kind, found); };
+  access.audit = [&](const std::string& decision, const HttpRequest& request) {
+    log.Write(AuditEntry(decision, request));
   };
+  const auto bind = [&](const Address& at, bool operations) {
+    auto server = HttpServer::Bind(service, {at.host, at.port, operations});
+    if (server)
+      server.value()->on_request = [&](const ServedRequest& request) {
+        metrics.RequestServed(FindRoute(request.path).pattern, request.method, request.status,
+                              request.ms * kMillisecond);
+        log.Write(RequestEntry(request));
+      };
+    return server;
+  };
+  auto server = bind(address.value(), false);
+  if (!server) return PrintError(server.error());
+  std::unique_ptr<HttpServer> operations_server;
+  if (apart) {
+    auto bound = bind(operations_address.value(), true);
+    if (!bound) return PrintError(bound.error());
+    operations_server = std::move(bound).value();
+  }
 
   // Serve until a signal comes.
-  std::atomic<bool> ended{false};
-  std::thread serving([&] {
-    if (!server.value()->Run()) log->error("the listening socket failed");
-    ended = true;
-  });
-  const bool ipv6 = address.value().host.find(':') != std::string::npos;
-  std::printf("http://%s%s%s:%d\n", ipv6 ? "[" : "", address.value().host.c_str(), ipv6 ? "]" : "",
-              server.value()->port());
-  std::fflush(stdout);
-  log->info("serving on port {}, data in {}, {} jobs at a time, {} may wait", server.value()->port(), data,
-            options.jobs, options.queue);
-  while (!InterruptFlag() && !ended) std::this_thread::sleep_for(kPoll);
+  std::unique_ptr<Serving> operations;
+  if (operations_server) operations = std::make_unique<Serving>(*operations_server, log);
+  Serving serving(*server.value(), log);
+  PrintAddress("", address.value(), server.value()->port());
+  if (operations_server)
+    PrintAddress("health and metrics: ", operations_address.value(), operations_server->port());
+  log.Write(ServiceEntry("serving on port " + std::to_string(server.value()->port()) + ", data in " + data +
+                         ", " + std::to_string(options.jobs) + " jobs at a time, " +
+                         std::to_string(options.queue) + " may wait"));
+  while (!InterruptFlag() && !serving.ended()) std::this_thread::sleep_for(kPoll);
 
-  // Stop: nothing new, a few seconds for what runs; the rest waits for the next start.
+  // Stop: nothing new, a few seconds for what runs; the rest waits for the next start. Who watches hears of it to the end.
   const bool asked = InterruptFlag();
-  log->info("stopping");
+  log.Write(ServiceEntry("stopping"));
   std::thread grace([&] { jobs.Stop(kGraceSeconds); });
-  server.value()->Stop();
+  serving.Stop();
   grace.join();
-  serving.join();
+  operations.reset();
   return asked ? kExitDone : kExitInternal;
 }
 

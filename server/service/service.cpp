@@ -25,6 +25,8 @@ constexpr double kEndSeconds = 2;
 constexpr std::uint64_t kSmallBody = 1 << 20;
 // RFC draft "The Idempotency-Key HTTP Header Field" leaves the length to the service.
 constexpr std::size_t kMaxRetryKey = 255;
+// Whoever asks more often whether the service is ready gets the same answer: asking touches the disk.
+constexpr auto kReadyLasts = std::chrono::seconds(1);
 
 // Nothing but the service's own files, and nobody may frame it.
 constexpr const char* kPagePolicy =
@@ -72,6 +74,12 @@ HttpResponse Answer(int status, const std::string& kind, const std::string& mode
   return response;
 }
 
+// Notes the job that a response is about.
+HttpResponse OfJob(HttpResponse response, const std::string& id) {
+  response.job = id;
+  return response;
+}
+
 // Counts one more as long as it lives, if there is room.
 class Place {
  public:
@@ -98,7 +106,11 @@ Service::Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceL
 
 std::optional<HttpResponse> Service::Check(HttpRequest& request) {
   const Route route = FindRoute(request.path);
-  if (route.kind == RouteKind::kNone) return ProblemOfStatus(404);
+  const bool operations = route.kind == RouteKind::kHealth || route.kind == RouteKind::kReady ||
+                          route.kind == RouteKind::kMetrics;
+  const bool elsewhere =
+      request.operations ? !operations : route.kind == RouteKind::kMetrics && limits_.operations_apart;
+  if (route.kind == RouteKind::kNone || elsewhere) return ProblemOfStatus(404);
   const std::string& method = request.method;
   if (!route.Allows(method)) {
     HttpResponse response = ProblemOfStatus(405);
@@ -137,6 +149,10 @@ HttpResponse Service::Handle(const HttpRequest& request) {
       return Page(route.argument, route.content_type);
     case RouteKind::kHealth:
       return Health();
+    case RouteKind::kReady:
+      return Ready();
+    case RouteKind::kMetrics:
+      return MetricsPage();
     case RouteKind::kSubmit:
       return Submit(request, route.argument);
     case RouteKind::kModel:
@@ -164,6 +180,38 @@ HttpResponse Service::Health() {
                             {"version", Version()},
                             {"running", counts.running},
                             {"waiting", counts.queued}});
+}
+
+HttpResponse Service::Ready() {
+  const std::string reason = WhyNotReady();
+  if (reason.empty()) return JsonResponse(200, {{"status", "ready"}, {"version", Version()}});
+  HttpResponse response = Problem(503, "not-ready", "The service takes no work", reason);
+  response.headers = {{"Cache-Control", "no-store"}, {"Retry-After", "5"}};
+  return response;
+}
+
+std::string Service::WhyNotReady() {
+  if (jobs_.stopping()) return "It is stopping.";
+  const std::lock_guard lock(ready_mutex_);
+  const auto now = std::chrono::steady_clock::now();
+  if (now < ready_until_) return why_not_ready_;
+  why_not_ready_ = !store_.Check()  ? "The store cannot be written."
+                   : !jobs_.Check() ? "The queue cannot be written."
+                   : store_.FreeBytes() < limits_.max_upload_bytes
+                       ? "The disk has less room than one upload may need."
+                       : "";
+  ready_until_ = now + kReadyLasts;
+  return why_not_ready_;
+}
+
+HttpResponse Service::MetricsPage() {
+  if (!metrics_text) return ProblemOfStatus(404);
+  const JobCounts counts = jobs_.Counts();
+  HttpResponse response;
+  response.content_type = "text/plain; version=0.0.4; charset=utf-8";
+  response.body = metrics_text({WhyNotReady().empty(), counts.queued, counts.running, store_.KeptBytes()});
+  response.headers = {{"Cache-Control", "no-store"}};
+  return response;
 }
 
 HttpResponse Service::Page(const std::string& name, const std::string& content_type) const {
@@ -215,7 +263,7 @@ std::optional<JobView> Service::FindJob(const Caller& caller, const std::string&
 HttpResponse Service::GetJob(const Caller& caller, const std::string& id) {
   const auto view = FindJob(caller, id);
   if (!view) return ProblemOfStatus(404);
-  return JsonResponse(200, JobJson(*view, store_));
+  return OfJob(JsonResponse(200, JobJson(*view, store_)), id);
 }
 
 HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
@@ -224,7 +272,8 @@ HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
   if (!cancelled) return ProblemOf({cancelled.error().code, "the cancellation cannot be stored"});
   if (!cancelled.value()) return ProblemOfStatus(404);
   const JobView& view = *cancelled.value();
-  return view.job.Ended() ? JsonResponse(200, JobJson(view, store_)) : AcceptedResponse(view, store_);
+  return OfJob(view.job.Ended() ? JsonResponse(200, JobJson(view, store_)) : AcceptedResponse(view, store_),
+               id);
 }
 
 HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
@@ -234,7 +283,7 @@ HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
   HttpResponse response = EventsResponse(jobs_, store_, id);
   // The count lives as long as the stream, also beyond the service.
   response.stream = [place, count = listeners_, next = std::move(response.stream)] { return next(); };
-  return response;
+  return OfJob(std::move(response), id);
 }
 
 HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind) {
@@ -250,6 +299,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   // The same question again is free.
   const std::string& owner = request.caller.owner;
   auto known = KnownAnswer(owner, submission);
+  if (looked_up) looked_up(kind, known.has_value());
   if (known && job.retry_key.empty()) return Answer(200, kind, submission.model_id, std::move(*known));
   if (!known && submission.file == nullptr && !store_.FindModel(owner, submission.model_id))
     return Problem(404, "not-found", "Not found", "There is no model " + submission.model_id + ".");
@@ -259,6 +309,8 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   job.owner = owner;
   job.question = submission.question;
   job.request = JobRequestJson(submission);
+  job.request["request_id"] = request.id;
+  if (!request.trace_id.empty()) job.request["trace_id"] = request.trace_id;
   job.body = submission.body;
   job.needs = {ModelItem(owner, submission.model_id)};
   if (known)
@@ -284,7 +336,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
     case SubmitOutcome::kSame:
       break;
   }
-  return WaitAndAnswer(request, submitted.value());
+  return OfJob(WaitAndAnswer(request, submitted.value()), submitted.value().job.id);
 }
 
 std::optional<std::string> Service::KnownAnswer(const std::string& owner, const Submission& submission) {

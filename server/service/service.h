@@ -6,16 +6,22 @@
 //  3. A question that was answered before costs a look-up, however full the queue is.
 //  4. What a caller sees and may do is decided by access.h; what is another owner's is not there.
 //  5. Every error is a problem document (problem.h). No message shows where the service keeps its files.
+//  6. Where health and metrics have a listener of their own (HttpRequest::operations), there is nothing else on it, and
+//     /metrics is nowhere else.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 
 #include "server/service/access.h"
 #include "server/service/jobs.h"
 #include "server/service/message.h"
+#include "server/service/metrics.h"
 #include "server/service/store.h"
 #include "server/service/submission.h"
 
@@ -27,6 +33,7 @@ struct ServiceLimits {
   int listeners = 32;      // event streams
   double timeout_s = 300;  // the longest wait; an upload has as long
   std::uint64_t max_upload_bytes = std::uint64_t{256} << 20;
+  bool operations_apart = false;  // /metrics is for HttpRequest::operations only
 };
 
 class Service {
@@ -42,8 +49,15 @@ class Service {
   const ServiceLimits& limits() const { return limits_; }
   Store& store() { return store_; }
 
+  // Both are to be set before the first request, and may be empty.
+  std::function<std::string(const MetricsNow&)> metrics_text;          // the body of /metrics
+  std::function<void(const std::string& kind, bool found)> looked_up;  // was the answer there already?
+
  private:
   HttpResponse Health();
+  HttpResponse Ready();
+  HttpResponse MetricsPage();
+  std::string WhyNotReady();
   HttpResponse Page(const std::string& name, const std::string& content_type) const;
   HttpResponse Artifact(const HttpRequest& request, const std::string& name);
   HttpResponse GetModel(const Caller& caller, const std::string& id);
@@ -62,6 +76,9 @@ class Service {
   Jobs& jobs_;
   AccessControl& access_;
   const ServiceLimits limits_;
+  std::mutex ready_mutex_;
+  std::chrono::steady_clock::time_point ready_until_;  // until then, why_not_ready_ is taken for true
+  std::string why_not_ready_;
   std::atomic<int> waiters_{0};
   std::shared_ptr<std::atomic<int>> listeners_ = std::make_shared<std::atomic<int>>(0);
 };

@@ -71,6 +71,15 @@ const char* JobStateName(JobState state) {
   return kNames[static_cast<int>(state)];
 }
 
+Json ProblemOfJob(Json problem, const Job& job) {
+  problem["job_id"] = job.id;
+  if (!job.request.is_object()) return problem;
+  for (const char* name : {"request_id", "trace_id"}) {
+    if (job.request.contains(name)) problem[name] = job.request[name];
+  }
+  return problem;
+}
+
 std::string RandomId() {
   std::array<unsigned char, 16> bytes = {};
   // The call cannot fail for so few bytes once the system has started.
@@ -293,21 +302,27 @@ JobCounts SqlJobStore::Counts() {
   return counts;
 }
 
+// Asks for the lock of writers, which a database that is read-only or damaged does not give.
+Result<void> SqlJobStore::Check() {
+  Transaction transaction(directory_.writer());
+  return transaction.begun();
+}
+
 // ---- After a crash, and with time ----
 
 Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::vector<SqlValue>& values) {
   Database& database = directory_.writer();
-  std::vector<std::pair<std::string, int>> lost;
+  std::vector<Job> lost;
   std::vector<std::string> cancelled;
-  auto asked =
-      database.Query("SELECT id, attempts, cancelling FROM jobs WHERE state = 'running' AND " + which, values,
-                     [&](const SqlRow& row) {
-                       if (row.Integer(2) != 0) {
-                         cancelled.push_back(row.Text(0));
-                       } else {
-                         lost.emplace_back(row.Text(0), static_cast<int>(row.Integer(1)));
-                       }
-                     });
+  auto asked = database.Query(
+      std::string("SELECT ") + kColumns + ", cancelling FROM jobs WHERE state = 'running' AND " + which,
+      values, [&](const SqlRow& row) {
+        if (row.Integer(12) != 0) {
+          cancelled.push_back(row.Text(0));
+        } else {
+          lost.push_back(JobOf(row));
+        }
+      });
   if (!asked) return asked;
   if (lost.empty() && cancelled.empty()) return {};
   const double now = WallClock();
@@ -316,13 +331,13 @@ Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::v
                             {now, id});
     if (!put) return put.error();
   }
-  for (const auto& [id, attempts] : lost) {
+  for (const Job& job : lost) {
     auto put =
-        attempts >= limits_.max_attempts
+        job.attempts >= limits_.max_attempts
             ? database.Run(
                   "UPDATE jobs SET state = 'failed', finished = ?, problem = ?, lease = NULL WHERE id = ?",
-                  {now, JsonText(GaveUpProblem(attempts), -1), id})
-            : database.Run("UPDATE jobs SET state = 'queued', lease = NULL WHERE id = ?", {id});
+                  {now, JsonText(ProblemOfJob(GaveUpProblem(job.attempts), job), -1), job.id})
+            : database.Run("UPDATE jobs SET state = 'queued', lease = NULL WHERE id = ?", {job.id});
     if (!put) return put.error();
   }
   return DropWhatEndedJobsHeld();

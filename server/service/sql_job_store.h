@@ -19,6 +19,7 @@ class SqlJobStore : public JobStore {
   Result<std::optional<Job>> Cancel(const std::string& id) override;
   std::optional<Job> Find(const std::string& id) override;
   JobCounts Counts() override;
+  Result<void> Check() override;
   Result<void> Recover() override;
   Result<void> Forget(double finished_before) override;
 

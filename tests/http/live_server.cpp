@@ -1,6 +1,7 @@
 #include "tests/http/live_server.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -80,6 +81,7 @@ void LiveServer::Start(const std::vector<std::string>& more) {
   pid_ = fork();
   if (pid_ == 0) {
     dup2(out[1], 1);
+    if (!log_.empty()) dup2(open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600), 2);
     close(out[0]);
     execv(argv[0], argv.data());
     _exit(127);
@@ -121,18 +123,21 @@ int LiveServer::Stop(int signal) {
   return -1;
 }
 
-Reply LiveServer::Raw(const std::string& bytes) {
+Reply LiveServer::RawInPieces(const std::vector<std::string>& pieces, double pause_s, int port) {
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
   address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port_));
+  address.sin_port = htons(static_cast<std::uint16_t>(port > 0 ? port : port_.load()));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   std::string reply;
   if (connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t sent = send(fd, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
-      if (sent <= 0) break;
-      done += static_cast<std::size_t>(sent);
+    for (const std::string& bytes : pieces) {
+      if (&bytes != &pieces.front()) std::this_thread::sleep_for(std::chrono::duration<double>(pause_s));
+      for (std::size_t done = 0; done < bytes.size();) {
+        const ssize_t sent = send(fd, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+        if (sent <= 0) break;
+        done += static_cast<std::size_t>(sent);
+      }
     }
     char buffer[1 << 16];
     for (ssize_t got = 0; (got = recv(fd, buffer, sizeof buffer, 0)) > 0;)
@@ -176,6 +181,18 @@ Reply LiveServer::PostForm(const std::string& path, const std::vector<FormPart>&
   }
   body += "--" + boundary + "--\r\n";
   return Request("POST", path, WithWait(headers, "multipart/form-data; boundary=" + boundary), body);
+}
+
+int FreePort() {
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  const bool bound = bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
+                     getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  close(fd);
+  return bound ? ntohs(address.sin_port) : 0;
 }
 
 }  // namespace facetless

@@ -50,12 +50,16 @@ class LiveServer {
   Reply PostForm(const std::string& path, const std::vector<FormPart>& parts, const Headers& headers = {});
   // The job as it is when it has ended, or null after a minute.
   nlohmann::json JobAtItsEnd(const std::string& id);
-  // Sends the bytes as they are and reads until the server closes.
-  Reply Raw(const std::string& bytes);
+  // Sends the bytes as they are and reads until the server closes. `port`: another one of the server's.
+  Reply Raw(const std::string& bytes, int port = 0) { return RawInPieces({bytes}, 0, port); }
+  // The same with a pause before each piece but the first.
+  Reply RawInPieces(const std::vector<std::string>& pieces, double pause_s, int port = 0);
 
   bool Running();
   // Starts it again, on the same data and with more arguments; it must have ended.
   void Start(const std::vector<std::string>& more = {});
+  // From the next start on, standard error goes to this file.
+  void LogTo(const std::string& path) { log_ = path; }
   // Sends the signal and waits; the exit code, or −1 if it had to be killed after ten seconds.
   int Stop(int signal);
 
@@ -65,10 +69,13 @@ class LiveServer {
 
  private:
   TempDir directory_;
-  std::string data_, importer_;
+  std::string data_, importer_, log_;
   std::vector<std::string> command_;
   pid_t pid_ = 0;
   std::atomic<int> port_{0};  // changes with each start; clients of other threads ask anew
 };
+
+// A port of 127.0.0.1 that nobody listens on now.
+int FreePort();
 
 }  // namespace facetless

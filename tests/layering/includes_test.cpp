@@ -184,6 +184,10 @@ TEST(Layering, SqliteIsInOneFile) {
   EXPECT_THAT(IncludersOf("(.*/)?sqlite3\\.h"), testing::ElementsAre("server/service/database.cpp"));
 }
 
+TEST(Layering, PrometheusIsInOneFile) {
+  EXPECT_THAT(IncludersOf("prometheus/.*"), testing::ElementsAre("server/service/metrics.cpp"));
+}
+
 TEST(Layering, LibrariesNeitherPrintNorEndTheProcess) {
   static const std::regex forbidden(
       R"((^|[^\w:.>])(std::)?(printf|fprintf|puts|abort|exit|_exit|terminate)\s*\(|std::(cout|cerr|clog)\b)");

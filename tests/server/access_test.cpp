@@ -25,7 +25,7 @@ class Access : public testing::Test {
   int Decide(const std::string& method, const std::string& path, const std::string& authorization,
              bool anonymous = false) {
     AccessControl access(keys_, anonymous);
-    access.audit = [this](const std::string& line) { log_.push_back(line); };
+    access.audit = [this](const std::string& line, const HttpRequest&) { log_.push_back(line); };
     request_ = HttpRequest();
     request_.method = method;
     request_.path = path;
