@@ -29,6 +29,8 @@ constexpr std::size_t kMaxParts = 16;
 constexpr const char* kRequestIdHeader = "X-Request-Id";
 // Beyond the requests that wait or listen: threads for uploads, pages and pictures.
 constexpr int kSpareThreads = 32;
+// Connections that wait for a thread, of more clients than there are threads.
+constexpr int kBacklog = 512;
 // Health and metrics: the second answers while the first waits for somebody slow, and nobody may be slow for long.
 constexpr int kOperationsThreads = 2;
 constexpr int kPatienceSeconds = 30, kOperationsPatienceSeconds = 2;
@@ -269,7 +271,9 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   const int patience = operations ? kOperationsPatienceSeconds : kPatienceSeconds;
   server.new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<std::size_t>(threads)); };
   // The library's own options share a port with whoever else does; two services would get half of the requests each.
-  server.set_socket_options([](int socket) {
+  int bound_socket = -1;
+  server.set_socket_options([&bound_socket](int socket) {
+    bound_socket = socket;
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
@@ -348,6 +352,10 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
                                            std::to_string(listener.port) +
                                            ": in use, or no address of this machine"};
+  // The library lets five connections wait; the sixth of a burst would try again a second later. The system reads a
+  // longer list into the same socket.
+  server.set_socket_options(nullptr);
+  listen(bound_socket, kBacklog);
   return self;
 }
 
