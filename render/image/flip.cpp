@@ -101,63 +101,58 @@ Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_
   const double widest = 0.04;  // all kernels have the radius of the widest
   const int radius = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * kPi * kPi)) * pixels_per_degree));
   // Each Gaussian is separable; weigh the two by their share of the kernel's sum.
-  Plane out(plane.width, plane.height);
   double total = 0, weight[2] = {0, 0};
   Taps taps[2];
   for (int k = 0; k < 2; ++k) {
     const double a = k == 0 ? s.a1 : s.a2, b = k == 0 ? s.b1 : s.b2;
     if (a == 0) continue;
-    double sum = 0;
-    for (int i = -radius; i <= radius; ++i) {
+    const auto gauss = [&](int i) {
       const double degrees = i / pixels_per_degree;
-      taps[k].push_back(std::exp(-kPi * kPi * degrees * degrees / b));
-      sum += taps[k].back();
-    }
-    for (double& tap : taps[k]) tap /= sum;
+      return std::exp(-kPi * kPi * degrees * degrees / b);
+    };
+    double sum = 0;
+    for (int i = -radius; i <= radius; ++i) sum += gauss(i);
+    for (int i = -radius; i <= radius; ++i) taps[k].push_back(static_cast<float>(gauss(i) / sum));
     weight[k] = a * std::sqrt(kPi / b) * sum * sum;
     total += weight[k];
   }
-  for (int k = 0; k < 2; ++k) {
-    if (taps[k].empty()) continue;
-    const Plane filtered = Filter(plane, taps[k], taps[k]);
-    const float share = static_cast<float>(weight[k] / total);
-    for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] += share * filtered.values[i];
-  }
+  Plane out = Filter(plane, taps[0], taps[0]);
+  if (taps[1].empty()) return out;
+  const Plane second = Filter(plane, taps[1], taps[1]);
+  const float share[2] = {static_cast<float>(weight[0] / total), static_cast<float>(weight[1] / total)};
+  for (std::size_t i = 0; i < out.values.size(); ++i)
+    out.values[i] = share[0] * out.values[i] + share[1] * second.values[i];
   return out;
 }
 
-// The picture as the eye resolves it (section 4.1.1), in Hunt-adjusted Lab; and its luminance, unfiltered,
+// The picture as the eye resolves it (section 4.1.1), in opponent space; and its luminance, unfiltered,
 // 0 … 1.
 struct Seen {
-  std::array<Plane, 3> lab;
+  std::array<Plane, 3> opponent;
   Plane luminance;
+
+  Triple at(std::size_t i) const {
+    return {opponent[0].values[i], opponent[1].values[i], opponent[2].values[i]};
+  }
 };
 Seen See(const Image8& image, double pixels_per_degree) {
-  std::array<Plane, 3> planes = LinearChannels(image);
-  Seen seen;
-  seen.luminance = Plane(image.width, image.height);
-  const std::size_t count = planes[0].values.size();
-  const auto each = [&](const auto& change) {
-    ParallelForBlocks(0, count, 4096, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        const Triple out = change({planes[0].values[i], planes[1].values[i], planes[2].values[i]}, i);
-        for (int c = 0; c < 3; ++c) planes[c].values[i] = static_cast<float>(out[c]);
-      }
-    });
-  };
-  each([&](const Triple& rgb, std::size_t i) {
-    const Triple opponent = ToOpponent(rgb);
-    seen.luminance.values[i] = static_cast<float>((opponent[0] + 16) / 116);
-    return opponent;
+  Seen seen{LinearChannels(image), Plane(image.width, image.height)};
+  std::array<Plane, 3>& planes = seen.opponent;
+  ParallelForBlocks(0, seen.luminance.values.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Triple opponent = ToOpponent(seen.at(i));
+      seen.luminance.values[i] = static_cast<float>((opponent[0] + 16) / 116);
+      for (int c = 0; c < 3; ++c) planes[c].values[i] = static_cast<float>(opponent[c]);
+    }
   });
   for (int c = 0; c < 3; ++c) planes[c] = FilterSensitivity(planes[c], kSensitivity[c], pixels_per_degree);
-  each([](const Triple& opponent, std::size_t) {
-    Triple rgb = FromOpponent(opponent);
-    for (double& channel : rgb) channel = std::clamp(channel, 0.0, 1.0);
-    return ToHuntLab(rgb);
-  });
-  seen.lab = std::move(planes);
   return seen;
+}
+
+Triple OpponentToHuntLab(const Triple& opponent) {
+  Triple rgb = FromOpponent(opponent);
+  for (double& channel : rgb) channel = std::clamp(channel, 0.0, 1.0);
+  return ToHuntLab(rgb);
 }
 
 // Section 4.2.1: Gaussian derivatives; the positive and the negative taps of the kernel sum to 1 each.
@@ -171,12 +166,12 @@ struct FeatureTaps {
     double sum = 0;
     for (int i = -radius; i <= radius; ++i) {
       const double g = std::exp(-(i * i) / (2 * sigma * sigma));
-      smooth.push_back(g);
-      edge.push_back(-i * g);
-      point.push_back((i * i / (sigma * sigma) - 1) * g);
+      smooth.push_back(static_cast<float>(g));
+      edge.push_back(static_cast<float>(-i * g));
+      point.push_back(static_cast<float>((i * i / (sigma * sigma) - 1) * g));
       sum += g;
     }
-    for (double& tap : smooth) tap /= sum;
+    for (float& tap : smooth) tap = static_cast<float>(tap / sum);
     Balance(edge);
     Balance(point);
   }
@@ -184,8 +179,8 @@ struct FeatureTaps {
  private:
   static void Balance(Taps& taps) {
     double positive = 0, negative = 0;
-    for (double tap : taps) (tap > 0 ? positive : negative) += tap;
-    for (double& tap : taps) tap /= tap > 0 ? positive : -negative;
+    for (float tap : taps) (tap > 0 ? positive : negative) += tap;
+    for (float& tap : taps) tap = static_cast<float>(tap / (tap > 0 ? positive : -negative));
   }
 };
 
@@ -193,10 +188,12 @@ struct Features {
   Plane edge, point;  // lengths of the gradients
 };
 Features FindFeatures(const Plane& luminance, const FeatureTaps& taps) {
+  const Plane smooth = FilterRows(luminance, taps.smooth);
   const auto length = [&](const Taps& derivative) {
     Plane x = Filter(luminance, derivative, taps.smooth);
-    const Plane y = Filter(luminance, taps.smooth, derivative);
-    for (std::size_t i = 0; i < x.values.size(); ++i) x.values[i] = std::hypot(x.values[i], y.values[i]);
+    const Plane y = FilterColumns(smooth, derivative);
+    for (std::size_t i = 0; i < x.values.size(); ++i)
+      x.values[i] = std::sqrt(x.values[i] * x.values[i] + y.values[i] * y.values[i]);
     return x;
   };
   return {length(taps.edge), length(taps.point)};
@@ -220,8 +217,10 @@ Result<std::vector<float>> FlipMap(const Image8& reference, const Image8& test, 
   std::vector<float> map(a.luminance.values.size());
   ParallelForBlocks(0, map.size(), 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const double color = color_error({a.lab[0].values[i], a.lab[1].values[i], a.lab[2].values[i]},
-                                       {b.lab[0].values[i], b.lab[1].values[i], b.lab[2].values[i]});
+      // Most pixels of two renderings of one model are seen alike.
+      const Triple color_a = a.at(i), color_b = b.at(i);
+      const double color =
+          color_a == color_b ? 0 : color_error(OpponentToHuntLab(color_a), OpponentToHuntLab(color_b));
       const double feature = std::max(std::fabs(fa.edge.values[i] - fb.edge.values[i]),
                                       std::fabs(fa.point.values[i] - fb.point.values[i]));
       const double amplified = std::sqrt(std::clamp(feature / std::numbers::sqrt2, 0.0, 1.0));

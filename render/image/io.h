@@ -1,4 +1,4 @@
-// Image files, through OpenImageIO.
+// Image files: PNG through libpng, TIFF through libtiff, EXR through OpenEXR, one file each.
 //
 //  1. A file appears in full or not at all: it is written under a temporary name beside its own and
 //     renamed.

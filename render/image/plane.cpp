@@ -7,16 +7,43 @@
 namespace facetless {
 namespace {
 
+constexpr int kBlock = 16;  // pixels whose sums stay in registers while the taps pass
+
+// out[x] = Σ taps[k] · rows[k][x]
+void WeighRows(const std::vector<const float*>& rows, const Taps& taps, int width, float* out) {
+  int x = 0;
+  for (; x + kBlock <= width; x += kBlock) {
+    float sums[kBlock] = {};
+    for (std::size_t k = 0; k < taps.size(); ++k) {
+      const float tap = taps[k];
+      const float* row = rows[k] + x;
+      for (int i = 0; i < kBlock; ++i) sums[i] += tap * row[i];
+    }
+    std::copy_n(sums, kBlock, out + x);
+  }
+  for (; x < width; ++x) {
+    float sum = 0;
+    for (std::size_t k = 0; k < taps.size(); ++k) sum += taps[k] * rows[k][x];
+    out[x] = sum;
+  }
+}
+
+}  // namespace
+
 Plane FilterRows(const Plane& plane, const Taps& taps) {
   const int radius = static_cast<int>(taps.size() / 2);
   Plane out(plane.width, plane.height);
-  ParallelFor(0, plane.height, [&](int y) {
-    const float* row = &plane.values[static_cast<std::size_t>(y) * plane.width];
-    for (int x = 0; x < plane.width; ++x) {
-      double sum = 0;
-      for (int k = -radius; k <= radius; ++k)
-        sum += taps[k + radius] * row[std::clamp(x + k, 0, plane.width - 1)];
-      out.values[static_cast<std::size_t>(y) * plane.width + x] = static_cast<float>(sum);
+  ParallelForBlocks(0, plane.height, 16, [&](int first, int last) {
+    // A row with its border repeated on both sides; the shifted rows are views of it.
+    std::vector<float> padded(static_cast<std::size_t>(plane.width + 2 * radius));
+    std::vector<const float*> shifted;
+    for (std::size_t k = 0; k < taps.size(); ++k) shifted.push_back(padded.data() + k);
+    for (int y = first; y < last; ++y) {
+      const float* row = plane.row(y);
+      std::fill_n(padded.begin(), radius, row[0]);
+      std::copy_n(row, plane.width, padded.begin() + radius);
+      std::fill_n(padded.end() - radius, radius, row[plane.width - 1]);
+      WeighRows(shifted, taps, plane.width, out.row(y));
     }
   });
   return out;
@@ -25,20 +52,16 @@ Plane FilterRows(const Plane& plane, const Taps& taps) {
 Plane FilterColumns(const Plane& plane, const Taps& taps) {
   const int radius = static_cast<int>(taps.size() / 2);
   Plane out(plane.width, plane.height);
-  ParallelFor(0, plane.height, [&](int y) {
-    std::vector<double> sums(plane.width, 0.0);
-    for (int k = -radius; k <= radius; ++k) {
-      const float* row =
-          &plane.values[static_cast<std::size_t>(std::clamp(y + k, 0, plane.height - 1)) * plane.width];
-      for (int x = 0; x < plane.width; ++x) sums[x] += taps[k + radius] * row[x];
+  ParallelForBlocks(0, plane.height, 16, [&](int first, int last) {
+    std::vector<const float*> rows(taps.size());
+    for (int y = first; y < last; ++y) {
+      for (int k = -radius; k <= radius; ++k)
+        rows[static_cast<std::size_t>(k + radius)] = plane.row(std::clamp(y + k, 0, plane.height - 1));
+      WeighRows(rows, taps, plane.width, out.row(y));
     }
-    for (int x = 0; x < plane.width; ++x)
-      out.values[static_cast<std::size_t>(y) * plane.width + x] = static_cast<float>(sums[x]);
   });
   return out;
 }
-
-}  // namespace
 
 Plane Filter(const Plane& plane, const Taps& along_x, const Taps& along_y) {
   return FilterColumns(FilterRows(plane, along_x), along_y);

@@ -35,13 +35,11 @@ Plane Luma(const Image8& image) {
 Taps GaussianTaps(int size) {
   const int length = std::min(kWindow, size % 2 == 1 ? size : size - 1);
   const int radius = std::max(length / 2, 0);
-  Taps taps;
+  const auto gauss = [](int i) { return std::exp(-i * i / (2 * kSigma * kSigma)); };
   double sum = 0;
-  for (int i = -radius; i <= radius; ++i) {
-    taps.push_back(std::exp(-i * i / (2 * kSigma * kSigma)));
-    sum += taps.back();
-  }
-  for (double& tap : taps) tap /= sum;
+  for (int i = -radius; i <= radius; ++i) sum += gauss(i);
+  Taps taps;
+  for (int i = -radius; i <= radius; ++i) taps.push_back(static_cast<float>(gauss(i) / sum));
   return taps;
 }
 

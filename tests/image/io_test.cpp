@@ -1,6 +1,7 @@
 // Image files: what goes out comes back, in full or not at all.
 #include "render/image/io.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -109,6 +110,117 @@ TEST_F(ImageFiles, AovsNameTheirChannels) {
   samples.uv.clear();
   EXPECT_EQ(WriteAovs(Path("b.exr"), samples, all).error().code, ErrorCode::kBadUsage);
   EXPECT_FALSE(fs::exists(Path("b.exr")));
+}
+
+// What another library reads from a file of ours: numbers as float, channel by channel in the file's order.
+struct Foreign {
+  OIIO::ImageSpec spec;
+  std::vector<float> values;
+};
+Foreign ReadWithOpenImageIO(const std::string& path) {
+  OIIO::ImageSpec unassociated;
+  unassociated.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(path, &unassociated);
+  EXPECT_NE(input, nullptr) << OIIO::geterror();
+  if (input == nullptr) return {};
+  Foreign foreign{input->spec(), std::vector<float>(input->spec().image_pixels() * input->spec().nchannels)};
+  EXPECT_TRUE(
+      input->read_image(0, 0, 0, foreign.spec.nchannels, OIIO::TypeDesc::FLOAT, foreign.values.data()));
+  return foreign;
+}
+// The same the other way round. `tile`: 0 for strips.
+template <typename T>
+void WriteWithOpenImageIO(const std::string& path, int width, int height, int channels, OIIO::TypeDesc type,
+                          const std::vector<T>& values, int tile = 0) {
+  OIIO::ImageSpec spec(width, height, channels, type);
+  spec.tile_width = spec.tile_height = tile;
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  const auto output = OIIO::ImageOutput::create(path);
+  ASSERT_NE(output, nullptr);
+  ASSERT_TRUE(output->open(path, spec) && output->write_image(type, values.data()) && output->close())
+      << output->geterror();
+}
+
+TEST_F(ImageFiles, OthersReadWhatIsWritten) {
+  const Image8 picture = Pattern(31, 17, 4);
+  ASSERT_TRUE(WritePng(Path("a.png"), picture).ok());
+  const Foreign png = ReadWithOpenImageIO(Path("a.png"));
+  EXPECT_EQ(png.spec.get_string_attribute("oiio:ColorSpace"), "sRGB");
+  ASSERT_EQ(png.values.size(), picture.bytes.size());
+  for (std::size_t i = 0; i < png.values.size(); ++i)
+    ASSERT_EQ(std::lround(png.values[i] * 255), picture.bytes[i]) << i;
+
+  SampleBuffer samples;
+  samples.Resize(70, 150);  // more than two strips
+  samples.uv.resize(samples.size());
+  samples.certificate.resize(samples.size());
+  samples.doubt.resize(samples.size());
+  samples.depth_error.resize(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples.depth[i] = i % 5 == 0 ? INFINITY : 0.25 * static_cast<double>(i);
+    samples.normal[i] = {0.5f, static_cast<float>(i % 7), -1};
+    samples.face[i] = static_cast<std::uint32_t>(i % 11);
+    samples.uv[i] = {static_cast<double>(i % 3), 0.125};
+    samples.certificate[i] = static_cast<Certificate>(i % 3);
+    samples.doubt[i] = static_cast<std::uint8_t>(i % 13);
+    samples.depth_error[i] = 1e-6f;
+  }
+  ASSERT_TRUE(WriteDepth(Path("a.tif"), 70, 150, samples.depth).ok());
+  const Foreign depth = ReadWithOpenImageIO(Path("a.tif"));
+  ASSERT_EQ(depth.values.size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    ASSERT_EQ(depth.values[i], static_cast<float>(samples.depth[i])) << i;
+
+  AovSelection all;
+  all.uv = all.certificate = true;
+  ASSERT_TRUE(WriteAovs(Path("a.exr"), samples, all).ok());
+  const Foreign aovs = ReadWithOpenImageIO(Path("a.exr"));
+  const auto channel = [&](const char* name, std::size_t i) {
+    const int index = aovs.spec.channelindex(name);
+    return index < 0 ? NAN
+                     : aovs.values[i * static_cast<std::size_t>(aovs.spec.nchannels) +
+                                   static_cast<std::size_t>(index)];
+  };
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    ASSERT_EQ(channel("depth.Z", i), static_cast<float>(samples.depth[i])) << i;
+    ASSERT_EQ(channel("normal.Y", i), samples.normal[i][1]) << i;
+    ASSERT_EQ(channel("uv.U", i), static_cast<float>(samples.uv[i][0])) << i;
+    ASSERT_EQ(channel("certificate.error", i), samples.depth_error[i]) << i;
+  }
+}
+
+TEST_F(ImageFiles, PicturesOfOthersAreRead) {
+  WriteWithOpenImageIO<std::uint8_t>(Path("grey.png"), 2, 2, 1, OIIO::TypeDesc::UINT8, {0, 50, 100, 255});
+  const Result<Image8> grey = ReadPng(Path("grey.png"));
+  ASSERT_TRUE(grey.ok()) << grey.error().message;
+  EXPECT_EQ(grey.value().channels, 3);
+  EXPECT_EQ(grey.value().bytes,
+            (std::vector<std::uint8_t>{0, 0, 0, 50, 50, 50, 100, 100, 100, 255, 255, 255}));
+  WriteWithOpenImageIO<std::uint16_t>(Path("deep.png"), 2, 1, 4, OIIO::TypeDesc::UINT16,
+                                      {0, 257, 514, 65535, 25700, 51400, 65535, 32896});
+  const Result<Image8> deep = ReadPng(Path("deep.png"));
+  ASSERT_TRUE(deep.ok()) << deep.error().message;
+  EXPECT_EQ(deep.value().bytes, (std::vector<std::uint8_t>{0, 1, 2, 255, 100, 200, 255, 128}));
+}
+
+TEST_F(ImageFiles, DepthsOfOthersAreRead) {
+  std::vector<float> depth(70 * 50);
+  for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = 0.1f * static_cast<float>(i);
+  for (int tile : {0, 16}) {
+    WriteWithOpenImageIO(Path("a.tif"), 70, 50, 1, OIIO::TypeDesc::FLOAT, depth, tile);
+    const Result<DepthImage> back = ReadDepth(Path("a.tif"));
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    ASSERT_EQ(back.value().width, 70);
+    EXPECT_TRUE(std::ranges::equal(back.value().depth, depth)) << "tile " << tile;
+  }
+  WriteWithOpenImageIO(Path("two.tif"), 35, 50, 2, OIIO::TypeDesc::FLOAT, depth);
+  EXPECT_EQ(ReadDepth(Path("two.tif")).error().code, ErrorCode::kFormatBroken);
+  // Cut anywhere, it is an error and no picture.
+  const std::string whole = Read(Path("a.tif"));
+  for (std::size_t length = 0; length < whole.size(); length += 97) {
+    std::ofstream(Path("cut.tif"), std::ios::binary) << whole.substr(0, length);
+    EXPECT_FALSE(ReadDepth(Path("cut.tif")).ok()) << length;
+  }
 }
 
 TEST_F(ImageFiles, AFailedWriteLeavesNothingAndHarmsNothing) {

@@ -1,6 +1,8 @@
 // Metrics: known values, invariants, and the questions that image libraries answer wrongly.
 #include "render/image/metrics.h"
 
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -65,6 +67,23 @@ TEST(Metrics, TheThresholdIsExclusive) {
   EXPECT_EQ(Compare(a, b, options).share_over_threshold, 1);
   options.threshold = 3.5 / 255;
   EXPECT_EQ(Compare(a, b, options).share_over_threshold, 0);
+}
+
+TEST(Metrics, NumbersAreThoseOfIdiff) {
+  const Image8 a = Noise(57, 31, 3), b = Noise(57, 31, 4);
+  ColorMetricOptions options;
+  options.threshold = 0.7;
+  const ColorMetrics ours = Compare(a, b, options);
+  const OIIO::ImageSpec spec(57, 31, 3, OIIO::TypeDesc::UINT8);
+  const OIIO::ImageBuf theirs_a(spec, const_cast<std::uint8_t*>(a.bytes.data())),
+      theirs_b(spec, const_cast<std::uint8_t*>(b.bytes.data()));
+  const auto theirs = OIIO::ImageBufAlgo::compare(theirs_a, theirs_b, 0.7f, 0.7f);
+  EXPECT_NEAR(ours.max, theirs.maxerror, 1e-6);
+  EXPECT_NEAR(ours.mean, theirs.meanerror, 1e-6);
+  EXPECT_NEAR(ours.rms, theirs.rms_error, 1e-6);
+  EXPECT_NEAR(ours.psnr, theirs.PSNR, 1e-4);
+  EXPECT_NEAR(ours.share_over_threshold, static_cast<double>(theirs.nfail) / (57 * 31), 1e-12);
+  EXPECT_GT(theirs.nfail, 0);
 }
 
 TEST(Metrics, SizesAreComparedFirst) {

@@ -1,0 +1,129 @@
+// AOVs in EXR, through OpenEXR.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfOutputFile.h>
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <list>
+#include <new>
+
+#include "render/image/atomic_file.h"
+#include "render/image/codec.h"
+#include "render/image/io.h"
+
+namespace facetless {
+namespace {
+
+class MemoryStream : public Imf::OStream {
+ public:
+  explicit MemoryStream(const std::string& name) : Imf::OStream(name.c_str()) {}
+  void write(const char data[], int size) override {
+    const std::size_t end = position_ + static_cast<std::size_t>(size);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, data, static_cast<std::size_t>(size));
+    position_ = end;
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+  const std::vector<unsigned char>& bytes() const { return bytes_; }
+
+ private:
+  std::vector<unsigned char> bytes_;
+  std::size_t position_ = 0;
+};
+
+// The channels of one file. Values that have the file's type already are read where they lie.
+class Channels {
+ public:
+  Channels(int width, int height) : header_(width, height), width_(static_cast<std::size_t>(width)) {
+    header_.compression() = Imf::ZIP_COMPRESSION;
+  }
+
+  void Float(const char* name, const float* first, std::size_t stride) {
+    Add(name, Imf::FLOAT, first, stride);
+  }
+  void Id(const char* name, const std::uint32_t* first) { Add(name, Imf::UINT, first, sizeof *first); }
+  // The same of values that must be converted, which `value(i)` gives.
+  template <typename Value>
+  void FloatOf(const char* name, std::size_t count, Value value) {
+    std::vector<float>& floats = floats_.emplace_back(count);
+    for (std::size_t i = 0; i < count; ++i) floats[i] = static_cast<float>(value(i));
+    Float(name, floats.data(), sizeof(float));
+  }
+  template <typename Value>
+  void IdOf(const char* name, std::size_t count, Value value) {
+    std::vector<std::uint32_t>& ids = ids_.emplace_back(count);
+    for (std::size_t i = 0; i < count; ++i) ids[i] = static_cast<std::uint32_t>(value(i));
+    Id(name, ids.data());
+  }
+
+  bool empty() const { return header_.channels().begin() == header_.channels().end(); }
+  void Write(MemoryStream& stream, int height) {
+    Imf::OutputFile file(stream, header_);
+    file.setFrameBuffer(frame_);
+    file.writePixels(height);
+  }
+
+ private:
+  void Add(const char* name, Imf::PixelType type, const void* first, std::size_t stride) {
+    header_.channels().insert(name, Imf::Channel(type));
+    // OpenEXR reads only, but takes a pointer to what may be written.
+    frame_.insert(
+        name, Imf::Slice(type, const_cast<char*>(static_cast<const char*>(first)), stride, stride * width_));
+  }
+
+  Imf::Header header_;
+  Imf::FrameBuffer frame_;
+  std::size_t width_;
+  std::list<std::vector<float>> floats_;
+  std::list<std::vector<std::uint32_t>> ids_;
+};
+
+}  // namespace
+
+Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, const AovSelection& aovs) {
+  const std::size_t count = samples.size();
+  if (Result<void> size = CheckImageSize(path, samples.width, samples.height, count, 1); !size.ok())
+    return size;
+  if (aovs.uv && samples.uv.size() != count)
+    return Error{ErrorCode::kBadUsage, path + ": the samples hold no uv; trace with uv"};
+  if (aovs.certificate && (samples.certificate.size() != count || samples.doubt.size() != count ||
+                           samples.depth_error.size() != count))
+    return Error{ErrorCode::kBadUsage, path + ": the samples hold no certificates"};
+  if (aovs.curvature != nullptr && aovs.curvature->size() != count)
+    return Error{ErrorCode::kSizeMismatch, path + ": curvature has another size than the samples"};
+  try {
+    Channels channels(samples.width, samples.height);
+    if (aovs.depth) channels.FloatOf("depth.Z", count, [&](std::size_t i) { return samples.depth[i]; });
+    if (aovs.normal)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const char* const names[] = {"normal.X", "normal.Y", "normal.Z"};
+        channels.Float(names[axis], &samples.normal[0][axis], sizeof samples.normal[0]);
+      }
+    if (aovs.face) channels.Id("face.id", samples.face.data());
+    if (aovs.uv) {
+      channels.FloatOf("uv.U", count, [&](std::size_t i) { return samples.uv[i][0]; });
+      channels.FloatOf("uv.V", count, [&](std::size_t i) { return samples.uv[i][1]; });
+    }
+    if (aovs.certificate) {
+      channels.IdOf("certificate.C", count, [&](std::size_t i) { return samples.certificate[i]; });
+      channels.IdOf("certificate.doubt", count, [&](std::size_t i) { return samples.doubt[i]; });
+      channels.Float("certificate.error", samples.depth_error.data(), sizeof(float));
+    }
+    if (aovs.curvature != nullptr) channels.Float("curvature.H", aovs.curvature->data(), sizeof(float));
+    if (channels.empty()) return Error{ErrorCode::kBadUsage, path + ": no AOV is asked for"};
+    MemoryStream stream(path);
+    channels.Write(stream, samples.height);
+    return WriteAtomically(path, stream.bytes());
+  } catch (const std::bad_alloc&) {
+    return ImageTooLarge(path);
+  } catch (const std::exception& failure) {
+    return Error{ErrorCode::kWriteFailed, path + ": " + failure.what()};
+  }
+}
+
+}  // namespace facetless
