@@ -1,5 +1,6 @@
 #include "server/run.h"
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "render/image/io.h"
 #include "render/model/model_file.h"
 #include "render/shade/certificate_map.h"
+#include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/interrupt.h"
 #include "server/report_html.h"
@@ -35,19 +37,25 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* ca
   return view;
 }
 
-// Writes one view's files and collects their names by role.
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Writes one view's files, all at once and in parallel, and collects their names by role. What is handed to it
+// must live until Write returns.
 class ViewFiles {
  public:
-  ViewFiles(const std::string& directory, const std::string& view)
-      : stem_(directory + "/" + view), view_(view) {}
+  ViewFiles(const std::string& directory, const std::string& view) : directory_(directory), view_(view) {}
 
   void Png(const char* role, const Image8& image) {
-    if (ok_.ok()) Done(role, ".png", WritePng(stem_ + "." + role + ".png", image));
+    Add(role, ".png", [&image](const std::string& path) { return WritePng(path, image); });
   }
   void Depth(const char* role, const SampleBuffer& samples) {
-    if (ok_.ok())
-      Done(role, ".tif",
-           WriteDepth(stem_ + "." + role + ".tif", samples.width, samples.height, samples.depth));
+    Add(role, ".tif", [&samples](const std::string& path) {
+      return WriteDepth(path, samples.width, samples.height, samples.depth);
+    });
   }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
@@ -57,24 +65,41 @@ class ViewFiles {
     wanted.face = options.WantsAov("face");
     wanted.uv = options.WantsAov("uv");
     wanted.certificate = options.WantsAov("certificate");
-    if (ok_.ok() && !options.aovs.empty())
-      Done("aov", ".exr", WriteAovs(stem_ + ".aov.exr", samples, wanted));
-    if (wanted.certificate) Png("certificate", DrawCertificates(samples).image);
+    if (!options.aovs.empty())
+      Add("aov", ".exr",
+          [&samples, wanted](const std::string& path) { return WriteAovs(path, samples, wanted); });
+    if (wanted.certificate)
+      Add("certificate", ".png",
+          [&samples](const std::string& path) { return WritePng(path, DrawCertificates(samples).image); });
   }
-  Result<Json> Take() && {
-    if (!ok_) return ok_.error();
-    return std::move(names_);
+
+  // Adds "files" and timing_ms.files to the view's entry of the report.
+  Result<void> Write(Json& view, int threads) const {
+    const Clock::time_point start = Clock::now();
+    std::vector<Result<void>> written(files_.size());
+    RunWithThreads(threads, [&] {
+      ParallelFor(std::size_t{0}, files_.size(),
+                  [&](std::size_t i) { written[i] = files_[i].write(directory_ + "/" + files_[i].name); });
+    });
+    for (const Result<void>& result : written)
+      if (!result) return result.error();
+    for (const File& file : files_) view["files"][file.role] = file.name;
+    view["timing_ms"]["files"] = MillisecondsSince(start);
+    return {};
   }
 
  private:
-  void Done(const char* role, const char* extension, Result<void> result) {
-    ok_ = std::move(result);
-    names_[role] = view_ + "." + role + extension;
+  struct File {
+    std::string role, name;
+    std::function<Result<void>(const std::string& path)> write;
+  };
+  template <typename Writer>
+  void Add(const char* role, const char* extension, Writer write) {
+    files_.push_back({role, view_ + "." + role + extension, std::move(write)});
   }
 
-  std::string stem_, view_;
-  Json names_ = Json::object();
-  Result<void> ok_;
+  std::string directory_, view_;
+  std::vector<File> files_;
 };
 
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
@@ -87,9 +112,17 @@ class Run {
         directory_(directory),
         context_(context),
         command_(command),
+        start_(Clock::now()),
         deadline_(options.timeout_s, context.cancel) {}
 
   const std::atomic<bool>* cancel() const { return deadline_.flag(); }
+  // What does not depend on the view.
+  Scene MakeScene() {
+    const Clock::time_point start = Clock::now();
+    Scene scene(*imported_.model);
+    scene_ms_ = MillisecondsSince(start);
+    return scene;
+  }
   const std::string& directory() const { return directory_; }
 
   // Calls `one` for each camera; it returns the view's entry of the report.
@@ -120,6 +153,11 @@ class Run {
                      {"audit", options_.audit}}},
                    {"model", ImportedModelJson(imported_)},
                    {"views", std::move(views)},
+                   {"timing_ms",
+                    {{"import", imported_.import_ms},
+                     {"load", imported_.load_ms},
+                     {"scene", scene_ms_},
+                     {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
@@ -144,6 +182,8 @@ class Run {
   const std::string directory_;
   const RunContext& context_;
   const char* command_;
+  const Clock::time_point start_;
+  double scene_ms_ = 0;
   Deadline deadline_;
 };
 
@@ -156,6 +196,7 @@ Result<ImportedModel> Import(const ImportRequest& request) {
   imported.import_ms = files.value().wall_ms;
   imported.import_peak_bytes = files.value().peak_bytes;
   imported.import_peak_address_bytes = files.value().peak_address_bytes;
+  const Clock::time_point start = Clock::now();
   auto model = ReadModel(files.value().model_path);
   if (!model) return model.error();
   imported.model = std::make_unique<const Model>(std::move(model).value());
@@ -164,6 +205,7 @@ Result<ImportedModel> Import(const ImportRequest& request) {
     if (!mesh) return mesh.error();
     imported.meshes.push_back(std::move(mesh).value());
   }
+  imported.load_ms = MillisecondsSince(start);
   return imported;
 }
 
@@ -216,7 +258,7 @@ Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<
 Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
                        const RunContext& context) {
   Run run(imported, options, directory, context, "render");
-  const Scene scene(*imported.model);
+  const Scene scene = run.MakeScene();
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
     auto view = RenderView(scene, camera, ToViewOptions(options, run.cancel()));
     if (!view) return view.error();
@@ -224,10 +266,8 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
     files.Png("direct", view.value().image);
     files.Depth("depth", view.value().samples);
     files.Aovs(view.value().samples, options);
-    auto names = std::move(files).Take();
-    if (!names) return names.error();
     Json json = RenderJson(camera, view.value());
-    json["files"] = std::move(names).value();
+    if (auto written = files.Write(json, options.threads); !written) return written.error();
     return json;
   });
   if (!views) return views.error();
@@ -237,7 +277,7 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
 Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
                         const std::string& directory, const RunContext& context) {
   Run run(imported, options, directory, context, "compare");
-  const Scene scene(*imported.model);
+  const Scene scene = run.MakeScene();
   const auto baseline = BaselineScene::Build(mesh, options.threads);
   if (!baseline) return baseline.error();
   std::vector<ViewValues> values;
@@ -252,13 +292,11 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     files.Depth("depth", view.direct.samples);
     files.Depth("baseline-depth", view.baseline.samples);
     files.Aovs(view.direct.samples, options);
-    auto names = std::move(files).Take();
-    if (!names) return names.error();
     const Difference& d = view.difference;
     values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                       d.color.flip_mean, d.color.share_over_threshold});
     Json json = ComparisonJson(view, baseline.value());
-    json["files"] = std::move(names).value();
+    if (auto written = files.Write(json, options.threads); !written) return written.error();
     return json;
   });
   if (!views) return views.error();

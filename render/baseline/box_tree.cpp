@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "render/baseline/scene_data.h"
+#include "render/trace/parallel.h"
 
 namespace facetless {
 
@@ -38,10 +40,8 @@ float RoundedUp(double x) {
   return f >= x ? f : std::nextafter(f, INFINITY);
 }
 
-void Bounds(const RTCBoundsFunctionArguments* arguments) {
-  const auto& data = *static_cast<const BoxTree::Data*>(arguments->geometryUserPtr);
-  const ScreenBox& box = data.boxes[arguments->primID];
-  RTCBounds& bounds = *arguments->bounds_o;
+void BoundsOf(const BoxTree::Data& data, unsigned index, RTCBounds& bounds) {
+  const ScreenBox& box = data.boxes[index];
   bounds.lower_x = static_cast<float>(box.col_begin);
   bounds.upper_x = static_cast<float>(box.col_end);
   bounds.lower_y = static_cast<float>(box.row_begin);
@@ -87,15 +87,25 @@ Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
   rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
   const RTCGeometry geometry = rtcNewGeometry(data->device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes.size()));
-  rtcSetGeometryUserData(geometry, data.get());
+  // Embree asks on oneTBB's threads.
+  const auto bounds = [&data](unsigned index, RTCBounds* out) { BoundsOf(*data, index, *out); };
+  using BoundsWork = SharedWork<decltype(bounds)>;
+  std::optional<BoundsWork> work(bounds);
+  rtcSetGeometryUserData(geometry, &*work);
   rtcSetGeometryBoundsFunction(
-      geometry, [](const RTCBoundsFunctionArguments* arguments) { Bounds(arguments); }, nullptr);
+      geometry,
+      [](const RTCBoundsFunctionArguments* arguments) {
+        static_cast<const BoundsWork*>(arguments->geometryUserPtr)
+            ->Run(arguments->primID, arguments->bounds_o);
+      },
+      nullptr);
   rtcSetGeometryIntersectFunction(
       geometry, [](const RTCIntersectFunctionNArguments* arguments) { Intersect(arguments); });
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(data->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(data->scene);
+  work.reset();
   if (rtcGetDeviceError(data->device) != RTC_ERROR_NONE) return EmbreeError(data->device);
   std::vector<ScreenBox>().swap(data->boxes);
   return BoxTree(std::move(data));

@@ -60,9 +60,9 @@ HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Ve
   }
 
   // Turn a normal that looks to the other side than its triangle does to the horizon (tracer.h, law 3).
-  Vec3 facing = Normalized(side * Cross(corners[1] - corners[0], corners[2] - corners[0]));
+  Vec3 facing = side * Cross(corners[1] - corners[0], corners[2] - corners[0]);
   hit.normal = Normalized(hit.normal);
-  if (!(Length(hit.normal) > 0)) hit.normal = facing;
+  if (!(Dot(hit.normal, hit.normal) > 0)) hit.normal = Normalized(facing);
   if (Dot(facing, hit.normal) < 0) facing = -facing;
   const double along = Dot(hit.normal, ray.direction);
   if (along * Dot(facing, ray.direction) < 0)

@@ -176,6 +176,23 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   return view;
 }
 
+// The difference of two views that are there, as numbers and as a picture.
+Result<void> CompareViews(const Model& model, const BaselineScene& baseline, const ViewOptions& options,
+                          ViewComparison& comparison) {
+  Result<Difference> difference =
+      ComputeDifference({comparison.direct.samples, comparison.baseline.samples, comparison.direct.image,
+                         comparison.baseline.image, comparison.direct.frame, model,
+                         baseline.mesh().from_model, baseline.noise_mm(), options.color});
+  if (!difference.ok()) return difference.error();
+  comparison.difference = std::move(difference).value();
+  Result<DifferencePicture> picture =
+      DrawDifference(comparison.direct.samples, comparison.baseline.samples, comparison.direct.frame,
+                     comparison.difference, options.picture);
+  if (!picture.ok()) return picture.error();
+  comparison.picture = std::move(picture).value();
+  return {};
+}
+
 Error OutOfMemory(const Camera& camera) {
   return {ErrorCode::kLimitExceeded, "view '" + camera.name + "': its pictures do not fit into memory"};
 }
@@ -236,17 +253,10 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
 
     // Compare.
     const Clock::time_point start = Clock::now();
-    Result<Difference> difference =
-        ComputeDifference({comparison.direct.samples, comparison.baseline.samples, comparison.direct.image,
-                           comparison.baseline.image, comparison.direct.frame, scene.model(),
-                           baseline.mesh().from_model, baseline.noise_mm(), options.color});
-    if (!difference.ok()) return difference.error();
-    comparison.difference = std::move(difference).value();
-    Result<DifferencePicture> picture =
-        DrawDifference(comparison.direct.samples, comparison.baseline.samples, comparison.direct.frame,
-                       comparison.difference, options.picture);
-    if (!picture.ok()) return picture.error();
-    comparison.picture = std::move(picture).value();
+    Result<void> compared;
+    RunWithThreads(options.threads,
+                   [&] { compared = CompareViews(scene.model(), baseline, options, comparison); });
+    if (!compared.ok()) return compared.error();
     comparison.difference_ms = MillisecondsSince(start);
     return comparison;
   } catch (const std::bad_alloc&) {

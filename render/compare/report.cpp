@@ -254,6 +254,7 @@ json ComparisonJson(const ViewComparison& comparison, const BaselineScene& scene
   json view = RenderJson(comparison.camera, comparison.direct);
   view["baseline"] = BaselineJson(comparison.baseline, scene);
   view["difference"] = DifferenceJson(comparison.difference, comparison.picture);
+  view["timing_ms"] = {{"difference", comparison.difference_ms}};
   return view;
 }
 

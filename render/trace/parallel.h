@@ -32,18 +32,18 @@ namespace facetless {
 template <typename T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
-namespace parallel_detail {
-
-// A piece of work that threads hand to each other. The two addresses stand for its two facts: the caller's
-// writes come before each body, and each body's writes before the caller's return. One address for both would
-// order the bodies too, and hide their races.
+// A piece of work that threads hand to each other: Run from any of them between the making and the end of this
+// object, which are on the thread that waits for it. The loops below use it, and who gives work to another
+// library that runs it on oneTBB's threads. The two addresses stand for its two facts: the caller's writes
+// come before each body, and each body's writes before the caller's return. One address for both would order
+// the bodies too, and hide their races.
 template <typename Body>
-class Work {
+class SharedWork {
  public:
-  explicit Work(const Body& body) : body_(body) { Release(&handed_out_); }
-  ~Work() { Acquire(&handed_in_); }
-  Work(const Work&) = delete;
-  Work& operator=(const Work&) = delete;
+  explicit SharedWork(const Body& body) : body_(body) { Release(&handed_out_); }
+  ~SharedWork() { Acquire(&handed_in_); }
+  SharedWork(const SharedWork&) = delete;
+  SharedWork& operator=(const SharedWork&) = delete;
 
   template <typename... Arguments>
   void Run(Arguments... arguments) const {
@@ -54,7 +54,7 @@ class Work {
 
  private:
   struct Returning {  // also where the body throws
-    const Work* work;
+    const SharedWork* work;
     ~Returning() { Release(&work->handed_in_); }
   };
 
@@ -75,8 +75,6 @@ class Work {
   alignas(8) char handed_in_ = 0;
 };
 
-}  // namespace parallel_detail
-
 // body(i) for begin ≤ i < end.
 template <typename Index, typename Body>
 void ParallelFor(Index begin, Index end, const Body& body) {
@@ -84,7 +82,7 @@ void ParallelFor(Index begin, Index end, const Body& body) {
   const auto all_of = [&body](Index first, Index last) {
     for (Index i = first; i < last; ++i) body(i);
   };
-  const parallel_detail::Work work(all_of);
+  const SharedWork work(all_of);
   tbb::parallel_for(tbb::blocked_range<Index>(begin, end), [&work](const tbb::blocked_range<Index>& block) {
     work.Run(block.begin(), block.end());
   });
@@ -94,7 +92,7 @@ void ParallelFor(Index begin, Index end, const Body& body) {
 template <typename Body>
 void ParallelForBlocks(std::size_t begin, std::size_t end, std::size_t grain, const Body& body) {
   if (!(begin < end)) return;
-  const parallel_detail::Work work(body);
+  const SharedWork work(body);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(begin, end, grain),
       [&work](const tbb::blocked_range<std::size_t>& block) { work.Run(block.begin(), block.end()); });
@@ -104,7 +102,7 @@ void ParallelForBlocks(std::size_t begin, std::size_t end, std::size_t grain, co
 template <typename Body>
 void ParallelForTiles(int rows, int columns, int tile, const Body& body) {
   if (rows <= 0 || columns <= 0) return;
-  const parallel_detail::Work work(body);
+  const SharedWork work(body);
   tbb::parallel_for(
       tbb::blocked_range2d<int>(0, rows, tile, 0, columns, tile),
       [&work](const tbb::blocked_range2d<int>& part) {
@@ -128,7 +126,7 @@ void ParallelSort(Iterator begin, Iterator end, const Less& less) {
 template <typename Body>
 void RunWithThreads(int threads, const Body& body) {
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  const parallel_detail::Work work(body);
+  const SharedWork work(body);
   arena.execute([&work] { work.Run(); });
 }
 

@@ -96,8 +96,8 @@ int WriteModelAndMeshes(int argc, char** argv, bool answer = true) {
     if (std::string(argv[i]) == "--mesh") std::ofstream(argv[i + 1]) << "mesh";
     if (std::string(argv[i]) != "--model") continue;
     if (auto written = facetless::WriteModel(Square(), argv[i + 1]); !written) {
-      std::fprintf(stderr, "%s\n", written.error().message.c_str());
-      return 70;
+      Answer(R"({"ok":false,"error":{"code":"write-failed","message":"The model cannot be written."}})");
+      return 4;  // as the importer itself
     }
   }
   return answer ? Answer(R"({"ok":true,"faces":1})") : 0;

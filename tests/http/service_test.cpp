@@ -10,6 +10,7 @@
 #include "server/sha256.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
+#include "tests/support/sanitized.h"
 
 namespace facetless {
 namespace {
@@ -233,9 +234,7 @@ TEST_F(HttpService, SurvivesWhatFilesDoToTheImporter) {
 }
 
 TEST_F(HttpService, SurvivesAnImporterThatEatsMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
   LiveServer server({"--timeout", "10", "--import-memory", "400"}, FakeImporter());
   EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "memory"}}).Problem(), "limit-exceeded");
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));

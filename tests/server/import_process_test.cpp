@@ -9,6 +9,7 @@
 
 #include "render/model/model_file.h"
 #include "tests/server/support.h"
+#include "tests/support/sanitized.h"
 
 namespace facetless {
 namespace {
@@ -80,9 +81,7 @@ TEST_F(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
 }
 
 TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
   ImportRequest request = Request("memory");
   request.limits.memory_mb = 300;
   const Error error = ErrorOf(request);
