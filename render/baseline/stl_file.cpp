@@ -1,13 +1,8 @@
-// STL through assimp, with every other importer of that library switched off.
-#include <assimp/BaseImporter.h>
-#include <assimp/importerdesc.h>
-#include <assimp/scene.h>
+// STL, binary and ASCII.
 #include <algorithm>
-#include <assimp/Importer.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <exception>
-#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -18,6 +13,7 @@ namespace facetless {
 namespace {
 
 constexpr std::size_t kBinaryHeader = 84, kBinaryRecord = 50;
+constexpr std::size_t kCornersInRecord = 12;  // behind the normal, which is not read: law 4 of mesh_file.h
 
 // How long a binary file that claims this many triangles must be; 0 if `bytes` is shorter.
 std::size_t BinaryLength(Bytes bytes) {
@@ -38,51 +34,138 @@ bool LooksLikeAscii(Bytes bytes) {
          (text.find("facet") != std::string_view::npos || text.find("endsolid") != std::string_view::npos);
 }
 
-void KeepOnlyStl(Assimp::Importer& importer) {
-  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
-    const aiImporterDesc* description = importer.GetImporterInfo(i);
-    if (std::string_view(description->mFileExtensions) == "stl") continue;
-    // Who takes a loader out owns it.
-    const std::unique_ptr<Assimp::BaseImporter> loader(importer.GetImporter(i));
-    importer.UnregisterLoader(loader.get());
+// Triangles as they come; each has three vertices of its own, which MakeSmoothNormals joins where they coincide.
+class Triangles {
+ public:
+  Triangles(std::string name, std::uint64_t max_bytes) : name_(std::move(name)), max_bytes_(max_bytes) {
+    part_.name = name_;
   }
+
+  Result<void> Add(const std::array<std::array<float, 3>, 3>& corners) {
+    const std::size_t base = part_.positions.size();
+    if (base + 3 >= kNoIndex || (base + 3) * kVertexBytes + (base / 3 + 1) * kTriangleBytes > max_bytes_)
+      return Error{ErrorCode::kLimitExceeded,
+                   name_ + ": unpacked, it takes more than " + std::to_string(max_bytes_) + " bytes"};
+    for (const auto& corner : corners)
+      for (float coordinate : corner)
+        if (!std::isfinite(coordinate))
+          return Error{ErrorCode::kNotFinite,
+                       name_ + ": a vertex of triangle " + std::to_string(base / 3 + 1) + " is not a number"};
+    part_.positions.insert(part_.positions.end(), corners.begin(), corners.end());
+    const auto index = static_cast<std::uint32_t>(base);
+    part_.triangles.push_back({index, index + 1, index + 2});
+    return {};
+  }
+
+  Result<MeshPart> Take() && {
+    if (part_.triangles.empty()) return Error{ErrorCode::kNothingUsable, name_ + ": holds no triangle"};
+    part_.face_of_triangle.assign(part_.triangles.size(), 0);
+    return std::move(part_);
+  }
+
+ private:
+  const std::string name_;
+  const std::uint64_t max_bytes_;
+  MeshPart part_;
+};
+
+// What follows the last record is not read: some programs leave a remark there.
+Result<MeshPart> ReadBinary(Bytes bytes, Triangles triangles) {
+  const std::size_t end = BinaryLength(bytes);
+  for (std::size_t record = kBinaryHeader; record < end; record += kBinaryRecord) {
+    std::array<std::array<float, 3>, 3> corners;
+    std::memcpy(&corners, bytes.data() + record + kCornersInRecord, sizeof corners);
+    if (Result<void> added = triangles.Add(corners); !added.ok()) return added.error();
+  }
+  return std::move(triangles).Take();
 }
 
-Result<MeshPart> CopyTriangles(const aiScene& scene, const std::string& name,
-                               const MeshLoadOptions& options) {
-  MeshPart part;
-  part.name = name;
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene.mMeshes[m];
-    const std::size_t base = part.positions.size();
-    const std::uint64_t memory =
-        (base + mesh.mNumVertices) * kVertexBytes + (part.triangles.size() + mesh.mNumFaces) * kTriangleBytes;
-    if (base + mesh.mNumVertices >= kNoIndex || memory > options.max_memory_bytes)
-      return Error{ErrorCode::kLimitExceeded, name + ": unpacked, it takes more than " +
-                                                  std::to_string(options.max_memory_bytes) + " bytes"};
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiVector3D& p = mesh.mVertices[v];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-        return Error{ErrorCode::kNotFinite,
-                     name + ": vertex " + std::to_string(base + v) + " is not a number"};
-      part.positions.push_back({p.x, p.y, p.z});
-    }
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      std::array<std::uint32_t, 3> triangle;
-      for (int k = 0; k < 3; ++k) {
-        if (face.mIndices[k] >= mesh.mNumVertices)
-          return Error{ErrorCode::kFormatBroken, name + ": a triangle names a vertex that is not there"};
-        triangle[k] = static_cast<std::uint32_t>(base + face.mIndices[k]);
+// Words, whatever white space lies between them; keywords in any case.
+class AsciiReader {
+ public:
+  AsciiReader(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+
+  Result<MeshPart> Read(Triangles triangles) {
+    for (Word(); !word_.empty(); Word()) {
+      if (!Is("solid")) return Expected("'solid'");
+      SkipLine();  // the solid's name
+      for (Word(); !Is("endsolid"); Word()) {
+        std::array<std::array<float, 3>, 3> corners;
+        if (Result<void> facet = Facet(corners); !facet.ok()) return facet.error();
+        if (Result<void> added = triangles.Add(corners); !added.ok()) return added.error();
       }
-      part.triangles.push_back(triangle);
+      SkipLine();
     }
+    return std::move(triangles).Take();
   }
-  if (part.triangles.empty()) return Error{ErrorCode::kNothingUsable, name + ": holds no triangle"};
-  part.face_of_triangle.assign(part.triangles.size(), 0);
-  return part;
-}
+
+ private:
+  // From its first word, which is there already, to the last.
+  Result<void> Facet(std::array<std::array<float, 3>, 3>& corners) {
+    std::array<float, 3> normal;
+    if (!Is("facet")) return Expected("'facet' or 'endsolid'");
+    if (!Next("normal")) return Expected("'normal'");
+    if (Result<void> numbers = Numbers(normal); !numbers.ok()) return numbers;
+    if (!Next("outer") || !Next("loop")) return Expected("'outer loop'");
+    for (auto& corner : corners) {
+      if (!Next("vertex")) return Expected("'vertex', three in each facet,");
+      if (Result<void> numbers = Numbers(corner); !numbers.ok()) return numbers;
+    }
+    if (!Next("endloop")) return Expected("'endloop'");
+    if (!Next("endfacet")) return Expected("'endfacet'");
+    return {};
+  }
+
+  Result<void> Numbers(std::array<float, 3>& numbers) {
+    for (float& number : numbers) {
+      Word();
+      std::string_view digits = word_;
+      if (digits.starts_with('+')) digits.remove_prefix(1);
+      double value = 0;
+      const auto [end, failed] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+      if (failed == std::errc::result_out_of_range)
+        value = std::abs(value) < 1 ? 0 : INFINITY;
+      else if (failed != std::errc() || end != digits.data() + digits.size())
+        return Expected("a number");
+      number = static_cast<float>(value);
+    }
+    return {};
+  }
+
+  // Reads the next word into word_; "" at the end.
+  void Word() {
+    while (place_ < text_.size() && IsSpace(text_[place_])) Pass();
+    const std::size_t begin = place_;
+    while (place_ < text_.size() && !IsSpace(text_[place_])) ++place_;
+    word_ = text_.substr(begin, place_ - begin);
+  }
+  void SkipLine() {
+    while (place_ < text_.size() && text_[place_] != '\n') ++place_;
+  }
+  void Pass() { line_ += text_[place_++] == '\n' ? 1 : 0; }
+  static bool IsSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+  bool Is(std::string_view keyword) const {
+    return std::ranges::equal(word_, keyword,
+                              [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; });
+  }
+  bool Next(std::string_view keyword) {
+    Word();
+    return Is(keyword);
+  }
+  Error Expected(const std::string& what) const {
+    const std::string place = name_ + ": line " + std::to_string(line_) + ": ";
+    if (word_.empty())
+      return {ErrorCode::kFormatBroken,
+              place + "the file ends where " + what + " is expected: it is cut off; export it again"};
+    return {ErrorCode::kFormatBroken,
+            place + what + " is expected, not '" + std::string(word_.substr(0, 40)) + "'"};
+  }
+
+  std::string_view text_, word_;
+  const std::string& name_;
+  std::size_t place_ = 0, line_ = 1;
+};
 
 }  // namespace
 
@@ -91,24 +174,10 @@ bool LooksLikeStl(Bytes bytes) {
 }
 
 Result<Mesh> ReadStl(Bytes bytes, const std::string& name, FileAxes axes, const MeshLoadOptions& options) {
-  // Cut what follows the last record: assimp takes a file for binary only if its length is exact.
-  const bool ascii = LooksLikeAscii(bytes);
-  if (!ascii) bytes = bytes.first(BinaryLength(bytes));
-  if (!ascii && bytes.size() == kBinaryHeader)
-    return Error{ErrorCode::kNothingUsable, name + ": holds no triangle"};
-
-  Assimp::Importer importer;
-  KeepOnlyStl(importer);
-  const aiScene* scene = nullptr;
-  try {
-    scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "stl");
-  } catch (const std::exception& error) {
-    return Error{ErrorCode::kFormatBroken, name + ": not a sound STL file: " + error.what()};
-  }
-  if (scene == nullptr)
-    return Error{ErrorCode::kFormatBroken, name + ": not a sound STL file: " + importer.GetErrorString()};
-
-  Result<MeshPart> part = CopyTriangles(*scene, name, options);
+  Triangles triangles(name, options.max_memory_bytes);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  Result<MeshPart> part = LooksLikeAscii(bytes) ? AsciiReader(text, name).Read(std::move(triangles))
+                                                : ReadBinary(bytes, std::move(triangles));
   if (!part.ok()) return part.error();
   MakeSmoothNormals(part.value(), options.crease_deg);
   Mesh mesh;

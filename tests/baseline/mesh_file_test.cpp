@@ -1,6 +1,7 @@
 // Mesh files: units, axes, hierarchy, our own files bit for bit, and files that lie.
 #include "render/baseline/mesh_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -296,6 +297,28 @@ TEST(Stl, BinaryAndTextAreMillimetresAndZUp) {
     ExpectPoint(bounds.high, {1.5, 2.5, 0});
     EXPECT_EQ(mesh.value().parts[0].normals[0], (std::array<float, 3>{0, 0, 1}));
   }
+}
+
+TEST(Stl, TextMayHoldSeveralSolidsInAnyCaseAndSpacing) {
+  const std::string facet =
+      "FACET NORMAL 0 0 1 OUTER LOOP VERTEX +1 0 0\r\n\tVertex 1E0 2.5e-1 0 vertex 0 1 1e-60 endLoop "
+      "endfacet\r\n";
+  const Result<Mesh> mesh =
+      Load("  solid first one\r\n" + facet + facet + "endsolid\nsolid\n" + facet + "endsolid second");
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_EQ(PlacedTriangleCount(mesh.value()), 3u);
+  ExpectPoint(MeshBounds(mesh.value()).high, {1, 1, 0});
+}
+
+TEST(Stl, TextThatIsBrokenIsNamedWithItsLine) {
+  const std::string start = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
+  const auto message = [&](const std::string& end) { return Load(start + end).error().message; };
+  EXPECT_THAT(message("vertex 0 one 0\n"), ::testing::HasSubstr("line 6: a number is expected, not 'one'"));
+  EXPECT_THAT(message("endloop"),
+              ::testing::HasSubstr("line 6: 'vertex', three in each facet, is expected, not 'endloop'"));
+  EXPECT_THAT(message("vertex 0 1 0\nvertex 1 1 0\n"), ::testing::HasSubstr("line 7: 'endloop' is expected"));
+  EXPECT_THAT(message("vertex 0 1 0\nendloop\nendfacet\n"), ::testing::HasSubstr("cut off; export it again"));
+  EXPECT_EQ(Load(start + "vertex 0 1e99 0\nendloop\nendfacet\nendsolid").error().code, ErrorCode::kNotFinite);
 }
 
 TEST(Stl, BrokenFilesGiveErrors) {

@@ -166,7 +166,6 @@ TEST(Layering, EachLibraryHasOneHome) {
       << "it loads two hundred libraries before a program begins";
   EXPECT_THAT(IncludersOutside("(.*/)?tiny_gltf\\.h", {"import/", "render/baseline/", "tests/import/"}),
               IsEmpty());
-  EXPECT_THAT(IncludersOutside("assimp/.*", {"render/baseline/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("(flatbuffers/.*|.*_generated\\.h)", {"render/model/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("hwy/.*", {"render/kernels/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("cairo.*", {"render/compare/"}), IsEmpty());
