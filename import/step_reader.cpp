@@ -9,13 +9,16 @@
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <RWStepAP214_GeneralModule.hxx>
+#include <STEPCAFControl_ExternFile.hxx>
 #include <STEPCAFControl_Reader.hxx>
+#include <STEPConstruct_ExternRefs.hxx>
 #include <STEPConstruct_UnitContext.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <StepAP214.hxx>
 #include <StepAP214_Protocol.hxx>
+#include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepGeom_CartesianPoint.hxx>
 #include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
@@ -180,6 +183,7 @@ class StepReader {
       NoteOrigins();
     }
     NoteLosses();
+    NoteExternalFiles();
   }
 
   void Discard() {
@@ -322,6 +326,32 @@ class StepReader {
       const std::string entity = Label(face.id);
       if (!arrived_.contains(entity))
         document_.info.faces_lost.push_back({kNoIndex, face.name, entity, ReasonFor(entity)});
+    }
+  }
+
+  // Parts whose shape is in another file are lost: what comes to us is one file, and the sandbox opens no other.
+  void NoteExternalFiles() {
+    STEPConstruct_ExternRefs references(Session());
+    references.LoadExternRefs();
+    std::set<std::string> missing;
+    for (int i = 1; i <= references.NbExternRefs(); ++i) {
+      const Standard_CString file = references.FileName(i);
+      if (file == nullptr || *file == '\0') continue;
+      Handle(STEPCAFControl_ExternFile) read;
+      if (reader_.ExternFile(file, read) && read->GetTransferStatus()) continue;
+      // The same file may be named by several documents.
+      if (!missing.insert(file).second) continue;
+      const Handle(StepBasic_ProductDefinition) part = references.ProdDef(i);
+      const std::string entity =
+          part.IsNull() ? std::string()
+                        : Label(static_cast<std::uint64_t>(
+                              Handle(StepData_StepModel)::DownCast(Session()->Model())->IdentLabel(part)));
+      document_.info.faces_lost.push_back({kNoIndex, file, entity,
+                                           "the shape of this part is in another file, '" +
+                                               std::string(file) +
+                                               "', which is not read; export the assembly as one file"});
+      document_.info.warnings.push_back("The file refers to '" + std::string(file) +
+                                        "' for the shape of a part; export the assembly as one file.");
     }
   }
 

@@ -6,11 +6,14 @@
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepTools.hxx>
 #include <Quantity_Color.hxx>
+#include <STEPCAFControl_Writer.hxx>
 #include <TDataStd_Name.hxx>
 #include <TopExp_Explorer.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <algorithm>
+#include <filesystem>
 
 #include "tests/import/shapes.h"
 
@@ -58,6 +61,39 @@ TEST(Assembly, PartsAreSharedAndNamedByTheirPath) {
   EXPECT_EQ(document.occurrences[0].name, "car/chassis");
   EXPECT_EQ(document.occurrences[2].name, "car/wheel:2");
   EXPECT_EQ(document.occurrences[2].placement.TranslationPart().X(), 3);
+}
+
+TEST(Assembly, APartInAnotherFileIsLostByName) {
+  // One file for the assembly, one for each part.
+  const TemporaryFolder folder;
+  STEPCAFControl_Writer writer;
+  writer.SetNameMode(true);
+  ASSERT_TRUE(writer.Transfer(Car(), STEPControl_AsIs, "part-"));
+  ASSERT_EQ(writer.Write(folder.File("car.step").c_str()), IFSelect_RetDone);
+  const Result<Conversion> whole = ConvertFile(folder.File("car.step"));
+  ASSERT_TRUE(whole.ok()) << whole.error().message;
+  EXPECT_EQ(whole.value().model.PlacedFaceCount(), 8u);
+  EXPECT_TRUE(whole.value().model.info.faces_lost.empty());
+
+  std::size_t removed = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    if (entry.path().filename().string().starts_with("part-") && removed++ == 0)
+      std::filesystem::remove(entry.path());
+  ASSERT_EQ(removed, 2u);
+  const Result<Conversion> half = ConvertFile(folder.File("car.step"));
+  ASSERT_TRUE(half.ok()) << half.error().message;
+  const std::vector<Loss>& lost = half.value().model.info.faces_lost;
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_TRUE(lost[0].name.starts_with("part-")) << lost[0].name;
+  EXPECT_EQ(lost[0].entity[0], '#');
+  EXPECT_NE(lost[0].reason.find("export the assembly as one file"), std::string::npos) << lost[0].reason;
+
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    if (entry.path().filename().string().starts_with("part-")) std::filesystem::remove(entry.path());
+  const Result<Conversion> none = ConvertFile(folder.File("car.step"));
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.error().code, ErrorCode::kNothingUsable);
+  EXPECT_NE(none.error().message.find("part-"), std::string::npos) << none.error().message;
 }
 
 TEST(Assembly, ColoursAreThoseOfTheFaceThenOfTheOccurrenceThenOfThePart) {
