@@ -206,6 +206,19 @@ class BodyReader {
   std::uint64_t total_ = 0;
 };
 
+// A request that asked whether it may send its body (Expect: 100-continue), and may. Its handler comes next on this
+// thread: a connection carries one request.
+std::optional<HttpRequest>& Admitted() {
+  thread_local std::optional<HttpRequest> request;
+  return request;
+}
+
+HttpRequest TakeAdmitted(const httplib::Request& request) {
+  std::optional<HttpRequest> admitted;
+  admitted.swap(Admitted());
+  return admitted ? std::move(*admitted) : Translated(request);
+}
+
 HttpResponse HandlePost(Service& service, const httplib::Request& request, HttpRequest& translated,
                         const httplib::ContentReader& content) {
   BodyReader body(service, translated);
@@ -287,7 +300,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   const auto timed = [owner, operations](const httplib::Request& request, httplib::Response& response,
                                          auto respond) {
     const auto start = Clock::now();
-    HttpRequest translated = Translated(request);
+    HttpRequest translated = TakeAdmitted(request);
     translated.operations = operations;
     HttpResponse answer = ProblemOfStatus(500);
     try {
@@ -326,7 +339,11 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
         HttpRequest translated = Translated(request);
         translated.operations = operations;
         const auto refusal = service.Check(translated);
-        if (!refusal) return 100;
+        if (!refusal) {
+          translated.admitted = true;
+          Admitted() = std::move(translated);
+          return 100;
+        }
         Apply(*refusal, response);
         return response.status;
       });

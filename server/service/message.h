@@ -39,6 +39,7 @@ struct HttpRequest {
   Caller caller;
   std::string id;           // in X-Request-Id of the response, and in the log
   std::string trace_id;     // of its traceparent (trace_context.h); "" without a sound one
+  bool admitted = false;    // Service::Check has let it pass
   bool operations = false;  // came in where health and metrics are served, and nothing else
 
   std::string Header(const std::string& lower_case_name) const {

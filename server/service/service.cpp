@@ -105,6 +105,7 @@ Service::Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceL
     : store_(store), jobs_(jobs), access_(access), limits_(limits) {}
 
 std::optional<HttpResponse> Service::Check(HttpRequest& request) {
+  if (request.admitted) return std::nullopt;
   const Route route = FindRoute(request.path);
   const bool operations = route.kind == RouteKind::kHealth || route.kind == RouteKind::kReady ||
                           route.kind == RouteKind::kMetrics;

@@ -153,6 +153,15 @@ TEST_F(Keys, HaveARateAndAQuotaOfTheirOwn) {
   EXPECT_EQ(server_.Get("/v1/models/" + annas, With(anna_)).status, 200);
 }
 
+TEST_F(Keys, ARequestThatAsksBeforeItSendsCountsOnce) {
+  // Two requests in a minute, each of which waits to hear that its body is wanted.
+  Headers headers = With(Create({"--name", "careful", "--rate", "2"}));
+  headers.emplace_back("Expect", "100-continue");
+  headers.emplace_back("Content-Type", "application/octet-stream");
+  for (const int status : {201, 200, 429})
+    EXPECT_EQ(server_.Request("POST", "/v1/models?name=part.step", headers, "ok").status, status);
+}
+
 TEST(KeyStore, KeepsNoSecret) {
   const TempDir folder = TempDir::Create().value();
   std::string text;
