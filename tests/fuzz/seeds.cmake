@@ -1,5 +1,5 @@
 # cmake -DIMPORTER=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: the fuzz targets' seeds, made from the project's own samples.
-file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/mesh ${OUTPUT}/options)
+file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http)
 file(COPY ${SAMPLES}/sphere.step ${SAMPLES}/trimmed.iges ${SAMPLES}/broken/mesh.stl DESTINATION ${OUTPUT})
 file(RENAME ${OUTPUT}/sphere.step ${OUTPUT}/step_text/sphere.step)
 file(RENAME ${OUTPUT}/trimmed.iges ${OUTPUT}/iges_text/trimmed.iges)
@@ -15,3 +15,15 @@ file(WRITE ${OUTPUT}/options/views.json
      "{\"views\":[\"iso\",\"front\"],\"size\":\"64x48\",\"projection\":\"perspective\",\"samples\":4,\"precision\":\"fast\",\"threads\":2}")
 file(WRITE ${OUTPUT}/options/camera.json
      "{\"camera\":[{\"name\":\"a\",\"eye\":[10,-20.5,3e1],\"target\":[0,0,0],\"up\":[0,0,1],\"projection\":\"orthographic\",\"height\":12},{\"eye\":[1,2,3],\"fov_y_deg\":40}],\"deflection\":1e-3,\"angular\":20,\"aov\":[\"depth\",\"face\"],\"audit\":true,\"fail_deviation_mm\":0.1}")
+# CMake writes line ends as they are given.
+string(ASCII 13 10 end)
+set(host "Host: localhost${end}")
+file(WRITE ${OUTPUT}/http/page "GET /?a=b%20c HTTP/1.1${end}${host}Range: bytes=0-9${end}If-None-Match: \"x\"${end}Accept-Encoding: gzip${end}${end}")
+set(body "--b${end}Content-Disposition: form-data; name=\"file\"; filename=\"a.step\"${end}${end}ISO-10303-21;${end}--b${end}Content-Disposition: form-data; name=\"options\"${end}${end}{\"view\":\"iso\",\"size\":\"8x8\"}${end}--b--${end}")
+string(LENGTH "${body}" length)
+file(WRITE ${OUTPUT}/http/multipart "POST /v1/comparisons HTTP/1.1${end}${host}Prefer: wait=1${end}Idempotency-Key: k${end}Content-Type: multipart/form-data; boundary=b${end}Content-Length: ${length}${end}${end}${body}")
+set(body "{\"model\":\"0123456789012345678901234567890123456789012345678901234567890123\",\"view\":[\"front\"]}")
+string(LENGTH "${body}" length)
+file(WRITE ${OUTPUT}/http/json "POST /v1/renders HTTP/1.1${end}${host}Content-Type: application/json${end}Authorization: Bearer facetless_0_0${end}traceparent: 00-0123456789abcdef0123456789abcdef-0123456789abcdef-01${end}Content-Length: ${length}${end}${end}${body}")
+file(WRITE ${OUTPUT}/http/chunked "POST /v1/models?name=a.step HTTP/1.1${end}${host}Content-Type: application/octet-stream${end}Transfer-Encoding: chunked${end}${end}5${end}ISO-1${end}3;x=y${end}030${end}0${end}${end}")
+file(WRITE ${OUTPUT}/http/expect "POST /v1/models HTTP/1.1${end}${host}Expect: 100-continue${end}Content-Type: application/octet-stream${end}Content-Encoding: gzip${end}Content-Length: 4${end}${end}abcd")
