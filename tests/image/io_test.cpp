@@ -60,6 +60,18 @@ TEST_F(ImageFiles, PngComesBackByteForByte) {
   EXPECT_EQ(FileCount(), 1u) << "no temporary file stays";
 }
 
+TEST_F(ImageFiles, DataComeBackByteForByteAndNameNoColours) {
+  const Image8 data = Pattern(31, 17, 3);
+  ASSERT_TRUE(WriteDataPng(Path("d.png"), data).ok());
+  EXPECT_EQ(ReadPng(Path("d.png")).value().bytes, data.bytes);
+  EXPECT_EQ(Read(Path("d.png")).find("sRGB"), std::string::npos);
+  const Result<std::string> packed = EncodeDataPng(data);
+  ASSERT_TRUE(packed.ok()) << packed.error().message;
+  std::ofstream(Path("p.png"), std::ios::binary) << packed.value();
+  EXPECT_EQ(ReadPng(Path("p.png")).value().bytes, data.bytes);
+  EXPECT_EQ(WriteDataPng(Path("alpha.png"), Pattern(4, 4, 4)).error().code, ErrorCode::kBadUsage);
+}
+
 TEST_F(ImageFiles, DepthComesBackBitForBit) {
   std::vector<double> depth = {1.0 / 3, -1e-300, 1e300, INFINITY, 0.1, 7};
   ASSERT_TRUE(WriteDepth(Path("d.tif"), 3, 2, depth).ok());
