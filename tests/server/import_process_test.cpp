@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "render/model/model_file.h"
-#include "tests/server/support.h"
+#include "tests/server/fake_import.h"
 #include "tests/support/sanitized.h"
 
 namespace facetless {
@@ -16,26 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class ImportProcess : public testing::Test {
- protected:
-  ImportRequest Request(const std::string& mode) {
-    ImportRequest request;
-    request.input = WriteText(inputs_.File("part.step"), mode);
-    request.temp_parent = scratch_.path();
-    request.limits.timeout_s = 30;
-    return request;
-  }
-  Error ErrorOf(const ImportRequest& request) {
-    auto files = RunImporter(request);
-    EXPECT_FALSE(files.ok());
-    EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "something was left behind";
-    return files.ok() ? Error{} : files.error();
-  }
-
-  ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-fake-importer")};
-  TempDir inputs_ = TempDir::Create().value();
-  TempDir scratch_ = TempDir::Create().value();
-};
+using ImportProcess = FakeImport;
 
 TEST_F(ImportProcess, GivesModelAndMeshesUntilTheyAreLetGo) {
   ImportRequest request = Request("ok");

@@ -8,7 +8,7 @@
 #include "render/model/model_file.h"
 #include "server/importer/file_access.h"
 #include "server/importer/import_process.h"
-#include "tests/server/support.h"
+#include "tests/server/fake_import.h"
 #include "tests/support/sanitized.h"
 
 namespace facetless {
@@ -38,7 +38,7 @@ struct Holdings {
 // An output of one megabyte, its reports, and what the allocator keeps of both; a sanitizer's keeps what is freed, and a shadow of it.
 constexpr std::size_t kKeptBytes = std::size_t{kSanitized ? 128 : 16} << 20;
 
-class ImportThreats : public testing::Test {
+class ImportThreats : public FakeImport {
  protected:
   void SetUp() override {
     // The first run pays for what stays: locale, allocator.
@@ -53,27 +53,12 @@ class ImportThreats : public testing::Test {
     EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
     EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "something was left behind";
   }
-  ImportRequest Request(const std::string& mode) {
-    ImportRequest request;
-    request.input = WriteText(inputs_.File("part.step"), mode);
-    request.temp_parent = scratch_.path();
-    request.limits.timeout_s = 30;
-    return request;
-  }
-  Error ErrorOf(const ImportRequest& request) {
-    auto files = RunImporter(request);
-    EXPECT_FALSE(files.ok());
-    return files.ok() ? Error{} : files.error();
-  }
   void ExpectDenied(const std::string& mode) {
     auto files = RunImporter(Request(mode));
     ASSERT_TRUE(files.ok()) << mode << ": " << files.error().message;
     EXPECT_EQ(files.value().summary.value("denied", false), true) << mode;
   }
 
-  ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-fake-importer")};
-  TempDir inputs_ = TempDir::Create().value();
-  TempDir scratch_ = TempDir::Create().value();
   Holdings before_;
 };
 
