@@ -18,6 +18,14 @@ double DraftDeg(Vec3 normal, Vec3 pull) {
   return 90 - AngleDeg(normal, pull);
 }
 
+double TurnDeg(Vec2 v) {
+  const double length = Length(v);
+  // tan(θ/2) = y / (r + x) = (r − x) / y, whichever does not cancel.
+  if (v.x >= 0 && length > 0) return 2 * PolyAtan(v.y / (length + v.x)) * (180 / std::numbers::pi);
+  if (v.y == 0) return 180;
+  return 2 * PolyAtan((length - v.x) / v.y) * (180 / std::numbers::pi);
+}
+
 double SineOfDeg(double degrees) {
   const double t = PolyTan(0.5 * degrees * (std::numbers::pi / 180));
   return 2 * t / (1 + t * t);

@@ -11,6 +11,9 @@ double AngleDeg(Vec3 a, Vec3 b);
 // Degrees by which a surface with this outward unit normal opens along `pull`, −90 … 90: 0 is a wall along it, negative an undercut.
 double DraftDeg(Vec3 normal, Vec3 pull);
 
+// Degrees from the axis x to the vector, −180 … 180; 180 for the zero vector.
+double TurnDeg(Vec2 v);
+
 // The sine of −90 … 90 degrees.
 double SineOfDeg(double degrees);
 

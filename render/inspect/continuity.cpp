@@ -45,9 +45,10 @@ Vec2 PointOf(const Model& model, const Coedge& coedge, double parameter) {
   Vec2 point;
   for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
     const TrimSegment& segment = model.trim_segments[s];
+    // Real p-curves have segments of no length, which stand for their own parameter only.
     const double width = segment.edge_end - segment.edge_begin;
-    const double t = width != 0 ? (parameter - segment.edge_begin) / width : 0.5;
-    const double inside = std::clamp(t, 0.0, 1.0), off = std::fabs((t - inside) * width);
+    const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
+    const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
     if (!(off < best)) continue;
     best = off;
     point = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, inside);

@@ -127,8 +127,7 @@ Result<void> ReadSetting(const Setting& setting, Inspection& inspection) {
     case InspectionKind::kReflection:
       if (key == "lines") return ReadCount(setting, 1, kMostStripes, inspection.count);
       if (key == "direction") return ReadDirection(setting, inspection.direction);
-      if (key == "plane") return ReadDirection(setting, inspection.plane);
-      return BadUsage("shade: reflection has no \"" + key + "\"; it has lines, direction and plane");
+      return BadUsage("shade: reflection has no \"" + key + "\"; it has lines and direction");
     case InspectionKind::kCurvature: {
       if (key == "range") return ReadRange(setting, inspection.range);
       if (key != "kind") return BadUsage("shade: curvature has no \"" + key + "\"; it has kind and range");
@@ -175,14 +174,6 @@ std::string Text(const InspectionDirection& direction) {
   return Text(v.x) + "," + Text(v.y) + "," + Text(v.z);
 }
 
-Result<void> CheckReflection(const Inspection& inspection) {
-  // Words of the viewer and of the model may be parallel in one view only: those are caught when it is drawn.
-  const InspectionDirection &a = inspection.direction, &b = inspection.plane;
-  if (a.of_view == b.of_view && Length(Cross(Normalized(a.vector), Normalized(b.vector))) == 0)
-    return BadUsage("shade: reflection's lines must run across the direction in which their plane lies");
-  return {};
-}
-
 }  // namespace
 
 const std::vector<std::string>& InspectionNames() {
@@ -202,16 +193,14 @@ Result<Inspection> ParseInspection(const std::string& text) {
   inspection.kind = static_cast<InspectionKind>(found - InspectionNames().begin());
   if (inspection.kind == InspectionKind::kIsophotes) inspection.count = 16;
   if (inspection.kind == InspectionKind::kReflection) {
-    inspection.direction = {{0, 1, 0}, true};
-    inspection.plane = {{0, 0, 1}, true};
+    inspection.count = 36;
+    inspection.direction = {{1, 0, 0}, false};
   }
   if (colon == std::string::npos) return inspection;
   const Result<std::vector<Setting>> settings = Settings(text.substr(colon + 1));
   if (!settings) return settings.error();
   for (const Setting& setting : settings.value())
     if (Result<void> read = ReadSetting(setting, inspection); !read) return read.error();
-  if (inspection.kind == InspectionKind::kReflection)
-    if (Result<void> sound = CheckReflection(inspection); !sound) return sound.error();
   return inspection;
 }
 
@@ -226,7 +215,7 @@ std::string FormatInspection(const Inspection& inspection) {
     case InspectionKind::kIsophotes:
       return name + ":bands=" + count + ",light=" + direction;
     case InspectionKind::kReflection:
-      return name + ":lines=" + count + ",direction=" + direction + ",plane=" + Text(inspection.plane);
+      return name + ":lines=" + count + ",direction=" + direction;
     case InspectionKind::kCurvature:
       return name + ":kind=" + kCurvatures[static_cast<std::size_t>(inspection.curvature)] +
              (range.empty() ? "" : "," + range);

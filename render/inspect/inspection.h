@@ -45,10 +45,9 @@ struct ValueRange {
 
 struct Inspection {
   InspectionKind kind = InspectionKind::kStudio;
-  int count = 24;  // zebra's stripes and isophotes' bands from pole to pole; reflection's lines per diagonal
+  int count = 24;  // zebra's stripes, isophotes' bands from pole to pole; reflection's lines all round
   InspectionDirection
-      direction;  // zebra's axis, isophotes' light, the way that reflection's lines run, draft's pull
-  InspectionDirection plane;  // reflection: where the lines are, seen from the model's centre
+      direction;  // zebra's axis, isophotes' light, the way of reflection's lines, draft's pull
   CurvatureKind curvature = CurvatureKind::kMean;
   double limit_deg = 3;             // draft: what is enough
   std::optional<ValueRange> range;  // curvature and thickness; none: a robust one of each view

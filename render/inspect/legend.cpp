@@ -68,8 +68,7 @@ Image8 ScaleLegend(const InspectionView& view, int width, double text) {
 Image8 ClassLegend(const InspectionView& view, const std::string& title, int width, double text) {
   const TextStyle style{text};
   const int line = static_cast<int>(1.9 * text), box = static_cast<int>(1.1 * text);
-  Image8 image =
-      Paper(width, static_cast<int>(1.9 * text) + line * (static_cast<int>(view.classes.size()) + 1));
+  Image8 image = Paper(width, static_cast<int>(2.6 * text) + line * static_cast<int>(view.classes.size()));
   DrawCentered(image, width / 2.0, 1.8 * text, title, style);
   double y = 1.8 * text + 0.6 * text;
   for (const InspectionClass& one : view.classes) {

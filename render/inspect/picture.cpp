@@ -178,15 +178,6 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
   InspectionView view;
   view.inspection = inspection;
   view.quantity = QuantityOf(inspection);
-  if (inspection.kind == InspectionKind::kReflection) {
-    // Below this sine the lines' own direction would be rounding.
-    constexpr double kParallel = 1e-6;
-    if (!(Length(Cross(Resolved(inspection.direction, frame), Resolved(inspection.plane, frame))) >
-          kParallel))
-      return Error{ErrorCode::kBadUsage,
-                   "shade: in this view reflection's lines run in the direction in which their plane lies; "
-                   "choose another direction"};
-  }
 
   // Numbers.
   if (HasValues(inspection.kind)) {

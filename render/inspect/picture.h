@@ -39,7 +39,8 @@ struct InspectionView {
   std::vector<std::uint32_t> face_pixels;  // by placed face; of unseen
 };
 
-// `centres` are the samples at pixel centres, of the model's `scene` or, where it is null, of a mesh. Errors: those of InspectionValues; kBadUsage (directions that are parallel in this view).
+// `centres` are the samples at pixel centres, of the model's `scene` or, where it is null, of a mesh.
+// Errors: those of InspectionValues.
 Result<InspectionView> Measure(const Model& model, const Scene* scene, const SampleBuffer& centres,
                                const CameraFrame& frame, const Inspection& inspection, int threads);
 

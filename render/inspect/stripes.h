@@ -5,8 +5,8 @@
 //     too (G2) stripes run through smoothly; where normals differ (G0) stripes end.
 //  2. Zebra: the reflected ray meets a sphere at infinity, striped by latitude about `axis` in equal angles.
 //  3. Isophotes: lines of equal N·L, in equal steps of N·L. Both signs of L are kept apart.
-//  4. Reflection: the reflected ray meets a plane one diagonal away from the model's centre, with `lines` straight lines per diagonal.
-//     A ray that does not meet it within kFarthest diagonals of its centre sees no line.
+//  4. Reflection: the reflected ray meets a tunnel of lamps: a cylinder about the model's centre along `direction`, its radius the
+//     model's diagonal, with `lines` lines of light along it. Rays that meet it farther than kFarthest diagonals along see no line.
 //  5. A sample is in a stripe or not: only samples per pixel smooth the edges. No libm but sqrt: the same bytes everywhere.
 #pragma once
 
@@ -21,8 +21,7 @@ enum class Stripe : std::uint8_t { kLight, kDark, kNone };
 
 class StripePattern {
  public:
-  // Directions are resolved for the view; `bounds` are the model's. Requires a kind of law 1 and, for reflection lines, directions
-  // that are not parallel.
+  // The direction is resolved for the view; `bounds` are the model's. Requires a kind of law 1.
   StripePattern(const Inspection& inspection, const CameraFrame& frame, const Box3& bounds);
 
   // `normal` and `toward` (to the eye) are unit vectors in model axes with normal · toward >= 0.
@@ -33,7 +32,7 @@ class StripePattern {
 
   InspectionKind kind_;
   double count_;
-  Vec3 direction_, plane_, across_, center_;
+  Vec3 direction_, across_, above_, center_;  // across and above: perpendicular to the direction
   double diagonal_;
 };
 

@@ -29,7 +29,7 @@ gp_Vec Heading(double degrees) {
 // Counter-clockwise from `from` to `to`, about the centre.
 Handle(Geom_Curve) Arc(const gp_Pnt& center, double radius, const gp_Pnt& from, const gp_Pnt& to) {
   const gp_Circ circle(gp_Ax2(center, gp_Dir(0, -1, 0), gp_Dir(1, 0, 0)), radius);
-  return GC_MakeArcOfCircle(circle, from, to, true).Value();
+  return Handle(Geom_Curve)(GC_MakeArcOfCircle(circle, from, to, true).Value());
 }
 
 }  // namespace
