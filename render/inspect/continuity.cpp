@@ -97,7 +97,8 @@ class EdgeMeter {
     const Edge& edge = model_.edges[index];
     EdgeContinuity result;
     result.edge = index;
-    result.tolerance_mm = std::max(edge.tolerance_mm, kPositionShare * model_.Diagonal());
+    // Both faces lie within the tolerance of the edge, on either side of it.
+    result.tolerance_mm = std::max(2 * edge.tolerance_mm, kPositionShare * model_.Diagonal());
     const double turn = Turn(uses);
     for (int side = 0; side < 2; ++side) result.faces[side] = uses[side].face;
     const double begin = model_.edge_segments[edge.segments.first].begin,
