@@ -77,7 +77,7 @@ int ContinuityCommand(const CommandArguments& arguments) {
       {"facetless", ProgramJson(arguments.options.threads)},
       {"model",
        {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
-      {"continuity", ContinuityJson(MeasureContinuity(model), model)}};
+      {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
   Print(JsonText(answer));
   return LossExitCode(arguments.options, LossCount(model));
 }

@@ -175,7 +175,8 @@ class Run {
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
     if (ShowsSmoothness(options_.inspection.kind))
-      report["continuity"] = ContinuityJson(MeasureContinuity(*imported_.model), *imported_.model);
+      report["continuity"] =
+          ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }

@@ -57,8 +57,9 @@ Result<Image8> Develop(const Exposure& exposure, const Model& model, const Scene
   shade.samples_x = grid.x;
   shade.samples_y = grid.y;
   shade.threads = options.threads;
-  Result<Film> film = inspection != nullptr ? Draw(model, scene, samples, frame, *inspection, shade)
-                                            : Shade(samples, frame, FaceColors(model), shade);
+  Result<Film> film = inspection != nullptr
+                          ? Draw(model, scene, samples, frame, *inspection, shade, options.cancel)
+                          : Shade(samples, frame, FaceColors(model), shade);
   if (!film.ok()) return film.error();
   std::optional<Result<Image8>> image;
   RunWithThreads(options.threads, [&] {
@@ -74,7 +75,7 @@ Result<std::optional<InspectionView>> Inspected(const Model& model, const Scene*
                                                 const ViewOptions& options) {
   if (options.inspection.kind == InspectionKind::kStudio) return std::optional<InspectionView>();
   Result<InspectionView> measured =
-      Measure(model, scene, centres, frame, options.inspection, options.threads);
+      Measure(model, scene, centres, frame, options.inspection, options.threads, options.cancel);
   if (!measured.ok()) return measured.error();
   return std::optional<InspectionView>(std::move(measured).value());
 }

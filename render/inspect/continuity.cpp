@@ -189,7 +189,7 @@ double MeasureOf(const EdgeContinuity& edge) {
 
 }  // namespace
 
-Continuity MeasureContinuity(const Model& model) {
+Continuity MeasureContinuity(const Model& model, int threads) {
   // Who uses each edge.
   std::vector<std::vector<Use>> uses(model.edges.size());
   for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
@@ -215,9 +215,11 @@ Continuity MeasureContinuity(const Model& model) {
   }
   const EdgeMeter meter(model, surfaces);
   std::vector<std::optional<EdgeContinuity>> found(shared.size());
-  ParallelFor(std::size_t{0}, shared.size(), [&](std::size_t i) {
-    const std::vector<Use>& both = uses[shared[i]];
-    found[i] = meter.Measure(shared[i], {both[0], both[1]});
+  RunWithThreads(threads, [&] {
+    ParallelFor(std::size_t{0}, shared.size(), [&](std::size_t i) {
+      const std::vector<Use>& both = uses[shared[i]];
+      found[i] = meter.Measure(shared[i], {both[0], both[1]});
+    });
   });
 
   // Worst first.

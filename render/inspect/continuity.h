@@ -51,7 +51,7 @@ struct Continuity {
   std::size_t unmeasured_edges = 0;  // law 5
 };
 
-// Runs in the caller's task arena.
-Continuity MeasureContinuity(const Model& model);
+// threads: 0 is one per core.
+Continuity MeasureContinuity(const Model& model, int threads);
 
 }  // namespace facetless

@@ -173,7 +173,8 @@ Result<void> CheckSizes(const SampleBuffer& samples) {
 }  // namespace
 
 Result<InspectionView> Measure(const Model& model, const Scene* scene, const SampleBuffer& centres,
-                               const CameraFrame& frame, const Inspection& inspection, int threads) {
+                               const CameraFrame& frame, const Inspection& inspection, int threads,
+                               const std::atomic<bool>* cancel) {
   if (Result<void> sound = CheckSizes(centres); !sound.ok()) return sound.error();
   InspectionView view;
   view.inspection = inspection;
@@ -181,7 +182,8 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
 
   // Numbers.
   if (HasValues(inspection.kind)) {
-    Result<PerSample<double>> values = InspectionValues(model, scene, centres, frame, inspection, threads);
+    Result<PerSample<double>> values =
+        InspectionValues(model, scene, centres, frame, inspection, threads, cancel);
     if (!values.ok()) return values.error();
     view.values = std::move(values).value();
     view.statistics = StatisticsOf(view.values, centres);
@@ -206,14 +208,15 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
 }
 
 Result<Film> Draw(const Model& model, const Scene* scene, const SampleBuffer& samples,
-                  const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options) {
+                  const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options,
+                  const std::atomic<bool>* cancel) {
   if (Result<void> sound = CheckSizes(samples); !sound.ok()) return sound.error();
   // Draft's picture has its classes; only scales need numbers for every sample.
   const bool scaled = NeedsExactSurface(view.inspection.kind), same = view.values.size() == samples.size();
   PerSample<double> own;
   if (scaled && !same) {
     Result<PerSample<double>> values =
-        InspectionValues(model, scene, samples, frame, view.inspection, options.threads);
+        InspectionValues(model, scene, samples, frame, view.inspection, options.threads, cancel);
     if (!values.ok()) return values.error();
     own = std::move(values).value();
   }

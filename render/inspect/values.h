@@ -8,6 +8,7 @@
 //  4. The same values for any number of threads and any instruction set: no libm but sqrt.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,10 +31,12 @@ Quantity QuantityOf(const Inspection& inspection);
 // Whether the tracer must fill uv for Values to be exact.
 bool WantsUv(InspectionKind kind);
 
-// Requires HasValues. `scene` is the model's, or null: a mesh's samples. Errors: kBadUsage (law 1), kSizeMismatch.
+// Requires HasValues. `scene` is the model's, or null: a mesh's samples. `cancel` is polled; true ends the
+// call with kCancelled. Errors: kBadUsage (law 1), kSizeMismatch.
 Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scene,
                                            const SampleBuffer& samples, const CameraFrame& frame,
-                                           const Inspection& inspection, int threads);
+                                           const Inspection& inspection, int threads,
+                                           const std::atomic<bool>* cancel = nullptr);
 
 struct ValueStatistics {
   std::size_t count = 0, none = 0;  // hits with and without a number

@@ -122,6 +122,16 @@ TEST(Values, OfAMeshNeedNoParameters) {
   }
 }
 
+TEST(Values, CanBeCancelled) {
+  const Traced traced(ModelOf({testing::Sphere({0, 0, 0}, 5)}));
+  const std::atomic<bool> cancel{true};
+  const auto stopped =
+      InspectionValues(traced.model, &traced.scene, traced.result.samples, traced.result.frame,
+                       ParseInspection("thickness").value(), 0, &cancel);
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+}
+
 TEST(Range, IgnoresFewOutliersAndIsSymmetric) {
   SampleBuffer samples;
   samples.Resize(1000, 1);
