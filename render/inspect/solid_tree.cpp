@@ -18,6 +18,9 @@ constexpr double kOverlap = 0x1p-20;
 // Newton may leave its piece by this many widths on the way.
 constexpr double kStray = 1.5;
 constexpr int kMostSteps = 12;
+// A piece turns by less than 17 degrees from its middle to a corner: seen from its middle at a larger sine it has no fold.
+constexpr double kGrazing = 0.3;
+constexpr int kStarts = 4;  // in each direction, where it may have one
 // A root is one when what is left is within this of the coordinates' size: 2^-52, times the operations of an evaluation.
 constexpr double kResidual = 0x1p-46;
 constexpr std::uint32_t kPiecesPerLeaf = 4;
@@ -94,7 +97,7 @@ bool Meets(const Box3& box, Vec3 origin, Vec3 inverse, double low, double high) 
 
 // A ray with what every piece needs of it.
 struct SolidTree::Probe {
-  Vec3 origin, direction, inverse, across, above;  // across, above: unit, perpendicular to the direction
+  Vec3 origin, direction, inverse, unit, across, above;  // unit: along the direction; the others across it
   double t_least;
 };
 
@@ -175,56 +178,69 @@ void SolidTree::Build() {
 }
 
 void SolidTree::Solve(const Piece& piece, const Probe& probe, std::optional<SolidHit>& nearest) const {
+  // Seen steeply, a piece has at most one root, and Newton goes there from the middle.
+  const SurfaceEval& surface = surfaces_[piece.face];
+  const SurfacePoint middle = surface.First(0.5 * (piece.u0 + piece.u1), 0.5 * (piece.v0 + piece.v1));
+  const Vec3 normal = Cross(middle.du, middle.dv);
+  if (std::fabs(Dot(normal, probe.unit)) > kGrazing * Length(normal)) {
+    SolveFrom(piece, probe, {0.5, 0.5}, nearest);
+    return;
+  }
+  // Along a fold, or at a pole, it may have two, and Newton leaps from between them: begin in many places.
+  for (int i = 0; i < kStarts; ++i)
+    for (int j = 0; j < kStarts; ++j)
+      SolveFrom(piece, probe, {(i + 0.5) / kStarts, (j + 0.5) / kStarts}, nearest);
+}
+
+// Newton from a point of the piece, in shares of its widths; keeps the root if it counts and is the nearest.
+void SolidTree::SolveFrom(const Piece& piece, const Probe& probe, Vec2 start,
+                          std::optional<SolidHit>& nearest) const {
   const SurfaceEval& surface = surfaces_[piece.face];
   const double width_u = piece.u1 - piece.u0, width_v = piece.v1 - piece.v0;
   const double enough = kResidual * (surface.magnitude() + Length(probe.origin));
-  // From the middle; from the quarters where that fails, as it may beside a pole.
-  constexpr Vec2 kStarts[] = {{0.5, 0.5}, {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}};
-  for (const Vec2 start : kStarts) {
-    double u = piece.u0 + start.x * width_u, v = piece.v0 + start.y * width_v;
-    bool solved = false;
-    for (int step = 0; step < kMostSteps; ++step) {
-      const SurfacePoint at = surface.First(u, v);
-      const Vec3 rest = at.position - probe.origin;
-      const double fx = Dot(rest, probe.across), fy = Dot(rest, probe.above);
-      solved = std::fabs(fx) <= enough && std::fabs(fy) <= enough;
-      if (solved) break;
-      const double xu = Dot(at.du, probe.across), xv = Dot(at.dv, probe.across);
-      const double yu = Dot(at.du, probe.above), yv = Dot(at.dv, probe.above);
-      const double determinant = xu * yv - xv * yu;
-      u += (fy * xv - fx * yv) / determinant;
-      v += (fx * yu - fy * xu) / determinant;
-      if (u > piece.u0 - kStray * width_u && u < piece.u1 + kStray * width_u &&
-          v > piece.v0 - kStray * width_v && v < piece.v1 + kStray * width_v)
-        continue;
-      // A flat piece whose linear root lies that far away has none; a step that is no number is a pole's.
-      if (step == 0 && std::isfinite(u) && std::isfinite(v)) return;
-      break;
-    }
-    if (!solved) continue;
-    const double slop_u = kOverlap * width_u, slop_v = kOverlap * width_v;
-    if (!(u >= piece.u0 - slop_u && u <= piece.u1 + slop_u && v >= piece.v0 - slop_v &&
-          v <= piece.v1 + slop_v))
+  double u = piece.u0 + start.x * width_u, v = piece.v0 + start.y * width_v;
+  bool solved = false;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const SurfacePoint at = surface.First(u, v);
+    const Vec3 rest = at.position - probe.origin;
+    const double fx = Dot(rest, probe.across), fy = Dot(rest, probe.above);
+    solved = std::fabs(fx) <= enough && std::fabs(fy) <= enough;
+    if (solved) break;
+    const double xu = Dot(at.du, probe.across), xv = Dot(at.dv, probe.across);
+    const double yu = Dot(at.du, probe.above), yv = Dot(at.dv, probe.above);
+    const double determinant = xu * yv - xv * yu;
+    u += (fy * xv - fx * yv) / determinant;
+    v += (fx * yu - fy * xu) / determinant;
+    // In this form a step that is no number ends the search, too.
+    if (!(u > piece.u0 - kStray * width_u && u < piece.u1 + kStray * width_u &&
+          v > piece.v0 - kStray * width_v && v < piece.v1 + kStray * width_v))
       return;
-    u = std::clamp(u, surface.u_begin(), surface.u_end());
-    v = std::clamp(v, surface.v_begin(), surface.v_end());
-    const Vec3 rest = surface.Position(u, v) - probe.origin;
-    const double t = Dot(rest, probe.direction) / Dot(probe.direction, probe.direction);
-    if (!(t > probe.t_least) || (nearest && !(t < nearest->t))) return;
-    if (!piece.whole) {
-      const TrimAnswer answer = scene_.faces[piece.face].trim.Query(u, v, slop_u, slop_v);
-      if (!answer.inside && answer.coedge == kNoIndex && answer.certain) return;
-    }
-    nearest = SolidHit{t, piece.face, u, v};
-    return;
   }
+  if (!solved) return;
+
+  // The root counts in its own piece, ahead of the start, and inside the trimming.
+  const double slop_u = kOverlap * width_u, slop_v = kOverlap * width_v;
+  if (!(u >= piece.u0 - slop_u && u <= piece.u1 + slop_u && v >= piece.v0 - slop_v && v <= piece.v1 + slop_v))
+    return;
+  u = std::clamp(u, surface.u_begin(), surface.u_end());
+  v = std::clamp(v, surface.v_begin(), surface.v_end());
+  const Vec3 rest = surface.Position(u, v) - probe.origin;
+  const double t = Dot(rest, probe.direction) / Dot(probe.direction, probe.direction);
+  if (!(t > probe.t_least) || (nearest && !(t < nearest->t))) return;
+  if (!piece.whole) {
+    const TrimAnswer answer = scene_.faces[piece.face].trim.Query(u, v, slop_u, slop_v);
+    if (!answer.inside && answer.coedge == kNoIndex && answer.certain) return;
+  }
+  nearest = SolidHit{t, piece.face, u, v};
 }
 
 std::optional<SolidHit> SolidTree::Nearest(Vec3 origin, Vec3 direction, double t_least) const {
   std::optional<SolidHit> nearest;
   if (nodes_.empty()) return nearest;
-  Probe probe{origin, direction, {1 / direction.x, 1 / direction.y, 1 / direction.z}, {}, {}, t_least};
-  const Vec3 unit = Normalized(direction);
+  Probe probe{
+      origin, direction, {1 / direction.x, 1 / direction.y, 1 / direction.z}, Normalized(direction), {},
+      {},     t_least};
+  const Vec3 unit = probe.unit;
   const Vec3 size{std::fabs(unit.x), std::fabs(unit.y), std::fabs(unit.z)};
   const Vec3 helper = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
                       : size.y <= size.z                   ? Vec3{0, 1, 0}

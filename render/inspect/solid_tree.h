@@ -53,6 +53,7 @@ class SolidTree {
   void AddFace(std::uint32_t face);
   void Build();
   void Solve(const Piece& piece, const Probe& probe, std::optional<SolidHit>& nearest) const;
+  void SolveFrom(const Piece& piece, const Probe& probe, Vec2 start, std::optional<SolidHit>& nearest) const;
 
   const Scene::Data& scene_;
   const std::vector<SurfaceEval>& surfaces_;
