@@ -38,6 +38,7 @@ constexpr const char* kRenderFooter = R"(Examples:
   facetless render part.step --out images --projection perspective --edges --background transparent
   facetless render part.step --out images --camera '{"eye":[200,-300,150],"target":[0,0,0],"height":120}'
   facetless render part.step --out images --camera @cameras.json --aov depth,normal,face
+  facetless render part.step --out images --shade curvature:kind=gaussian
 
 --out receives NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html;
 standard output gets the path of report.json.)";
@@ -75,6 +76,13 @@ constexpr const char* kMeshFooter = R"(Examples:
 
 constexpr const char* kInspectFooter = R"(Example:
   facetless inspect part.step | jq '.model.faces_skipped')";
+
+constexpr const char* kContinuityFooter = R"(Examples:
+  facetless continuity part.step | jq '.continuity.counts'
+  facetless continuity part.step | jq '.continuity.worst.G1[:10]'
+
+Every edge that two faces share: how far apart they are, at what angle they meet, how much the curvature jumps; worst first.
+docs/inspection.md says how it is measured.)";
 
 constexpr const char* kRegressFooter = R"(Examples:
   facetless regress manifest.json --update          write the references
@@ -175,6 +183,11 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
   options.Switch(app, "audit", "Also count every crossing of every ray, and compare with the opposite view");
   options.Switch(app, "edges", "Draw feature edges");
   options.Text(app, "background", "studio (default) or transparent", "NAME");
+  options.Text(
+      app, "shade",
+      "What pictures show: studio (default), zebra, isophotes, reflection, curvature, draft, thickness, "
+      "faces, unseen, back; with settings as in zebra:stripes=24,axis=z (docs/inspection.md)",
+      "NAME[:...]");
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
 }
 
@@ -309,6 +322,8 @@ int RunCommandLine(int argc, char** argv) {
   // The commands.
   CLI::App* inspect = AddFileCommand(app, "inspect", "Say what the file holds and what was lost (JSON)",
                                      kInspectFooter, arguments);
+  CLI::App* continuity = AddFileCommand(
+      app, "continuity", "Measure how smoothly neighbouring faces meet (JSON)", kContinuityFooter, arguments);
   CLI::App* render = AddFileCommand(app, "render", "Render the exact surfaces", kRenderFooter, arguments);
   CLI::App* mesh = AddFileCommand(app, "mesh", "Write a tessellation as glTF binary", kMeshFooter, arguments);
   CLI::App* compare =
@@ -358,12 +373,12 @@ int RunCommandLine(int argc, char** argv) {
   options.Number(compare, "fail-silhouette-px", "Fail if silhouettes are farther apart", "PX");
   options.Number(compare, "fail-flip", "Fail if the mean FLIP error is larger (0 … 1)", "X");
   options.Number(compare, "fail-share", "Fail if a larger share of the pixels differs (0 … 1)", "X");
-  for (CLI::App* command : {inspect, render, mesh, compare, trade})
+  for (CLI::App* command : {inspect, continuity, render, mesh, compare, trade})
     options.Switch(command, "strict", "Fail (exit code 2) if anything of the file was lost");
   regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
   regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
   options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
-  for (CLI::App* command : {inspect, render, mesh, compare, trade, bench, regress})
+  for (CLI::App* command : {inspect, continuity, render, mesh, compare, trade, bench, regress})
     AddImportOptions(command, options, arguments);
 
   // Parse: help and version end with 0, everything that is wrong with 64.
@@ -378,6 +393,7 @@ int RunCommandLine(int argc, char** argv) {
   if (*keys.revoke) return RevokeKeyCommand(key);
   if (*store_check) return StoreCheckCommand(arguments.file);
   for (const auto& [command, run] : {std::pair{inspect, &InspectCommand},
+                                     {continuity, &ContinuityCommand},
                                      {render, &RenderCommand},
                                      {mesh, &MeshCommand},
                                      {compare, &CompareCommand},

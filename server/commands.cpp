@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/baseline/mesh_file.h"
+#include "render/inspect/report.h"
 #include "render/model/model_file.h"
 #include "server/exit_code.h"
 #include "server/files.h"
@@ -67,6 +68,20 @@ int InspectCommand(const CommandArguments& arguments) {
   return LossExitCode(arguments.options, LossCount(*imported.value().model));
 }
 
+int ContinuityCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  const Model& model = *imported.value().model;
+  const nlohmann::json answer = {
+      {"facetless", ProgramJson(arguments.options.threads)},
+      {"model",
+       {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
+      {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
+  Print(JsonText(answer));
+  return LossExitCode(arguments.options, LossCount(model));
+}
+
 int RenderCommand(const CommandArguments& arguments) {
   Progress progress(arguments.progress);
   auto imported = Import(ToImportRequest(arguments, progress));
@@ -92,6 +107,8 @@ int MeshCommand(const CommandArguments& arguments) {
 int CompareCommand(const CommandArguments& arguments) {
   Progress progress(arguments.progress);
   const RunOptions& options = arguments.options;
+  // What no mesh can show is said before anything is imported.
+  if (auto can = CheckMeshCanShow(options.inspection, true); !can) return PrintError(can.error());
   ImportRequest request = ToImportRequest(arguments, progress);
   if (options.mesh.empty()) request.meshes = {options.tessellation};
   auto imported = Import(request);

@@ -24,6 +24,7 @@ struct CommandArguments {
 };
 
 int InspectCommand(const CommandArguments& arguments);
+int ContinuityCommand(const CommandArguments& arguments);
 int RenderCommand(const CommandArguments& arguments);
 int MeshCommand(const CommandArguments& arguments);
 int CompareCommand(const CommandArguments& arguments);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "render/compare/compare_view.h"
+#include "server/shade_option.h"
 
 namespace facetless {
 namespace {
@@ -258,6 +259,7 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"audit", BoolParser("audit", &RunOptions::audit)},
       {"edges", BoolParser("edges", &RunOptions::edges)},
       {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
+      {"shade", [](const Json& json, RunOptions& o) { return Store(ParseShade(json), o.inspection); }},
       {"aov", ParseAovs},
       {"mesh", [](const Json& json, RunOptions& o) { return Store(ParseText(json, "mesh"), o.mesh); }},
       {"mesh_unit", WordParser("mesh_unit", {"mm", "cm", "m", "in", "ft"}, &RunOptions::mesh_unit)},

@@ -18,6 +18,7 @@
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
 // background      studio | transparent                                           studio
+// shade           NAME or NAME:KEY=VALUE,…, or an object: see ParseShade          studio
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
 // mesh_unit       mm | cm | m | in | ft                                          the format's own
@@ -47,6 +48,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/compare/trade_answers.h"
+#include "render/inspect/inspection.h"
 #include "render/model/result.h"
 #include "render/model/vec.h"
 #include "render/shade/shade.h"
@@ -84,6 +86,7 @@ struct RunOptions {
   double timeout_s = 0;
   bool audit = false, edges = false;
   Background background = Background::kStudio;
+  Inspection inspection;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
   TessellationOptions tessellation;

@@ -9,12 +9,14 @@
 #include "render/compare/compare_view.h"
 #include "render/compare/report.h"
 #include "render/image/io.h"
+#include "render/inspect/report.h"
 #include "render/model/model_file.h"
 #include "render/shade/certificate_map.h"
 #include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/interrupt.h"
 #include "server/report_html.h"
+#include "server/shade_option.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -29,6 +31,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* ca
   view.threads = options.threads;
   view.edges = options.edges;
   view.background = options.background;
+  view.inspection = options.inspection;
   view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
   view.depth_error = options.WantsAov("certificate");
@@ -56,6 +59,17 @@ class ViewFiles {
     Add(role, ".tif", [&samples](const std::string& path) {
       return WriteDepth(path, samples.width, samples.height, samples.depth);
     });
+  }
+  // The legend, and the numbers as they are.
+  void Inspection(const std::optional<InspectionView>& inspection, const SampleBuffer& samples) {
+    if (!inspection) return;
+    if (Image8 legend = DrawLegend(*inspection, samples.width); legend.width > 0)
+      Add("legend", ".png",
+          [legend = std::move(legend)](const std::string& path) { return WritePng(path, legend); });
+    if (!inspection->values.empty())
+      Add("inspection", ".tif", [&inspection, &samples](const std::string& path) {
+        return WriteDepth(path, samples.width, samples.height, inspection->values);
+      });
   }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
@@ -149,6 +163,7 @@ class Run {
                    {"options",
                     {{"samples", options_.samples},
                      {"precision", PrecisionName(options_.precision)},
+                     {"shade", FormatInspection(options_.inspection)},
                      {"edges", options_.edges},
                      {"audit", options_.audit}}},
                    {"model", ImportedModelJson(imported_)},
@@ -159,6 +174,9 @@ class Run {
                      {"scene", scene_ms_},
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+    if (ShowsSmoothness(options_.inspection.kind))
+      report["continuity"] =
+          ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -265,9 +283,12 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.value().image);
     files.Depth("depth", view.value().samples);
+    files.Inspection(view.value().inspection, view.value().samples);
     files.Aovs(view.value().samples, options);
     Json json = RenderJson(camera, view.value());
     if (auto written = files.Write(json, options.threads); !written) return written.error();
+    if (view.value().inspection)
+      json["inspection"] = {{"direct", InspectionJson(*view.value().inspection, *imported.model)}};
     return json;
   });
   if (!views) return views.error();
@@ -291,12 +312,16 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     files.Png("difference", view.picture.image);
     files.Depth("depth", view.direct.samples);
     files.Depth("baseline-depth", view.baseline.samples);
+    files.Inspection(view.direct.inspection, view.direct.samples);
     files.Aovs(view.direct.samples, options);
     const Difference& d = view.difference;
     values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                       d.color.flip_mean, d.color.share_over_threshold});
     Json json = ComparisonJson(view, baseline.value());
     if (auto written = files.Write(json, options.threads); !written) return written.error();
+    if (view.direct.inspection && view.baseline.inspection)
+      json["inspection"] = {{"direct", InspectionJson(*view.direct.inspection, *imported.model)},
+                            {"baseline", InspectionJson(*view.baseline.inspection, *imported.model)}};
     return json;
   });
   if (!views) return views.error();

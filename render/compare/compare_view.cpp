@@ -40,16 +40,26 @@ Result<void> CheckOptions(const ViewOptions& options) {
   return {};
 }
 
-// Shades, resolves and encodes.
-Result<Image8> Develop(const SampleBuffer& samples, const CameraFrame& frame,
-                       const std::vector<Color>& colors, SampleGrid grid, const ViewOptions& options) {
+// What a picture is made of: samples at the grid's resolution, and what they were traced with.
+struct Exposure {
+  const SampleBuffer& samples;
+  const CameraFrame& frame;
+  SampleGrid grid;
+};
+
+// Shades, resolves and encodes. `scene` is null for a mesh, `inspection` for the studio's light.
+Result<Image8> Develop(const Exposure& exposure, const Model& model, const Scene* scene,
+                       const InspectionView* inspection, const ViewOptions& options) {
+  const auto& [samples, frame, grid] = exposure;
   ShadeOptions shade;
   shade.background = options.background;
   shade.edges = options.edges;
   shade.samples_x = grid.x;
   shade.samples_y = grid.y;
   shade.threads = options.threads;
-  Result<Film> film = Shade(samples, frame, colors, shade);
+  Result<Film> film = inspection != nullptr
+                          ? Draw(model, scene, samples, frame, *inspection, shade, options.cancel)
+                          : Shade(samples, frame, FaceColors(model), shade);
   if (!film.ok()) return film.error();
   std::optional<Result<Image8>> image;
   RunWithThreads(options.threads, [&] {
@@ -57,6 +67,21 @@ Result<Image8> Develop(const SampleBuffer& samples, const CameraFrame& frame,
     image = resolved.ok() ? Encode(resolved.value()) : Result<Image8>(resolved.error());
   });
   return *std::move(image);
+}
+
+// What the options' inspection finds at pixel centres; none for the studio.
+Result<std::optional<InspectionView>> Inspected(const Model& model, const Scene* scene,
+                                                const SampleBuffer& centres, const CameraFrame& frame,
+                                                const ViewOptions& options) {
+  if (options.inspection.kind == InspectionKind::kStudio) return std::optional<InspectionView>();
+  Result<InspectionView> measured =
+      Measure(model, scene, centres, frame, options.inspection, options.threads, options.cancel);
+  if (!measured.ok()) return measured.error();
+  return std::optional<InspectionView>(std::move(measured).value());
+}
+
+const InspectionView* Address(const std::optional<InspectionView>& view) {
+  return view ? &*view : nullptr;
 }
 
 // What RenderView makes, and the samples of the colour pass, which the foreign mesh's colours come from.
@@ -67,8 +92,7 @@ struct DirectPasses {
   const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : view.samples; }
 };
 
-Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const std::vector<Color>& colors,
-                               const ViewOptions& options) {
+Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   DirectPasses passes;
   DirectView& view = passes.view;
@@ -80,7 +104,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
   trace.max_bytes = options.max_bytes;
   trace.threads = options.threads;
   trace.newton_tolerance = options.newton_tolerance;
-  trace.uv = options.uv;
+  trace.uv = options.uv || WantsUv(options.inspection.kind);
   trace.depth_error = options.depth_error;
   trace.audit = options.audit;
   trace.cancel = options.cancel;
@@ -97,7 +121,8 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
   CameraFrame color_frame = view.frame;
   if (options.samples > 1) {
     const Clock::time_point color_start = Clock::now();
-    trace.uv = trace.depth_error = trace.audit = false;
+    trace.uv = NeedsExactSurface(options.inspection.kind);
+    trace.depth_error = trace.audit = false;
     Result<DirectResult> color = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
     if (!color.ok()) return color.error();
     color_frame = color.value().frame;
@@ -110,7 +135,11 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
 
   // Light.
   const Clock::time_point shade_start = Clock::now();
-  Result<Image8> image = Develop(passes.color(), color_frame, colors, view.grid, options);
+  auto inspected = Inspected(scene.model(), &scene, view.samples, view.frame, options);
+  if (!inspected.ok()) return inspected.error();
+  view.inspection = std::move(inspected).value();
+  Result<Image8> image = Develop({passes.color(), color_frame, view.grid}, scene.model(), &scene,
+                                 Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -138,7 +167,7 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
 
 // `direct` lends its faces to a foreign mesh; null for one that names its own.
 Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
-                                 const std::vector<Color>& colors, const ViewOptions& options) {
+                                 const Model& model, const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   const SampleGrid grid = GridOf(options.samples);
   BaselineView view;
@@ -168,7 +197,11 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   // Light.
   const Clock::time_point shade_start = Clock::now();
   if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
-  Result<Image8> image = Develop(color, color_frame, colors, grid, options);
+  auto inspected = Inspected(model, nullptr, view.samples, traced.value().frame, options);
+  if (!inspected.ok()) return inspected.error();
+  view.inspection = std::move(inspected).value();
+  Result<Image8> image =
+      Develop({color, color_frame, grid}, model, nullptr, Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -215,7 +248,7 @@ std::vector<Color> FaceColors(const Model& model) {
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   try {
-    Result<DirectPasses> passes = RunDirect(scene, camera, FaceColors(scene.model()), options);
+    Result<DirectPasses> passes = RunDirect(scene, camera, options);
     if (!passes.ok()) return passes.error();
     return std::move(passes).value().view;
   } catch (const std::bad_alloc&) {
@@ -228,8 +261,9 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   if (!baseline.mesh().from_model)
     return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
+  if (Result<void> can = CheckMeshCanShow(options.inspection, true); !can.ok()) return can.error();
   try {
-    return RunBaseline(baseline, camera, nullptr, FaceColors(model), options);
+    return RunBaseline(baseline, camera, nullptr, model, options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -238,15 +272,16 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
                                    const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
+  if (Result<void> can = CheckMeshCanShow(options.inspection, baseline.mesh().from_model); !can.ok())
+    return can.error();
   try {
     // Trace both.
     ViewComparison comparison;
     comparison.camera = camera;
-    const std::vector<Color> colors = FaceColors(scene.model());
-    Result<DirectPasses> direct = RunDirect(scene, camera, colors, options);
+    Result<DirectPasses> direct = RunDirect(scene, camera, options);
     if (!direct.ok()) return direct.error();
     Result<BaselineView> meshed = RunBaseline(
-        baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), colors, options);
+        baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), scene.model(), options);
     if (!meshed.ok()) return meshed.error();
     comparison.direct = std::move(direct.value().view);
     comparison.baseline = std::move(meshed).value();

@@ -8,12 +8,14 @@
 //  3. peak_bytes counts what the tracer holds for this view at its fullest: the direct one the scene's
 //     leaves, bitmaps and buffers; the baseline the mesh, Embree's own count at its highest, and buffers.
 //     The model and the program itself are not in it.
-//  4. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
+//  4. An inspection is measured at pixel centres, its robust range included, and drawn where the colour comes from.
+//  5. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
 //     shows there, and the commonest colour of that image where it shows none.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "render/baseline/tracer.h"
@@ -21,6 +23,7 @@
 #include "render/compare/difference_picture.h"
 #include "render/image/film.h"
 #include "render/image/metrics.h"
+#include "render/inspect/picture.h"
 #include "render/model/model.h"
 #include "render/shade/shade.h"
 #include "render/trace/camera.h"
@@ -35,6 +38,7 @@ struct ViewOptions {
   int threads = 0;                                      // 0: all cores
   bool edges = false;
   Background background = Background::kStudio;
+  Inspection inspection;        // what both pictures show; the difference is measured all the same
   double newton_tolerance = 0;  // as DirectOptions
   bool uv = false;              // fill the direct samples' uv
   bool depth_error = false;     // fill the direct samples' depth_error
@@ -56,6 +60,7 @@ struct DirectView {
   DirectStats stats;                      // of the pixel-centre pass
   std::vector<std::string> unseen_names;  // of stats.unseen_faces, in that order
   Image8 image;
+  std::optional<InspectionView> inspection;  // none: the studio
   SampleGrid grid;
   double color_ms = 0, shade_ms = 0, total_ms = 0;
   std::uint64_t peak_bytes = 0;
@@ -65,6 +70,7 @@ struct BaselineView {
   SampleBuffer samples;
   BaselineStats stats;  // of the pixel-centre pass
   Image8 image;
+  std::optional<InspectionView> inspection;  // none: the studio
   double color_ms = 0, shade_ms = 0;
   double total_ms = 0;  // without meshing and build, which happen once per mesh
   std::uint64_t peak_bytes = 0;
@@ -79,15 +85,15 @@ struct ViewComparison {
   double difference_ms = 0;
 };
 
-// Errors: those of TraceDirect and Shade; kBadUsage (options).
+// Errors: those of TraceDirect, Shade, Measure and Draw; kBadUsage (options).
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options);
 
 // The baseline alone, of a mesh that names the model's faces (Mesh::from_model). Errors: those of TraceBaseline
-// and Shade; kBadUsage (options, a foreign mesh).
+// and Shade; kBadUsage (options, a foreign mesh, an inspection that no mesh can show).
 Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& model, const Camera& camera,
                                 const ViewOptions& options);
 
-// Errors: those of RenderView, TraceBaseline, ComputeDifference and DrawDifference.
+// Errors: those of RenderView, TraceBaseline, CheckMeshCanShow, ComputeDifference and DrawDifference.
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
                                    const ViewOptions& options);
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "render/compare/color_map.h"
+#include "render/image/color_map.h"
 #include "render/image/text.h"
 #include "render/shade/features.h"
 #include "render/trace/parallel.h"

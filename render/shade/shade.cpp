@@ -94,10 +94,7 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
   for (std::size_t i = 0; i < colors.size(); ++i)
     albedo.push_back(i > 0 && Same(colors[i], colors[i - 1]) ? albedo.back() : Linear(colors[i]));
   const Vec3 fallback = Linear(options.fallback);
-  const Vec3 room = StudioBackground();
-  std::array<float, 4> background = {0, 0, 0, 0};
-  if (options.background == Background::kStudio)
-    background = {static_cast<float>(room.x), static_cast<float>(room.y), static_cast<float>(room.z), 1.0f};
+  const std::array<float, 4> background = BackgroundLight(options.background);
 
   Film film;
   film.width = samples.width;
@@ -118,6 +115,17 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
                                             ", " + std::to_string(bad.load() / samples.width) +
                                             ") has a depth or a normal that is not a number"};
   return film;
+}
+
+std::array<float, 4> BackgroundLight(Background background) {
+  if (background == Background::kTransparent) return {0, 0, 0, 0};
+  const Vec3 room = StudioBackground();
+  return {static_cast<float>(room.x), static_cast<float>(room.y), static_cast<float>(room.z), 1.0f};
+}
+
+void DrawFeatureEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
+                      Film& film) {
+  RunWithThreads(options.threads, [&] { DrawEdges(samples, frame, options, film); });
 }
 
 }  // namespace facetless

@@ -12,6 +12,7 @@
 //     They are about one pixel wide: with samples_x × samples_y samples per pixel, as many samples.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -39,5 +40,12 @@ struct ShadeOptions {
 // the pixel), kBadUsage (options).
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options);
+
+// What Shade shows where nothing is hit: red, green, blue times alpha, and alpha; linear.
+std::array<float, 4> BackgroundLight(Background background);
+
+// Law 5 alone, over a film that somebody else made from the samples. Requires equal sizes.
+void DrawFeatureEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
+                      Film& film);
 
 }  // namespace facetless

@@ -47,6 +47,7 @@ void WriteAll(const fs::path& folder) {
       {"teapot", facetless::samples::Teapot},   {"sphere", facetless::samples::Sphere},
       {"cone", facetless::samples::Cone},       {"torus", facetless::samples::Torus},
       {"blade", facetless::samples::Blade},     {"freeform", facetless::samples::Freeform},
+      {"vase", facetless::samples::Vase},
   };
   nlohmann::ordered_json expected;
   fs::create_directories(folder);

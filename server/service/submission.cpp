@@ -83,6 +83,8 @@ Result<void> CheckOptions(const Submission& submission) {
   }
   auto options = ParseOptions(submission.options);
   if (!options) return options.error();
+  if (submission.kind == "comparison")
+    if (auto can = CheckMeshCanShow(options.value().inspection, true); !can) return can.error();
   return {};
 }
 

@@ -105,6 +105,53 @@ TEST_F(SphereView, BothTracersShadeAlike) {
   }
 }
 
+TEST_F(SphereView, AnInspectionShowsOnBothAndChangesNoMillimetre) {
+  const Mesh mesh = SphereMesh(64, true);
+  ViewOptions options;
+  const ViewComparison studio = Compare(mesh, options);
+  options.samples = 4;
+  options.inspection = ParseInspection("zebra").value();
+  const ViewComparison zebra = Compare(mesh, options);
+  EXPECT_EQ(zebra.difference.deviation_mm.max, studio.difference.deviation_mm.max);
+  EXPECT_EQ(zebra.difference.silhouette.pixels, studio.difference.silhouette.pixels);
+  EXPECT_NE(zebra.direct.image.bytes, studio.direct.image.bytes);
+  EXPECT_NE(zebra.baseline.image.bytes, studio.baseline.image.bytes);
+  EXPECT_GT(zebra.difference.color.ssim, 0.7) << "the same stripes";
+  EXPECT_TRUE(zebra.direct.inspection && zebra.baseline.inspection);
+  EXPECT_FALSE(studio.direct.inspection || studio.baseline.inspection);
+}
+
+TEST_F(SphereView, WhatNoMeshCanShowIsRefused) {
+  const Mesh own = SphereMesh(32, true), foreign = SphereMesh(32, false);
+  const Camera camera = NamedView("iso", model_.bounds, Projection::kPerspective, 32, 32).value();
+  const auto refused = [&](const Mesh& mesh, const char* shade) {
+    const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
+    ViewOptions options;
+    options.inspection = ParseInspection(shade).value();
+    const auto compared = CompareView(scene_, baseline.value(), camera, options);
+    return !compared.ok() && compared.error().code == ErrorCode::kBadUsage;
+  };
+  EXPECT_TRUE(refused(own, "curvature"));
+  EXPECT_TRUE(refused(own, "thickness"));
+  EXPECT_FALSE(refused(own, "faces"));
+  EXPECT_TRUE(refused(foreign, "faces"));
+  EXPECT_FALSE(refused(foreign, "draft"));
+}
+
+TEST_F(SphereView, CurvatureIsMeasuredAtPixelCentresAndDrawnSupersampled) {
+  const Camera camera = NamedView("iso", model_.bounds, Projection::kPerspective, 64, 64).value();
+  ViewOptions options;
+  options.inspection = ParseInspection("curvature:kind=gaussian").value();
+  const Result<DirectView> plain = RenderView(scene_, camera, options);
+  options.samples = 4;
+  const Result<DirectView> smooth = RenderView(scene_, camera, options);
+  ASSERT_TRUE(plain.ok() && smooth.ok());
+  EXPECT_EQ(plain.value().inspection->values, smooth.value().inspection->values);
+  EXPECT_EQ(plain.value().inspection->range.high, smooth.value().inspection->range.high);
+  EXPECT_NEAR(plain.value().inspection->statistics.p50, 1 / (kRadius * kRadius), 1e-11);
+  EXPECT_NE(plain.value().image.bytes, smooth.value().image.bytes);
+}
+
 TEST_F(SphereView, AForeignMeshBorrowsTheColours) {
   const ViewComparison own = Compare(SphereMesh(256, true)), foreign = Compare(SphereMesh(256, false));
   EXPECT_EQ(own.baseline.image.bytes, foreign.baseline.image.bytes);

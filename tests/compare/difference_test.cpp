@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "render/compare/color_map.h"
 #include "render/compare/difference_picture.h"
 #include "render/compare/report.h"
+#include "render/image/color_map.h"
 
 namespace facetless {
 namespace {

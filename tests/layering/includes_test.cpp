@@ -4,7 +4,7 @@
 //  1. Of our own folders: server → bench, render; bench → render; import → render/model; render → render. Nothing
 //  includes tests/ or samples/.
 //  2. Inside render, folders form a chain: model ← (nurbs, accel, kernels, trace) ← baseline, image ← shade ←
-//  compare.
+//  inspect ← compare.
 //  3. Each third-party library has one home.
 //  4. The libraries of render/ and bench/ never print and never end the process.
 
@@ -151,6 +151,9 @@ TEST(Layering, FoldersOfRenderFormAChain) {
   EXPECT_THAT(ForbiddenIncludes("render/baseline/", tracer_and({"render/baseline/"})), IsEmpty());
   EXPECT_THAT(ForbiddenIncludes("render/image/", tracer_and({"render/image/"})), IsEmpty());
   EXPECT_THAT(ForbiddenIncludes("render/shade/", tracer_and({"render/shade/", "render/image/"})), IsEmpty());
+  EXPECT_THAT(
+      ForbiddenIncludes("render/inspect/", tracer_and({"render/inspect/", "render/shade/", "render/image/"})),
+      IsEmpty());
 }
 
 TEST(Layering, EachLibraryHasOneHome) {

@@ -65,6 +65,9 @@ TEST_F(CommandLine, RefusesWrongOptionsBeforeAnyWork) {
       {"render", file, "--out", "d", "--camera", "@absent.json"},
       {"render", file, "--out", "d", "--aov", "curvature"},
       {"render", file, "--out", "d", "--colour", "red"},
+      {"render", file, "--out", "d", "--shade", "tiger"},
+      {"render", file, "--out", "d", "--shade", "zebra:stripes=none"},
+      {"compare", file, "--out", "d", "--shade", "curvature"},
       {"compare", file, "--out", "d", "--deflection", "0"},
       {"compare", file, "--out", "d", "--deflection", "1e-3", "--deflection-mm", "1"},
       {"compare", file, "--out", "d", "--mesh", "m.glb", "--mesh-unit", "parsec"},
@@ -126,6 +129,30 @@ TEST_F(CommandLine, RenderWritesItsFilesAndPrintsThePathOfTheReport) {
   ASSERT_EQ(RunFake("render", "ok", {"--out", again, "--camera", "@" + camera}).exit_code, kExitDone);
   EXPECT_EQ(ReadText(again + "/camera.direct.png"), ReadText(out + "/top.direct.png"));
   EXPECT_EQ(ReadText(again + "/camera.depth.tif"), ReadText(out + "/top.depth.tif"));
+}
+
+TEST_F(CommandLine, AnInspectionWritesItsLegendAndItsNumbers) {
+  const std::string out = directory_.File("inspected");
+  const ChildOutcome outcome = RunFake(
+      "render", "ok", {"--out", out, "--view", "top", "--size", "40x30", "--shade", "curvature:range=-1..1"});
+  ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
+  std::set<std::string> files;
+  for (const auto& file : std::filesystem::directory_iterator(out)) files.insert(file.path().filename());
+  EXPECT_EQ(files, (std::set<std::string>{"report.json", "report.html", "top.direct.png", "top.depth.tif",
+                                          "top.legend.png", "top.inspection.tif"}));
+  const Json report = Json::parse(ReadText(out + "/report.json"));
+  EXPECT_EQ(report.at("options").at("shade"), "curvature:kind=mean,range=-1..1");
+  const Json& view = report.at("views")[0];
+  EXPECT_EQ(view.at("files").at("inspection"), "top.inspection.tif");
+  EXPECT_EQ(view.at("inspection").at("direct").at("unit"), "1/mm");
+  EXPECT_EQ(view["inspection"]["direct"].at("range"), Json({-1, 1}));
+  EXPECT_TRUE(report.at("continuity").at("counts").contains("G1"));
+}
+
+TEST_F(CommandLine, ContinuityGivesJson) {
+  const ChildOutcome outcome = RunFake("continuity", "ok", {});
+  EXPECT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
+  EXPECT_EQ(Json::parse(outcome.out).at("continuity").at("counts").at("G0"), 0);
 }
 
 TEST_F(CommandLine, SaysWhenItCannotWrite) {

@@ -79,6 +79,22 @@ TEST(Options, AreReadByName) {
   EXPECT_EQ(options.fail.flip, 0.0);
 }
 
+TEST(Options, ShadeIsATextOrAnObject) {
+  const auto shade = [](const char* json) { return FormatInspection(Parsed(json).inspection); };
+  EXPECT_EQ(shade("{}"), "studio");
+  EXPECT_EQ(shade(R"({"shade":"zebra:stripes=7"})"), "zebra:stripes=7,axis=z");
+  EXPECT_EQ(shade(R"({"shade":{"name":"zebra","stripes":7,"axis":[1,0,0.5]}})"),
+            "zebra:stripes=7,axis=1,0,0.5");
+  EXPECT_EQ(shade(R"({"shade":{"name":"curvature","kind":"max","range":[-1,2]}})"),
+            "curvature:kind=max,range=-1..2");
+  EXPECT_THAT(MessageOf(R"({"shade":"tiger"})"), HasSubstr("there is no \"tiger\"; there are studio, zebra"));
+  EXPECT_THAT(MessageOf(R"({"shade":{"name":"zebra","bands":7}})"), HasSubstr("stripes and axis"));
+  EXPECT_THAT(MessageOf(R"({"shade":{"stripes":7}})"), HasSubstr("an object with a name"));
+  EXPECT_THAT(MessageOf(R"({"shade":{"name":"zebra","axis":"z,stripes=9"}})"),
+              HasSubstr("an object with a name"));
+  EXPECT_THAT(MessageOf(R"({"shade":3})"), HasSubstr("must be a string"));
+}
+
 TEST(Options, ThatAreWrongNameThemselvesAndWhatIsAllowed) {
   EXPECT_THAT(MessageOf(R"({"colour":1})"),
               HasSubstr("there is no option \"colour\"; the options are view, camera"));

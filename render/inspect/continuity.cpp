@@ -1,0 +1,241 @@
+#include "render/inspect/continuity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "render/inspect/angle.h"
+#include "render/inspect/curvature.h"
+#include "render/nurbs/monotone_curve.h"
+#include "render/nurbs/surface_eval.h"
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+// Newton for a foot begins within a gap of it; it doubles its digits each time.
+constexpr int kMostSteps = 6;
+
+struct Use {
+  std::uint32_t face, coedge;
+};
+
+struct EdgePoint {
+  Vec3 position, tangent;  // tangent: unit; zero where the curve stands still
+};
+
+// The point of the edge's 3D curve at its parameter.
+EdgePoint PointOf(const Model& model, const Edge& edge, double parameter) {
+  std::uint32_t s = edge.segments.first;
+  while (s + 1 < edge.segments.end() && model.edge_segments[s].end < parameter) ++s;
+  const EdgeSegment& segment = model.edge_segments[s];
+  const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
+  const auto first = model.edge_points.begin() + segment.first_point;
+  std::vector<Vec4> p(first, first + segment.degree + 1);
+  for (int last = segment.degree; last > 1; --last)
+    for (int i = 0; i < last; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
+  const Vec4 h = (1 - t) * p[0] + t * p[1], d = p[1] - p[0];
+  const Vec3 position{h.x / h.w, h.y / h.w, h.z / h.w};
+  return {position, Normalized(Vec3{d.x, d.y, d.z} - d.w * position)};
+}
+
+// The point of the coedge's p-curve that belongs to the edge's parameter.
+Vec2 PointOf(const Model& model, const Coedge& coedge, double parameter) {
+  double best = INFINITY;
+  Vec2 point;
+  for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
+    const TrimSegment& segment = model.trim_segments[s];
+    // Real p-curves have segments of no length, which stand for their own parameter only.
+    const double width = segment.edge_end - segment.edge_begin;
+    const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
+    const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
+    if (!(off < best)) continue;
+    best = off;
+    point = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, inside);
+  }
+  return point;
+}
+
+// The foot of `target` on the surface, within its grid, from (u, v): Gauss and Newton.
+Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
+  const auto within = [&](Vec2 at) {
+    return Vec2{std::clamp(at.x, surface.u_begin(), surface.u_end()),
+                std::clamp(at.y, surface.v_begin(), surface.v_end())};
+  };
+  Vec2 at = within(start), best = at;
+  double nearest = INFINITY;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const SurfacePoint p = surface.First(at.x, at.y);
+    const Vec3 off = target - p.position;
+    const double distance = Length(off);
+    if (!(distance < nearest)) break;
+    nearest = distance, best = at;
+    const double uu = Dot(p.du, p.du), uv = Dot(p.du, p.dv), vv = Dot(p.dv, p.dv),
+                 determinant = uu * vv - uv * uv;
+    const double u = Dot(off, p.du), v = Dot(off, p.dv);
+    const Vec2 next =
+        within({at.x + (u * vv - v * uv) / determinant, at.y + (v * uu - u * uv) / determinant});
+    if (!std::isfinite(next.x) || !std::isfinite(next.y)) break;
+    at = next;
+  }
+  return best;
+}
+
+// What one face says at one place of an edge.
+struct Side {
+  SurfacePoint point;
+  TangentFrame frame;
+};
+
+class EdgeMeter {
+ public:
+  EdgeMeter(const Model& model, const std::vector<SurfaceEval>& surfaces)
+      : model_(model), surfaces_(surfaces) {}
+
+  // None: no place can be measured.
+  std::optional<EdgeContinuity> Measure(std::uint32_t index, const Use (&uses)[2]) const {
+    const Edge& edge = model_.edges[index];
+    EdgeContinuity result;
+    result.edge = index;
+    // Both faces lie within the tolerance of the edge, on either side of it.
+    result.tolerance_mm = std::max(2 * edge.tolerance_mm, kPositionShare * model_.Diagonal());
+    const double turn = Turn(uses);
+    for (int side = 0; side < 2; ++side) result.faces[side] = uses[side].face;
+    const double begin = model_.edge_segments[edge.segments.first].begin,
+                 end = model_.edge_segments[edge.segments.end() - 1].end;
+    bool measured = false;
+    Vec3 before;
+    for (int k = 0; k <= kPlaces; ++k) {
+      const double parameter = k < kPlaces ? begin + (end - begin) * k / kPlaces : end;
+      const EdgePoint place = PointOf(model_, edge, parameter);
+      if (k > 0) result.length_mm += Length(place.position - before);
+      before = place.position;
+      const std::optional<Side> one = SideAt(uses[0], place, parameter),
+                                other = SideAt(uses[1], place, parameter);
+      if (!one || !other) continue;
+      measured = true;
+      Add(place, *one, *other, turn, &result);
+    }
+    if (!measured) return std::nullopt;
+    Classify(&result);
+    return result;
+  }
+
+ private:
+  // −1 where both faces run along the edge in the same sense: they are oriented against each other.
+  double Turn(const Use (&uses)[2]) const {
+    bool forward[2];
+    for (int side = 0; side < 2; ++side)
+      forward[side] = model_.coedges[uses[side].coedge].reversed == model_.faces[uses[side].face].reversed;
+    return forward[0] == forward[1] ? -1 : 1;
+  }
+
+  std::optional<Side> SideAt(const Use& use, const EdgePoint& place, double parameter) const {
+    const SurfaceEval& surface = surfaces_[use.face];
+    const Vec2 foot = FootOf(surface, place.position, PointOf(model_, model_.coedges[use.coedge], parameter));
+    const SurfacePoint point = surface.Second(foot.x, foot.y);
+    const std::optional<TangentFrame> frame =
+        FrameAt(point, model_.faces[use.face].reversed ? -1 : 1, surface.u_end() - surface.u_begin(),
+                surface.v_end() - surface.v_begin());
+    if (!frame) return std::nullopt;
+    return Side{point, *frame};
+  }
+
+  static void Add(const EdgePoint& place, const Side& one, const Side& other, double turn,
+                  EdgeContinuity* result) {
+    const auto keep = [&](WorstPlace& worst, double value) {
+      if (!(value > worst.value)) return false;
+      worst = {value, place.position};
+      return true;
+    };
+    keep(result->gap_mm, Length(one.point.position - other.point.position));
+    const double angle = AngleDeg(one.frame.normal, turn * other.frame.normal);
+    keep(result->angle_deg, angle);
+    if (angle > kAngleDeg || !(Length(place.tangent) > 0)) return;
+    const double a =
+        NormalCurvature(one.point, one.frame, Normalized(Cross(one.frame.normal, place.tangent)));
+    const double b = turn * NormalCurvature(other.point, other.frame,
+                                            Normalized(Cross(other.frame.normal, place.tangent)));
+    if (!std::isfinite(a) || !std::isfinite(b) || !keep(result->curvature_jump, std::fabs(a - b))) return;
+    result->relative_jump = std::fabs(a - b) / std::max(std::fabs(a), std::fabs(b));
+    result->curvatures[0] = a, result->curvatures[1] = b;
+  }
+
+  void Classify(EdgeContinuity* result) const {
+    const double flat = kFlatShare / model_.Diagonal();
+    if (result->gap_mm.value > result->tolerance_mm) {
+      result->grade = Grade::kGap;
+    } else if (result->angle_deg.value > kAngleDeg) {
+      result->grade = Grade::kG0;
+    } else if (result->relative_jump > kCurvatureShare && result->curvature_jump.value > flat) {
+      result->grade = Grade::kG1;
+    }
+  }
+
+  const Model& model_;
+  const std::vector<SurfaceEval>& surfaces_;
+};
+
+double MeasureOf(const EdgeContinuity& edge) {
+  switch (edge.grade) {
+    case Grade::kGap:
+      return edge.gap_mm.value;
+    case Grade::kG0:
+      return edge.angle_deg.value;
+    default:
+      return edge.curvature_jump.value;
+  }
+}
+
+}  // namespace
+
+Continuity MeasureContinuity(const Model& model, int threads) {
+  // Who uses each edge.
+  std::vector<std::vector<Use>> uses(model.edges.size());
+  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
+    const Face& face = model.faces[f];
+    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+      const Range coedges = model.loops[l].coedges;
+      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
+        if (const std::uint32_t e = model.coedges[c].edge; e != kNoIndex) uses[e].push_back({f, c});
+    }
+  }
+  std::vector<SurfaceEval> surfaces;
+  surfaces.reserve(model.faces.size());
+  for (const Face& face : model.faces) surfaces.emplace_back(model, face.surface);
+
+  // Measure those with two.
+  Continuity continuity;
+  std::vector<std::uint32_t> shared;
+  for (std::uint32_t e = 0; e < model.edges.size(); ++e) {
+    if (model.edges[e].degenerate || model.edges[e].segments.count == 0) continue;
+    if (uses[e].size() == 1) ++continuity.border_edges;
+    if (uses[e].size() > 2) ++continuity.crowded_edges;
+    if (uses[e].size() == 2) shared.push_back(e);
+  }
+  const EdgeMeter meter(model, surfaces);
+  std::vector<std::optional<EdgeContinuity>> found(shared.size());
+  RunWithThreads(threads, [&] {
+    ParallelFor(std::size_t{0}, shared.size(), [&](std::size_t i) {
+      const std::vector<Use>& both = uses[shared[i]];
+      found[i] = meter.Measure(shared[i], {both[0], both[1]});
+    });
+  });
+
+  // Worst first.
+  for (const std::optional<EdgeContinuity>& edge : found) {
+    if (!edge) {
+      ++continuity.unmeasured_edges;
+      continue;
+    }
+    ++continuity.counts[static_cast<std::size_t>(edge->grade)];
+    continuity.edges.push_back(*edge);
+  }
+  std::stable_sort(continuity.edges.begin(), continuity.edges.end(),
+                   [](const EdgeContinuity& a, const EdgeContinuity& b) {
+                     return a.grade != b.grade ? a.grade < b.grade : MeasureOf(a) > MeasureOf(b);
+                   });
+  return continuity;
+}
+
+}  // namespace facetless

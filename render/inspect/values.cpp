@@ -1,0 +1,198 @@
+#include "render/inspect/values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "render/inspect/angle.h"
+#include "render/inspect/curvature.h"
+#include "render/inspect/thickness.h"
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+constexpr double kNone = INFINITY;
+constexpr double kLowShare = 0.02, kHighShare = 0.98;
+// A curvature below this share of 1/diagonal bends the whole model by less than an eight-thousandth of its size: flat.
+constexpr double kFlat = 1e-3;
+// A thickness that varies by less than this share of itself is one thickness.
+constexpr double kUniform = 1e-3;
+
+double Chosen(const Curvature& curvature, CurvatureKind kind) {
+  switch (kind) {
+    case CurvatureKind::kGaussian:
+      return curvature.gaussian();
+    case CurvatureKind::kMax:
+      return curvature.max;
+    case CurvatureKind::kMin:
+      return curvature.min;
+    default:
+      return curvature.mean();
+  }
+}
+
+// What every sample of a view needs.
+class Evaluator {
+ public:
+  Evaluator(const Model& model, const Scene* scene, const SampleBuffer& samples, const CameraFrame& frame,
+            const Inspection& inspection)
+      : model_(model),
+        samples_(samples),
+        inspection_(inspection),
+        pull_(Resolved(inspection.direction, frame)) {
+    for (std::uint32_t i = 0; i < model_.instances.size(); ++i) {
+      const Range faces = model_.parts[model_.instances[i].part].faces;
+      for (std::uint32_t face = faces.first; face < faces.end(); ++face)
+        placed_.push_back({face, i, OutwardSign(model_.faces[face], model_.instances[i].placement)});
+    }
+    if (samples.uv.empty()) return;
+    surfaces_.reserve(model_.faces.size());
+    for (const Face& face : model_.faces) surfaces_.emplace_back(model_, face.surface);
+    if (inspection.kind != InspectionKind::kThickness) return;
+    std::vector<bool> shown(model_.faces.size(), false);
+    for (std::uint32_t id : samples.face)
+      if (id < placed_.size()) shown[placed_[id].face] = true;
+    thickness_.emplace(*scene, surfaces_, shown);
+  }
+
+  double At(std::size_t i) const {
+    if (!std::isfinite(samples_.depth[i])) return kNone;
+    const auto& n = samples_.normal[i];
+    const Vec3 rough = Normalized({n[0], n[1], n[2]});
+    if (samples_.uv.empty() || samples_.face[i] >= placed_.size()) return DraftOf(rough);
+    const PlacedFace& placed = placed_[samples_.face[i]];
+    const SurfaceEval& surface = surfaces_[placed.face];
+    const Placement& placement = model_.instances[placed.instance].placement;
+    const double u = samples_.uv[i][0], v = samples_.uv[i][1];
+    const double extent_u = surface.u_end() - surface.u_begin(),
+                 extent_v = surface.v_end() - surface.v_begin();
+    if (inspection_.kind == InspectionKind::kCurvature) {
+      const std::optional<Curvature> curvature =
+          CurvatureAt(Placed(surface.Second(u, v), placement), placed.outward, extent_u, extent_v);
+      return curvature ? Chosen(*curvature, inspection_.curvature) : kNone;
+    }
+    // At a pole the tracer's own one-sided normal must do.
+    const std::optional<TangentFrame> frame =
+        FrameAt(Placed(surface.First(u, v), placement), placed.outward, extent_u, extent_v);
+    const Vec3 normal = frame ? frame->normal : rough;
+    if (inspection_.kind == InspectionKind::kDraft) return DraftOf(normal);
+    return thickness_->At(placed.face, placement, u, v, normal).value_or(kNone);
+  }
+
+ private:
+  struct PlacedFace {
+    std::uint32_t face, instance;
+    double outward;
+  };
+
+  double DraftOf(Vec3 normal) const { return Length(normal) > 0 ? DraftDeg(normal, pull_) : kNone; }
+
+  const Model& model_;
+  const SampleBuffer& samples_;
+  const Inspection& inspection_;
+  const Vec3 pull_;
+  std::vector<PlacedFace> placed_;
+  std::vector<SurfaceEval> surfaces_;  // by Model::faces
+  std::optional<Thickness> thickness_;
+};
+
+}  // namespace
+
+bool HasValues(InspectionKind kind) {
+  return kind == InspectionKind::kCurvature || kind == InspectionKind::kDraft ||
+         kind == InspectionKind::kThickness;
+}
+
+Quantity QuantityOf(const Inspection& inspection) {
+  switch (inspection.kind) {
+    case InspectionKind::kCurvature:
+      switch (inspection.curvature) {
+        case CurvatureKind::kGaussian:
+          return {"gaussian curvature", "1/mm2", true};
+        case CurvatureKind::kMax:
+          return {"largest curvature", "1/mm", true};
+        case CurvatureKind::kMin:
+          return {"smallest curvature", "1/mm", true};
+        default:
+          return {"mean curvature", "1/mm", true};
+      }
+    case InspectionKind::kDraft:
+      return {"draft", "deg", true};
+    case InspectionKind::kThickness:
+      return {"thickness", "mm", false};
+    default:
+      return {};
+  }
+}
+
+bool WantsUv(InspectionKind kind) {
+  return HasValues(kind);
+}
+
+Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scene,
+                                           const SampleBuffer& samples, const CameraFrame& frame,
+                                           const Inspection& inspection, int threads,
+                                           const std::atomic<bool>* cancel) {
+  if (NeedsExactSurface(inspection.kind) && (samples.uv.empty() || scene == nullptr))
+    return Error{ErrorCode::kBadUsage, "shade: the samples hold no surface parameters to measure at"};
+  if (samples.normal.size() != samples.size() || samples.face.size() != samples.size() ||
+      (!samples.uv.empty() && samples.uv.size() != samples.size()))
+    return Error{ErrorCode::kSizeMismatch, "depth, normal, face and uv of the samples have different sizes"};
+  PerSample<double> values(samples.size());
+  RunWithThreads(threads, [&] {
+    const Evaluator evaluator(model, scene, samples, frame, inspection);
+    const auto width = static_cast<std::size_t>(samples.width);
+    ParallelFor(0, samples.height, [&](int y) {
+      if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) return;
+      for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+        const double value = evaluator.At(i);
+        values[i] = std::isfinite(value) ? value : kNone;
+      }
+    });
+  });
+  if (cancel != nullptr && cancel->load()) return Error{ErrorCode::kCancelled, "cancelled"};
+  return values;
+}
+
+ValueStatistics StatisticsOf(const PerSample<double>& values, const SampleBuffer& samples) {
+  ValueStatistics statistics;
+  std::vector<double> numbers;
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) {
+      numbers.push_back(values[i]);
+      sum += values[i];
+    } else if (std::isfinite(samples.depth[i])) {
+      ++statistics.none;
+    }
+  }
+  statistics.count = numbers.size();
+  if (numbers.empty()) return statistics;
+  std::sort(numbers.begin(), numbers.end());
+  const auto at = [&](double share) {
+    return numbers[static_cast<std::size_t>(share * static_cast<double>(numbers.size() - 1))];
+  };
+  statistics.min = numbers.front(), statistics.max = numbers.back();
+  statistics.mean = sum / static_cast<double>(numbers.size());
+  statistics.p2 = at(kLowShare), statistics.p50 = at(0.5), statistics.p98 = at(kHighShare);
+  return statistics;
+}
+
+ValueRange RangeOf(const Inspection& inspection, const ValueStatistics& statistics, double diagonal_mm) {
+  if (inspection.range) return *inspection.range;
+  if (inspection.kind == InspectionKind::kDraft) return {-90, 90};
+  const double diagonal = diagonal_mm > 0 ? diagonal_mm : 1;
+  if (inspection.kind == InspectionKind::kCurvature) {
+    const double flat = kFlat / diagonal;
+    const double least = inspection.curvature == CurvatureKind::kGaussian ? flat * flat : flat;
+    const double most = std::max({std::fabs(statistics.p2), std::fabs(statistics.p98), least});
+    return {-most, most};
+  }
+  if (statistics.count == 0) return {0, 1};
+  const bool uniform = !(statistics.p98 - statistics.p2 > kUniform * statistics.p98);
+  return {uniform ? 0 : statistics.p2, statistics.p98};
+}
+
+}  // namespace facetless
