@@ -258,6 +258,7 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"audit", BoolParser("audit", &RunOptions::audit)},
       {"edges", BoolParser("edges", &RunOptions::edges)},
       {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
+      {"section", [](const Json& json, RunOptions& o) { return Store(ParseSections(json), o.sections); }},
       {"aov", ParseAovs},
       {"mesh", [](const Json& json, RunOptions& o) { return Store(ParseText(json, "mesh"), o.mesh); }},
       {"mesh_unit", WordParser("mesh_unit", {"mm", "cm", "m", "in", "ft"}, &RunOptions::mesh_unit)},

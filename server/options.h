@@ -18,6 +18,7 @@
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
 // background      studio | transparent                                           studio
+// section         one or a list: "x,y,z,nx,ny,nz", "z=12.5", "-z=50%", … (section_options.h)
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
 // mesh_unit       mm | cm | m | in | ft                                          the format's own
@@ -53,6 +54,7 @@
 #include "render/trace/camera.h"
 #include "render/trace/direct.h"
 #include "server/importer/import_process.h"
+#include "server/section_options.h"
 
 namespace facetless {
 
@@ -84,6 +86,7 @@ struct RunOptions {
   double timeout_s = 0;
   bool audit = false, edges = false;
   Background background = Background::kStudio;
+  std::vector<SectionRequest> sections;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
   TessellationOptions tessellation;

@@ -8,6 +8,7 @@
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
 #include "render/compare/report.h"
+#include "render/compare/section_report.h"
 #include "render/image/io.h"
 #include "render/model/model_file.h"
 #include "render/shade/certificate_map.h"
@@ -22,8 +23,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* cancel) {
+ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
+                          const std::atomic<bool>* cancel) {
   ViewOptions view;
+  view.sections = sections;
   view.samples = options.samples;
   view.precision = options.precision;
   view.threads = options.threads;
@@ -125,6 +128,19 @@ class Run {
   }
   const std::string& directory() const { return directory_; }
 
+  // Resolves the section planes and measures their cuts, through the mesh too where there is one.
+  Result<std::vector<SectionPlane>> Sections(const Scene& scene, const Mesh* mesh) {
+    auto planes = ResolveSections(options_.sections, imported_.model->bounds);
+    if (!planes || planes.value().empty()) return planes;
+    SectionAreaOptions area;
+    area.threads = options_.threads;
+    area.cancel = cancel();
+    auto measured = SectionsJson(scene, mesh, planes.value(), area);
+    if (!measured) return Explained(measured.error());
+    sections_ = std::move(measured).value();
+    return planes;
+  }
+
   // Calls `one` for each camera; it returns the view's entry of the report.
   template <typename One>
   Result<Json> ForEachView(One one) {
@@ -159,6 +175,7 @@ class Run {
                      {"scene", scene_ms_},
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+    if (!sections_.is_null()) report["sections"] = std::move(sections_);
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -185,6 +202,7 @@ class Run {
   const Clock::time_point start_;
   double scene_ms_ = 0;
   Deadline deadline_;
+  Json sections_;
 };
 
 }  // namespace
@@ -259,8 +277,10 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
                        const RunContext& context) {
   Run run(imported, options, directory, context, "render");
   const Scene scene = run.MakeScene();
+  const auto sections = run.Sections(scene, nullptr);
+  if (!sections) return sections.error();
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto view = RenderView(scene, camera, ToViewOptions(options, run.cancel()));
+    auto view = RenderView(scene, camera, ToViewOptions(options, sections.value(), run.cancel()));
     if (!view) return view.error();
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.value().image);
@@ -278,11 +298,14 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
                         const std::string& directory, const RunContext& context) {
   Run run(imported, options, directory, context, "compare");
   const Scene scene = run.MakeScene();
-  const auto baseline = BaselineScene::Build(mesh, options.threads);
+  const auto baseline = BaselineScene::Build(mesh, options.threads, !options.sections.empty());
   if (!baseline) return baseline.error();
+  const auto sections = run.Sections(scene, &mesh);
+  if (!sections) return sections.error();
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto compared = CompareView(scene, baseline.value(), camera, ToViewOptions(options, run.cancel()));
+    auto compared =
+        CompareView(scene, baseline.value(), camera, ToViewOptions(options, sections.value(), run.cancel()));
     if (!compared) return compared.error();
     const ViewComparison& view = compared.value();
     ViewFiles files(run.directory(), camera.name);

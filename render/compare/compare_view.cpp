@@ -40,10 +40,15 @@ Result<void> CheckOptions(const ViewOptions& options) {
   return {};
 }
 
-// Shades, resolves and encodes.
+// Shades, resolves and encodes. `solids`: whose caps the samples show; null where nothing is cut.
 Result<Image8> Develop(const SampleBuffer& samples, const CameraFrame& frame,
-                       const std::vector<Color>& colors, SampleGrid grid, const ViewOptions& options) {
+                       const std::vector<Color>& colors, const SectionSolids* solids, SampleGrid grid,
+                       const ViewOptions& options) {
   ShadeOptions shade;
+  if (solids != nullptr) {
+    shade.first_cap = solids->first_cap();
+    shade.cap_stride = solids->stride();
+  }
   shade.background = options.background;
   shade.edges = options.edges;
   shade.samples_x = grid.x;
@@ -68,7 +73,7 @@ struct DirectPasses {
 };
 
 Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const std::vector<Color>& colors,
-                               const ViewOptions& options) {
+                               const SectionSolids* solids, const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   DirectPasses passes;
   DirectView& view = passes.view;
@@ -83,6 +88,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
   trace.uv = options.uv;
   trace.depth_error = options.depth_error;
   trace.audit = options.audit;
+  trace.sections = options.sections;
   trace.cancel = options.cancel;
   Result<DirectResult> traced = TraceDirect(scene, camera, trace);
   if (!traced.ok()) return traced.error();
@@ -110,7 +116,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
 
   // Light.
   const Clock::time_point shade_start = Clock::now();
-  Result<Image8> image = Develop(passes.color(), color_frame, colors, view.grid, options);
+  Result<Image8> image = Develop(passes.color(), color_frame, colors, solids, view.grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -138,13 +144,14 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
 
 // `direct` lends its faces to a foreign mesh; null for one that names its own.
 Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
-                                 const std::vector<Color>& colors, const ViewOptions& options) {
+                                 const std::vector<Color>& colors, const SectionSolids* solids,
+                                 const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   const SampleGrid grid = GridOf(options.samples);
   BaselineView view;
 
   // The pixel-centre pass.
-  const BaselineOptions trace{options.threads, options.cancel};
+  const BaselineOptions trace{options.threads, options.cancel, options.sections, solids};
   Result<BaselineResult> traced = TraceBaseline(scene, camera, trace);
   if (!traced.ok()) return traced.error();
   view.samples = std::move(traced.value().samples);
@@ -168,7 +175,7 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   // Light.
   const Clock::time_point shade_start = Clock::now();
   if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
-  Result<Image8> image = Develop(color, color_frame, colors, grid, options);
+  Result<Image8> image = Develop(color, color_frame, colors, solids, grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -193,6 +200,24 @@ Result<void> CompareViews(const Model& model, const BaselineScene& baseline, con
   return {};
 }
 
+std::optional<SectionSolids> SolidsOf(const Model& model, const ViewOptions& options) {
+  if (options.sections.empty()) return {};
+  return SectionSolids(model);
+}
+
+const SectionSolids* Pointer(const std::optional<SectionSolids>& solids) {
+  return solids ? &*solids : nullptr;
+}
+
+void NameCaps(const SectionSolids& solids, Difference* difference) {
+  for (FaceDifference& face : difference->faces) {
+    if (face.id < solids.first_cap()) continue;
+    const std::uint32_t cap = face.id - solids.first_cap();
+    face.name =
+        "section " + std::to_string(cap / solids.stride()) + " of " + solids.Name(cap % solids.stride());
+  }
+}
+
 Error OutOfMemory(const Camera& camera) {
   return {ErrorCode::kLimitExceeded, "view '" + camera.name + "': its pictures do not fit into memory"};
 }
@@ -206,16 +231,24 @@ SampleGrid GridOf(int samples) {
   return grid;
 }
 
-std::vector<Color> FaceColors(const Model& model) {
+std::vector<Color> FaceColors(const Model& model, std::size_t section_planes) {
   std::vector<Color> colors(model.PlacedFaceCount());
   for (std::uint32_t id = 0; id < colors.size(); ++id) colors[id] = model.PlacedFaceColor(id);
+  if (section_planes == 0) return colors;
+  const SectionSolids solids(model);
+  std::vector<Color> caps;
+  for (std::uint32_t solid = 0; solid < solids.stride(); ++solid) caps.push_back(solids.ColorOf(solid));
+  for (std::size_t plane = 0; plane < section_planes; ++plane)
+    colors.insert(colors.end(), caps.begin(), caps.end());
   return colors;
 }
 
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   try {
-    Result<DirectPasses> passes = RunDirect(scene, camera, FaceColors(scene.model()), options);
+    const std::optional<SectionSolids> solids = SolidsOf(scene.model(), options);
+    Result<DirectPasses> passes = RunDirect(scene, camera, FaceColors(scene.model(), options.sections.size()),
+                                            Pointer(solids), options);
     if (!passes.ok()) return passes.error();
     return std::move(passes).value().view;
   } catch (const std::bad_alloc&) {
@@ -229,7 +262,9 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
   if (!baseline.mesh().from_model)
     return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
   try {
-    return RunBaseline(baseline, camera, nullptr, FaceColors(model), options);
+    const std::optional<SectionSolids> solids = SolidsOf(model, options);
+    return RunBaseline(baseline, camera, nullptr, FaceColors(model, options.sections.size()), Pointer(solids),
+                       options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -242,11 +277,13 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     // Trace both.
     ViewComparison comparison;
     comparison.camera = camera;
-    const std::vector<Color> colors = FaceColors(scene.model());
-    Result<DirectPasses> direct = RunDirect(scene, camera, colors, options);
+    const std::vector<Color> colors = FaceColors(scene.model(), options.sections.size());
+    const std::optional<SectionSolids> solids = SolidsOf(scene.model(), options);
+    Result<DirectPasses> direct = RunDirect(scene, camera, colors, Pointer(solids), options);
     if (!direct.ok()) return direct.error();
-    Result<BaselineView> meshed = RunBaseline(
-        baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), colors, options);
+    Result<BaselineView> meshed =
+        RunBaseline(baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), colors,
+                    Pointer(solids), options);
     if (!meshed.ok()) return meshed.error();
     comparison.direct = std::move(direct.value().view);
     comparison.baseline = std::move(meshed).value();
@@ -257,6 +294,7 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     RunWithThreads(options.threads,
                    [&] { compared = CompareViews(scene.model(), baseline, options, comparison); });
     if (!compared.ok()) return compared.error();
+    if (solids) NameCaps(*solids, &comparison.difference);
     comparison.difference_ms = MillisecondsSince(start);
     return comparison;
   } catch (const std::bad_alloc&) {

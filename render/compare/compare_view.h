@@ -10,6 +10,7 @@
 //     The model and the program itself are not in it.
 //  4. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
 //     shows there, and the commonest colour of that image where it shows none.
+//  5. Section planes cut both models (trace/section.h). An audit counts the crossings of the whole model.
 #pragma once
 
 #include <atomic>
@@ -35,10 +36,11 @@ struct ViewOptions {
   int threads = 0;                                      // 0: all cores
   bool edges = false;
   Background background = Background::kStudio;
-  double newton_tolerance = 0;  // as DirectOptions
-  bool uv = false;              // fill the direct samples' uv
-  bool depth_error = false;     // fill the direct samples' depth_error
-  bool audit = false;           // fill stats.odd_rays and stats.reverse_mismatches
+  double newton_tolerance = 0;         // as DirectOptions
+  bool uv = false;                     // fill the direct samples' uv
+  bool depth_error = false;            // fill the direct samples' depth_error
+  bool audit = false;                  // fill stats.odd_rays and stats.reverse_mismatches
+  std::vector<SectionPlane> sections;  // what is cut away, of both models alike
   ColorMetricOptions color;
   DifferencePictureOptions picture;
   const std::atomic<bool>* cancel = nullptr;
@@ -91,7 +93,7 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
                                    const ViewOptions& options);
 
-// One colour per placed face.
-std::vector<Color> FaceColors(const Model& model);
+// One colour per placed face, and behind them those of the caps of so many section planes.
+std::vector<Color> FaceColors(const Model& model, std::size_t section_planes = 0);
 
 }  // namespace facetless

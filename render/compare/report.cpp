@@ -167,6 +167,7 @@ json DirectJson(const DirectView& view) {
           {"converged", stats.converged},
           {"unresolved", stats.unresolved},
           {"certified_hits", stats.certified_hits},
+          {"cap_hits", stats.caps},
           {"doubts", DoubtsJson(stats)},
           {"depth_error_mm_max", stats.depth_error_max},
           {"odd_rays", OrNull(stats.odd_rays)},

@@ -8,11 +8,15 @@
 #include <vector>
 
 #include "render/shade/edges.h"
+#include "render/shade/hatch.h"
 #include "render/shade/studio.h"
 #include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
+
+// Share of a cap's light that a line of its hatching leaves.
+constexpr float kHatchLight = 0.18f;
 
 constexpr std::size_t kNoPixel = std::numeric_limits<std::size_t>::max();
 
@@ -42,9 +46,16 @@ Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
   return {Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
 }
 
+void Hatch(const ShadeOptions& options, std::uint32_t face, double x, double y, std::array<float, 4>* pixel) {
+  const std::uint32_t solid = (face - options.first_cap) % options.cap_stride;
+  const float left = 1 - (1 - kHatchLight) * HatchCover(x / options.samples_x, y / options.samples_y, solid);
+  for (int c = 0; c < 3; ++c) (*pixel)[c] *= left;
+}
+
 // Shades the row's samples; returns the first that is no number, or kNoPixel.
 std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, const std::vector<Vec3>& albedo,
-                     Vec3 fallback, const std::array<float, 4>& background, int y, Film& film) {
+                     Vec3 fallback, const std::array<float, 4>& background, const ShadeOptions& options,
+                     int y, Film& film) {
   const bool perspective = frame.projection == Projection::kPerspective;
   const std::size_t first = static_cast<std::size_t>(y) * samples.width;
   StudioView view(Normalized(ToViewer(frame, -frame.forward)));
@@ -78,6 +89,11 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
     const Vec3 light = view.Light(normal, face < albedo.size() ? albedo[face] : fallback);
     film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z),
                       1.0f};
+    if (face >= options.first_cap && options.first_cap != kNoIndex) {
+      Hatch(options, face, static_cast<double>(i - first) + 0.5, y + 0.5, &film.pixels[i]);
+      alike = kNoPixel;
+      continue;
+    }
     if (!perspective) alike = i;
   }
   return kNoPixel;
@@ -106,7 +122,7 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
   std::atomic<std::size_t> bad{kNoPixel};
   RunWithThreads(options.threads, [&] {
     ParallelFor(0, samples.height, [&](int y) {
-      const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, y, film);
+      const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, options, y, film);
       std::size_t known = bad.load();
       while (found < known && !bad.compare_exchange_weak(known, found)) {
       }

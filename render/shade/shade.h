@@ -10,6 +10,7 @@
 //  5. Edges, where asked for, are drawn at silhouettes (a jump in depth that the surface's slope does not
 //     explain) and where the normals on both sides of a face border differ by more than edge_angle_deg.
 //     They are about one pixel wide: with samples_x × samples_y samples per pixel, as many samples.
+//  6. Caps of section planes have their solid's colour, hatched (hatch.h).
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,9 @@ struct ShadeOptions {
   double edge_angle_deg = 20;        // 0 … 180
   int samples_x = 1, samples_y = 1;  // samples per pixel: the width of edges
   Color fallback;                    // of a face id beyond `colors`
-  int threads = 0;                   // 0: all cores
+  // Face ids from here on are caps, those of a plane following each other by solid (trace/section.h).
+  std::uint32_t first_cap = kNoIndex, cap_stride = 1;
+  int threads = 0;  // 0: all cores
 };
 
 // `colors` by placed-face id (sRGB); `frame` is the one that the samples were traced with. Errors:
