@@ -15,8 +15,11 @@
 namespace facetless {
 namespace {
 
-// Share of a cap's light that a line of its hatching leaves.
-constexpr float kHatchLight = 0.18f;
+// Light of a line of hatching on a cap of mean light `light`: dark, but lighter than what is nearly black.
+float HatchLight(float light) {
+  constexpr float kDark = 0.04f, kShare = 0.18f, kAgainstDark = 0.30f;
+  return light < kDark ? kAgainstDark : kShare * light;
+}
 
 constexpr std::size_t kNoPixel = std::numeric_limits<std::size_t>::max();
 
@@ -48,8 +51,9 @@ Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
 
 void Hatch(const ShadeOptions& options, std::uint32_t face, double x, double y, std::array<float, 4>* pixel) {
   const std::uint32_t solid = (face - options.first_cap) % options.cap_stride;
-  const float left = 1 - (1 - kHatchLight) * HatchCover(x / options.samples_x, y / options.samples_y, solid);
-  for (int c = 0; c < 3; ++c) (*pixel)[c] *= left;
+  const float cover = HatchCover(x / options.samples_x, y / options.samples_y, solid);
+  const float line = HatchLight(((*pixel)[0] + (*pixel)[1] + (*pixel)[2]) / 3);
+  for (int c = 0; c < 3; ++c) (*pixel)[c] += cover * (line - (*pixel)[c]);
 }
 
 // Shades the row's samples; returns the first that is no number, or kNoPixel.
