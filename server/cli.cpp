@@ -185,6 +185,10 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
                  "REL");
   options.Switch(app, "audit", "Also count every crossing of every ray, and compare with the opposite view");
   options.Switch(app, "edges", "Draw feature edges");
+  options.Text(app, "lines",
+               "Draw the exact edges and silhouettes: none (default), visible or hidden (too, dashed)",
+               "NAME");
+  options.Switch(app, "svg", "Write the view's lines as NAME.lines.svg");
   options.Sections(app);
   options.Text(app, "background", "studio (default) or transparent", "NAME");
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");

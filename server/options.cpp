@@ -258,6 +258,8 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"audit", BoolParser("audit", &RunOptions::audit)},
       {"edges", BoolParser("edges", &RunOptions::edges)},
       {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
+      {"lines", WordParser("lines", {"none", "visible", "hidden"}, &RunOptions::lines)},
+      {"svg", BoolParser("svg", &RunOptions::svg)},
       {"section", [](const Json& json, RunOptions& o) { return Store(ParseSections(json), o.sections); }},
       {"aov", ParseAovs},
       {"mesh", [](const Json& json, RunOptions& o) { return Store(ParseText(json, "mesh"), o.mesh); }},

@@ -18,6 +18,8 @@
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
 // background      studio | transparent                                           studio
+// lines           none | visible | hidden: exact edges and silhouettes over the pictures   none
+// svg             true: the view's lines as NAME.lines.svg                       false
 // section         one or a list: "x,y,z,nx,ny,nz", "z=12.5", "-z=50%", … (section_options.h)
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
@@ -47,6 +49,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/compare/compare_view.h"
 #include "render/compare/trade_answers.h"
 #include "render/model/result.h"
 #include "render/model/vec.h"
@@ -86,6 +89,8 @@ struct RunOptions {
   double timeout_s = 0;
   bool audit = false, edges = false;
   Background background = Background::kStudio;
+  LineMode lines = LineMode::kNone;
+  bool svg = false;
   std::vector<SectionRequest> sections;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;

@@ -233,6 +233,7 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   view_options.precision = entry.options.precision;
   view_options.threads = entry.options.threads;
   view_options.edges = entry.options.edges;
+  view_options.lines = entry.options.lines;
   view_options.background = entry.options.background;
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();

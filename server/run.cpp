@@ -10,6 +10,7 @@
 #include "render/compare/report.h"
 #include "render/compare/section_report.h"
 #include "render/image/io.h"
+#include "render/lines/draw_lines.h"
 #include "render/model/model_file.h"
 #include "render/shade/certificate_map.h"
 #include "render/trace/parallel.h"
@@ -31,6 +32,8 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.precision = options.precision;
   view.threads = options.threads;
   view.edges = options.edges;
+  view.lines = options.lines;
+  view.find_lines = options.svg;
   view.background = options.background;
   view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
@@ -59,6 +62,9 @@ class ViewFiles {
     Add(role, ".tif", [&samples](const std::string& path) {
       return WriteDepth(path, samples.width, samples.height, samples.depth);
     });
+  }
+  void Svg(const char* role, const std::string& svg) {
+    if (ok_.ok()) Done(role, ".svg", WriteFileAtomically(stem_ + "." + role + ".svg", svg));
   }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
@@ -104,6 +110,12 @@ class ViewFiles {
   std::string directory_, view_;
   std::vector<File> files_;
 };
+
+std::string SvgOf(const ImportedModel& imported, const Camera& camera, const DirectView& view) {
+  const bool flat = camera.projection == Projection::kOrthographic;
+  return LinesSvg(view.lines, camera.width_px, camera.height_px, flat ? view.frame.pixel_x : 0,
+                  imported.model->info.file + ", " + camera.name);
+}
 
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
 class Run {
@@ -284,6 +296,7 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
     if (!view) return view.error();
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.value().image);
+    if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.value()));
     files.Depth("depth", view.value().samples);
     files.Aovs(view.value().samples, options);
     Json json = RenderJson(camera, view.value());
@@ -312,6 +325,7 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     files.Png("direct", view.direct.image);
     files.Png("baseline", view.baseline.image);
     files.Png("difference", view.picture.image);
+    if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.direct));
     files.Depth("depth", view.direct.samples);
     files.Depth("baseline-depth", view.baseline.samples);
     files.Aovs(view.direct.samples, options);

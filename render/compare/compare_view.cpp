@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "render/lines/draw_lines.h"
+#include "render/lines/view_lines.h"
 #include "render/trace/parallel.h"
 
 namespace facetless {
@@ -40,10 +42,10 @@ Result<void> CheckOptions(const ViewOptions& options) {
   return {};
 }
 
-// Shades, resolves and encodes. `solids`: whose caps the samples show; null where nothing is cut.
+// Shades, resolves, draws `lines` and encodes. `solids`: whose caps the samples show; null where nothing is cut.
 Result<Image8> Develop(const SampleBuffer& samples, const CameraFrame& frame,
-                       const std::vector<Color>& colors, const SectionSolids* solids, SampleGrid grid,
-                       const ViewOptions& options) {
+                       const std::vector<Color>& colors, const SectionSolids* solids,
+                       const std::vector<ViewLine>& lines, SampleGrid grid, const ViewOptions& options) {
   ShadeOptions shade;
   if (solids != nullptr) {
     shade.first_cap = solids->first_cap();
@@ -58,7 +60,8 @@ Result<Image8> Develop(const SampleBuffer& samples, const CameraFrame& frame,
   if (!film.ok()) return film.error();
   std::optional<Result<Image8>> image;
   RunWithThreads(options.threads, [&] {
-    const Result<Film> resolved = Resolve(std::move(film).value(), grid.x, grid.y);
+    Result<Film> resolved = Resolve(std::move(film).value(), grid.x, grid.y);
+    if (resolved.ok() && options.lines != LineMode::kNone) DrawLines(lines, &resolved.value());
     image = resolved.ok() ? Encode(resolved.value()) : Result<Image8>(resolved.error());
   });
   return *std::move(image);
@@ -116,7 +119,14 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
 
   // Light.
   const Clock::time_point shade_start = Clock::now();
-  Result<Image8> image = Develop(passes.color(), color_frame, colors, solids, view.grid, options);
+  if (options.lines != LineMode::kNone || options.find_lines) {
+    view.lines = FindLines(scene, camera, view.frame, passes.color(), color_frame,
+                           {.sections = options.sections, .threads = options.threads});
+    if (options.lines != LineMode::kHidden)
+      std::erase_if(view.lines, [](const ViewLine& line) { return !line.visible; });
+    view.lines_ms = MillisecondsSince(shade_start);
+  }
+  Result<Image8> image = Develop(passes.color(), color_frame, colors, solids, view.lines, view.grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -145,7 +155,7 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
 // `direct` lends its faces to a foreign mesh; null for one that names its own.
 Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
                                  const std::vector<Color>& colors, const SectionSolids* solids,
-                                 const ViewOptions& options) {
+                                 const std::vector<ViewLine>& lines, const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   const SampleGrid grid = GridOf(options.samples);
   BaselineView view;
@@ -175,7 +185,7 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   // Light.
   const Clock::time_point shade_start = Clock::now();
   if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
-  Result<Image8> image = Develop(color, color_frame, colors, solids, grid, options);
+  Result<Image8> image = Develop(color, color_frame, colors, solids, lines, grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -264,7 +274,7 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
   try {
     const std::optional<SectionSolids> solids = SolidsOf(model, options);
     return RunBaseline(baseline, camera, nullptr, FaceColors(model, options.sections.size()), Pointer(solids),
-                       options);
+                       {}, options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -283,7 +293,7 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     if (!direct.ok()) return direct.error();
     Result<BaselineView> meshed =
         RunBaseline(baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), colors,
-                    Pointer(solids), options);
+                    Pointer(solids), direct.value().view.lines, options);
     if (!meshed.ok()) return meshed.error();
     comparison.direct = std::move(direct.value().view);
     comparison.baseline = std::move(meshed).value();

@@ -22,6 +22,7 @@
 #include "render/compare/difference_picture.h"
 #include "render/image/film.h"
 #include "render/image/metrics.h"
+#include "render/lines/line.h"
 #include "render/model/model.h"
 #include "render/shade/shade.h"
 #include "render/trace/camera.h"
@@ -29,12 +30,21 @@
 
 namespace facetless {
 
+// Which of the exact lines (render/lines) a picture shows.
+enum class LineMode : std::uint8_t {
+  kNone,
+  kVisible,
+  kHidden
+};  // kHidden: those that are hidden too, dashed
+
 struct ViewOptions {
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   Precision precision = Precision::kStandard;
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // what the leaves of a view may take
   int threads = 0;                                      // 0: all cores
   bool edges = false;
+  LineMode lines = LineMode::kNone;  // drawn over both pictures, from the exact model
+  bool find_lines = false;           // fill DirectView::lines, whatever is drawn
   Background background = Background::kStudio;
   double newton_tolerance = 0;         // as DirectOptions
   bool uv = false;                     // fill the direct samples' uv
@@ -59,6 +69,8 @@ struct DirectView {
   std::vector<std::string> unseen_names;  // of stats.unseen_faces, in that order
   Image8 image;
   SampleGrid grid;
+  std::vector<ViewLine> lines;  // hidden ones only with LineMode::kHidden
+  double lines_ms = 0;          // part of shade_ms
   double color_ms = 0, shade_ms = 0, total_ms = 0;
   std::uint64_t peak_bytes = 0;
 };

@@ -151,6 +151,7 @@ TEST(Layering, FoldersOfRenderFormAChain) {
   EXPECT_THAT(ForbiddenIncludes("render/baseline/", tracer_and({"render/baseline/"})), IsEmpty());
   EXPECT_THAT(ForbiddenIncludes("render/image/", tracer_and({"render/image/"})), IsEmpty());
   EXPECT_THAT(ForbiddenIncludes("render/shade/", tracer_and({"render/shade/", "render/image/"})), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes("render/lines/", tracer_and({"render/lines/", "render/image/"})), IsEmpty());
 }
 
 TEST(Layering, EachLibraryHasOneHome) {
