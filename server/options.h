@@ -49,8 +49,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/compare/compare_view.h"
 #include "render/compare/trade_answers.h"
+#include "render/lines/line.h"
 #include "render/model/result.h"
 #include "render/model/vec.h"
 #include "render/shade/shade.h"

@@ -117,15 +117,20 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const s
                                       BufferBytes(passes.color_samples) + FilmBytes(passes.color_samples));
   }
 
-  // Light.
-  const Clock::time_point shade_start = Clock::now();
+  // Lines.
   if (options.lines != LineMode::kNone || options.find_lines) {
+    const Clock::time_point lines_start = Clock::now();
     view.lines = FindLines(scene, camera, view.frame, passes.color(), color_frame,
                            {.sections = options.sections, .threads = options.threads});
-    if (options.lines != LineMode::kHidden)
-      std::erase_if(view.lines, [](const ViewLine& line) { return !line.visible; });
-    view.lines_ms = MillisecondsSince(shade_start);
+    std::erase_if(view.lines, [&](const ViewLine& line) {
+      return !line.visible && (options.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
+                               line.kind == LineClass::kSmooth);
+    });
+    view.lines_ms = MillisecondsSince(lines_start);
   }
+
+  // Light.
+  const Clock::time_point shade_start = Clock::now();
   Result<Image8> image = Develop(passes.color(), color_frame, colors, solids, view.lines, view.grid, options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();

@@ -3,7 +3,7 @@
 //  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
 //     samples > 1 the colour comes from a second, supersampled pass of the same camera.
 //  2. Times are of a steady clock, in ms, and disjoint: total is the whole call for that tracer, files
-//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, and shading
+//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, finding lines lines_ms, and shading
 //     (with resolve and encode) shade_ms.
 //  3. peak_bytes counts what the tracer holds for this view at its fullest: the direct one the scene's
 //     leaves, bitmaps and buffers; the baseline the mesh, Embree's own count at its highest, and buffers.
@@ -29,13 +29,6 @@
 #include "render/trace/direct.h"
 
 namespace facetless {
-
-// Which of the exact lines (render/lines) a picture shows.
-enum class LineMode : std::uint8_t {
-  kNone,
-  kVisible,
-  kHidden
-};  // kHidden: those that are hidden too, dashed
 
 struct ViewOptions {
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
@@ -70,8 +63,7 @@ struct DirectView {
   Image8 image;
   SampleGrid grid;
   std::vector<ViewLine> lines;  // hidden ones only with LineMode::kHidden
-  double lines_ms = 0;          // part of shade_ms
-  double color_ms = 0, shade_ms = 0, total_ms = 0;
+  double color_ms = 0, lines_ms = 0, shade_ms = 0, total_ms = 0;
   std::uint64_t peak_bytes = 0;
 };
 

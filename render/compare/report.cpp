@@ -152,6 +152,7 @@ json DirectJson(const DirectView& view) {
            {{"prepare", stats.prepare_ms},
             {"trace", stats.trace_ms},
             {"color", view.color_ms},
+            {"lines", view.lines_ms},
             {"shade", view.shade_ms},
             {"total", view.total_ms}}},
           {"rays", stats.rays},

@@ -22,6 +22,15 @@ constexpr int kMostRefinements = 10;  // halvings of a chord
 // on one side of them, and what vanishes everywhere vanishes nowhere.
 constexpr double kBias = 1e-9;
 
+// Below this sine of the angle between the tangents, or ratio of their lengths, du × dv is mostly rounding.
+constexpr double kSingular = 0x1p-26;
+
+bool IsSingular(const SurfacePoint& p) {
+  const double longest = std::fmax(Dot(p.du, p.du), Dot(p.dv, p.dv));
+  const Vec3 normal = Cross(p.du, p.dv);
+  return !(Dot(normal, normal) > kSingular * kSingular * longest * longest);
+}
+
 // A curve's value at a place: n · view, or the height over a plane, scaled to about 1.
 class FaceValue {
  public:
@@ -35,7 +44,11 @@ class FaceValue {
 
   double operator()(Vec2 uv) const {
     if (plane_ != nullptr) return Dot(plane_->normal, Point(uv) - plane_->point) / size_ + kBias;
-    const SurfacePoint p = surface.First(uv.x, uv.y);
+    SurfacePoint p = surface.First(uv.x, uv.y);
+    // At a pole step back towards the middle, where the tangents span a plane again.
+    for (double back = 0x1p-20; back <= 1 && IsSingular(p); back *= 16)
+      p = surface.First(uv.x + back * (0.5 * (surface.u_begin() + surface.u_end()) - uv.x),
+                        uv.y + back * (0.5 * (surface.v_begin() + surface.v_end()) - uv.y));
     const Vec3 normal = Normalized(Cross(placement_.Vector(p.du), placement_.Vector(p.dv)));
     const Vec3 view = frame_.projection == Projection::kPerspective
                           ? Normalized(placement_.Point(p.position) - frame_.eye)

@@ -28,6 +28,10 @@ enum class LineClass : std::uint8_t {
 inline constexpr std::array<const char*, 6> kLineClassNames = {"seam",     "smooth",     "feature",
                                                                "boundary", "silhouette", "cut"};
 
+// Which lines a picture shows. kHidden: those too that are hidden, dashed; but for seams and smooth edges, which would
+// only be in the way.
+enum class LineMode : std::uint8_t { kNone, kVisible, kHidden };
+
 struct LinePoint {
   double x, y, depth;
 };
