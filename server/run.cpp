@@ -63,8 +63,9 @@ class ViewFiles {
       return WriteDepth(path, samples.width, samples.height, samples.depth);
     });
   }
-  void Svg(const char* role, const std::string& svg) {
-    if (ok_.ok()) Done(role, ".svg", WriteFileAtomically(stem_ + "." + role + ".svg", svg));
+  void Svg(const char* role, std::string svg) {
+    Add(role, ".svg",
+        [svg = std::move(svg)](const std::string& path) { return WriteFileAtomically(path, svg); });
   }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
