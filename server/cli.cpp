@@ -143,6 +143,17 @@ class OptionCollector {
          "Camera instead of a named view: JSON object, list of them, or @FILE (docs/cameras.md)", "JSON");
   }
 
+  void Sections(CLI::App* app) {
+    app->add_option_function<std::vector<std::string>>(
+           "--section", [this](const std::vector<std::string>& v) { json_["section"] = v; },
+           "Cut away what lies on the side of a plane that its normal points to; repeatable. A point and a "
+           "normal, or "
+           "a plane across an axis: x=12.5, z=50%, -z=50% (docs/sections.md)")
+        ->type_name("X,Y,Z,NX,NY,NZ")
+        ->expected(1)
+        ->take_all();
+  }
+
   // The options as JSON. Errors: kBadUsage, kFileUnreadable (@FILE).
   Result<Json> Take() {
     if (!json_.contains("camera")) return json_;
@@ -182,6 +193,11 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
                  "REL");
   options.Switch(app, "audit", "Also count every crossing of every ray, and compare with the opposite view");
   options.Switch(app, "edges", "Draw feature edges");
+  options.Text(app, "lines",
+               "Draw the exact edges and silhouettes: none (default), visible or hidden (too, dashed)",
+               "NAME");
+  options.Switch(app, "svg", "Write the view's lines as NAME.lines.svg");
+  options.Sections(app);
   options.Text(app, "background", "studio (default) or transparent", "NAME");
   options.Text(
       app, "shade",

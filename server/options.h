@@ -19,6 +19,9 @@
 // audit, edges    true | false                                                   false
 // background      studio | transparent                                           studio
 // shade           NAME or NAME:KEY=VALUE,…, or an object: see ParseShade          studio
+// lines           none | visible | hidden: exact edges and silhouettes over the pictures   none
+// svg             true: the view's lines as NAME.lines.svg                       false
+// section         one or a list: "x,y,z,nx,ny,nz", "z=12.5", "-z=50%", … (section_options.h)
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
 // mesh_unit       mm | cm | m | in | ft                                          the format's own
@@ -49,12 +52,14 @@
 
 #include "render/compare/trade_answers.h"
 #include "render/inspect/inspection.h"
+#include "render/lines/line.h"
 #include "render/model/result.h"
 #include "render/model/vec.h"
 #include "render/shade/shade.h"
 #include "render/trace/camera.h"
 #include "render/trace/direct.h"
 #include "server/importer/import_process.h"
+#include "server/section_options.h"
 
 namespace facetless {
 
@@ -87,6 +92,9 @@ struct RunOptions {
   bool audit = false, edges = false;
   Background background = Background::kStudio;
   Inspection inspection;
+  LineMode lines = LineMode::kNone;
+  bool svg = false;
+  std::vector<SectionRequest> sections;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
   TessellationOptions tessellation;

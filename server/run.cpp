@@ -8,8 +8,10 @@
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
 #include "render/compare/report.h"
+#include "render/compare/section_report.h"
 #include "render/image/io.h"
 #include "render/inspect/report.h"
+#include "render/lines/draw_lines.h"
 #include "render/model/model_file.h"
 #include "render/shade/certificate_map.h"
 #include "render/trace/parallel.h"
@@ -24,12 +26,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* cancel) {
+ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
+                          const std::atomic<bool>* cancel) {
   ViewOptions view;
+  view.sections = sections;
   view.samples = options.samples;
   view.precision = options.precision;
   view.threads = options.threads;
   view.edges = options.edges;
+  view.lines = options.lines;
+  view.find_lines = options.svg;
   view.background = options.background;
   view.inspection = options.inspection;
   view.newton_tolerance = options.newton_tolerance;
@@ -70,6 +76,10 @@ class ViewFiles {
       Add("inspection", ".tif", [&inspection, &samples](const std::string& path) {
         return WriteDepth(path, samples.width, samples.height, inspection->values);
       });
+  }
+  void Svg(const char* role, std::string svg) {
+    Add(role, ".svg",
+        [svg = std::move(svg)](const std::string& path) { return WriteFileAtomically(path, svg); });
   }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
@@ -116,6 +126,12 @@ class ViewFiles {
   std::vector<File> files_;
 };
 
+std::string SvgOf(const ImportedModel& imported, const Camera& camera, const DirectView& view) {
+  const bool flat = camera.projection == Projection::kOrthographic;
+  return LinesSvg(view.lines, camera.width_px, camera.height_px, flat ? view.frame.pixel_x : 0,
+                  imported.model->info.file + ", " + camera.name);
+}
+
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
 class Run {
  public:
@@ -138,6 +154,19 @@ class Run {
     return scene;
   }
   const std::string& directory() const { return directory_; }
+
+  // Resolves the section planes and measures their cuts, through the mesh too where there is one.
+  Result<std::vector<SectionPlane>> Sections(const Scene& scene, const Mesh* mesh) {
+    auto planes = ResolveSections(options_.sections, imported_.model->bounds);
+    if (!planes || planes.value().empty()) return planes;
+    SectionAreaOptions area;
+    area.threads = options_.threads;
+    area.cancel = cancel();
+    auto measured = SectionsJson(scene, mesh, planes.value(), area);
+    if (!measured) return Explained(measured.error());
+    sections_ = std::move(measured).value();
+    return planes;
+  }
 
   // Calls `one` for each camera; it returns the view's entry of the report.
   template <typename One>
@@ -177,6 +206,7 @@ class Run {
     if (ShowsSmoothness(options_.inspection.kind))
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
+    if (!sections_.is_null()) report["sections"] = std::move(sections_);
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -203,6 +233,7 @@ class Run {
   const Clock::time_point start_;
   double scene_ms_ = 0;
   Deadline deadline_;
+  Json sections_;
 };
 
 }  // namespace
@@ -277,11 +308,14 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
                        const RunContext& context) {
   Run run(imported, options, directory, context, "render");
   const Scene scene = run.MakeScene();
+  const auto sections = run.Sections(scene, nullptr);
+  if (!sections) return sections.error();
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto view = RenderView(scene, camera, ToViewOptions(options, run.cancel()));
+    auto view = RenderView(scene, camera, ToViewOptions(options, sections.value(), run.cancel()));
     if (!view) return view.error();
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.value().image);
+    if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.value()));
     files.Depth("depth", view.value().samples);
     files.Inspection(view.value().inspection, view.value().samples);
     files.Aovs(view.value().samples, options);
@@ -299,17 +333,21 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
                         const std::string& directory, const RunContext& context) {
   Run run(imported, options, directory, context, "compare");
   const Scene scene = run.MakeScene();
-  const auto baseline = BaselineScene::Build(mesh, options.threads);
+  const auto baseline = BaselineScene::Build(mesh, options.threads, !options.sections.empty());
   if (!baseline) return baseline.error();
+  const auto sections = run.Sections(scene, &mesh);
+  if (!sections) return sections.error();
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto compared = CompareView(scene, baseline.value(), camera, ToViewOptions(options, run.cancel()));
+    auto compared =
+        CompareView(scene, baseline.value(), camera, ToViewOptions(options, sections.value(), run.cancel()));
     if (!compared) return compared.error();
     const ViewComparison& view = compared.value();
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.direct.image);
     files.Png("baseline", view.baseline.image);
     files.Png("difference", view.picture.image);
+    if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.direct));
     files.Depth("depth", view.direct.samples);
     files.Depth("baseline-depth", view.baseline.samples);
     files.Inspection(view.direct.inspection, view.direct.samples);

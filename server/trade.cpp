@@ -396,6 +396,8 @@ class Sweep {
 Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& imported,
                              const RunOptions& options, const std::string& directory,
                              const RunContext& context) {
+  if (!options.sections.empty())
+    return Error{ErrorCode::kBadUsage, "trade measures whole models; it takes no section"};
   return Sweep(request, imported, options, directory, context).Run();
 }
 

@@ -76,9 +76,10 @@ RTCGeometry MakeTriangles(RTCDevice device, const MeshPart& part, const Map& map
   return geometry;
 }
 
-RTCScene NewScene(RTCDevice device) {
+RTCScene NewScene(RTCDevice device, bool to_be_cut) {
   const RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(scene, to_be_cut ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
+                                    : RTC_SCENE_FLAG_ROBUST);
   return scene;
 }
 
@@ -98,7 +99,7 @@ class Builder {
     std::vector<std::uint32_t> uses(mesh_.parts.size(), 0);
     for (const MeshNode& node : mesh_.nodes) ++uses[node.part];
     data_.part_scenes.assign(mesh_.parts.size(), nullptr);
-    data_.scene = NewScene(data_.device);
+    data_.scene = NewScene(data_.device, data_.to_be_cut);
     for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
       const MeshNode& node = mesh_.nodes[i];
       data_.nodes.push_back(Place(node.placement));
@@ -124,7 +125,7 @@ class Builder {
       const RTCGeometry triangles =
           MakeTriangles(data_.device, mesh_.parts[node.part], [](Vec3 p) { return p; });
       if (triangles == nullptr) return false;
-      part_scene = NewScene(data_.device);
+      part_scene = NewScene(data_.device, data_.to_be_cut);
       Attach(part_scene, triangles);
       rtcCommitScene(part_scene);
     }
@@ -206,9 +207,10 @@ double BaselineScene::noise_mm() const {
   return data_->noise_mm;
 }
 
-Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads) {
+Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool to_be_cut) {
   auto data = std::make_unique<Data>();
   data->mesh = &mesh;
+  data->to_be_cut = to_be_cut;
   data->bounds = MeshBounds(mesh);
   data->center = data->bounds.center();
   data->triangles = PlacedTriangleCount(mesh);

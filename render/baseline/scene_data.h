@@ -38,6 +38,7 @@ struct BaselineScene::Data {
   ~Data();
 
   const Mesh* mesh = nullptr;
+  bool to_be_cut = false;  // Embree calls the filter of the ray's context
   EmbreeMemory memory;
   RTCDevice device = nullptr;
   std::vector<RTCScene> part_scenes;  // nullptr where the part is placed at most once

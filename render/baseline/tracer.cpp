@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <new>
+#include <tuple>
+#include <vector>
 
 #include "render/baseline/scene_data.h"
 #include "render/trace/parallel.h"
@@ -24,6 +26,10 @@ constexpr double kLeadIn = 1e-3;
 // space of instances through kLeastEntry of scene.cpp, which together keeps every coordinate there away
 // from that number.
 constexpr float kLeastCoordinate = 1e-9f;
+
+// Crossings of one ray that lie closer together than this share of the diagonal, and go the same way, are those of
+// triangles that share an edge: float32 tells no less, and no wall is thinner.
+constexpr double kSameCrossing = 1e-6;
 
 float Coordinate(double direction) {
   const float rounded = static_cast<float>(direction);
@@ -70,10 +76,46 @@ HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Ve
   return hit;
 }
 
+// A triangle that a ray meets.
+struct MetTriangle {
+  std::uint32_t node, triangle;
+  HitPoint hit;
+  bool leaving;  // the ray runs along the triangle's outward side
+};
+
+// Collects every triangle of a ray, and lets the ray go on.
+struct EveryTriangle {
+  RTCIntersectContext context;  // first: Embree hands it to the filter
+  const BaselineScene::Data* data;
+  std::vector<MetTriangle>* found;
+
+  static void Filter(const RTCFilterFunctionNArguments* arguments) {
+    auto* self = reinterpret_cast<EveryTriangle*>(arguments->context);
+    if (arguments->valid[0] != -1) return;
+    const unsigned instance = RTCHitN_instID(arguments->hit, arguments->N, 0, 0);
+    const unsigned geometry =
+        instance == RTC_INVALID_GEOMETRY_ID ? RTCHitN_geomID(arguments->hit, arguments->N, 0) : instance;
+    self->found->push_back(
+        {self->data->node_of_geometry[geometry], RTCHitN_primID(arguments->hit, arguments->N, 0), {}, false});
+    arguments->valid[0] = 0;
+  }
+};
+
 class TileTracer {
  public:
   TileTracer(const BaselineScene::Data& data, const CameraFrame& frame, SampleBuffer& out)
       : data_(data), frame_(frame), out_(out), start_(StartDepth(data, frame)) {}
+
+  // The same for a model that is cut; returns the number of hits.
+  std::uint64_t TraceCut(int x0, int x1, int y0, int y1, const BaselineOptions& options) const {
+    std::vector<MetTriangle> met;
+    std::vector<SolidCrossing> crossings;
+    SectionDecision decision;
+    std::uint64_t hits = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) hits += TraceCutRay(x, y, options, &met, &crossings, &decision);
+    return hits;
+  }
 
   // Traces the pixels [x0, x1) × [y0, y1) and returns the number of hits.
   std::uint64_t Trace(int x0, int x1, int y0, int y1) const {
@@ -145,11 +187,87 @@ class TileTracer {
     return hits;
   }
 
-  void Store(std::size_t pixel, const Ray& ray, std::uint32_t node_index, std::uint32_t triangle) const {
+  bool TraceCutRay(int x, int y, const BaselineOptions& options, std::vector<MetTriangle>* met,
+                   std::vector<SolidCrossing>* crossings, SectionDecision* decision) const {
+    const Ray ray = PixelRay(frame_, x + 0.5, y + 0.5);
+    const KeptInterval kept = KeptOf(
+        ray, options.sections, frame_.projection == Projection::kPerspective ? frame_.near_mm : -INFINITY);
+    MeetAll(ray, met);
+
+    // Put them in order, those of one edge once.
+    const auto solid_of = [&](const MetTriangle& m) {
+      if (!data_.mesh->from_model) return m.node;
+      const MeshNode& node = data_.mesh->nodes[m.node];
+      const std::uint32_t face = data_.mesh->parts[node.part].face_of_triangle[m.triangle];
+      return options.solids->SolidOf(node.first_placed_face + face);
+    };
+    std::sort(met->begin(), met->end(), [&](const MetTriangle& a, const MetTriangle& b) {
+      return std::tuple(solid_of(a), a.hit.depth, a.node, a.triangle) <
+             std::tuple(solid_of(b), b.hit.depth, b.node, b.triangle);
+    });
+    const double same = kSameCrossing * data_.bounds.diagonal();
+    met->erase(std::unique(met->begin(), met->end(),
+                           [&](const MetTriangle& a, const MetTriangle& b) {
+                             return a.leaving == b.leaving && solid_of(a) == solid_of(b) &&
+                                    b.hit.depth - a.hit.depth <= same;
+                           }),
+               met->end());
+    std::sort(met->begin(), met->end(), [](const MetTriangle& a, const MetTriangle& b) {
+      return std::tuple(a.hit.depth, a.node, a.triangle) < std::tuple(b.hit.depth, b.node, b.triangle);
+    });
+    crossings->clear();
+    for (const MetTriangle& m : *met) crossings->push_back({m.hit.depth, data_.noise_mm, solid_of(m)});
+
+    const SectionAnswer answer = decision->Decide(*crossings, kept);
+    const std::size_t pixel = static_cast<std::size_t>(y) * out_.width + x;
+    if (answer.kind == SectionAnswer::Kind::kMiss) return false;
+    if (answer.kind == SectionAnswer::Kind::kCap) {
+      const Vec3 normal = options.sections[kept.plane].normal;
+      out_.depth[pixel] = kept.begin;
+      out_.normal[pixel] = {static_cast<float>(normal.x), static_cast<float>(normal.y),
+                            static_cast<float>(normal.z)};
+      out_.face[pixel] = options.solids->CapId(kept.plane, data_.mesh->from_model ? answer.index : 0);
+      return true;
+    }
+    const MetTriangle& nearest = (*met)[answer.index];
+    Store(pixel, ray, nearest.node, nearest.triangle);
+    return true;
+  }
+
+  // Every triangle that the ray meets, with its point.
+  void MeetAll(const Ray& ray, std::vector<MetTriangle>* met) const {
+    met->clear();
+    EveryTriangle every;
+    rtcInitIntersectContext(&every.context);
+    every.context.filter = EveryTriangle::Filter;
+    every.data = &data_;
+    every.found = met;
+    const Vec3 origin = ray.origin + start_ * ray.direction - data_.center;
+    RTCRayHit query{};
+    query.ray.org_x = static_cast<float>(origin.x);
+    query.ray.org_y = static_cast<float>(origin.y);
+    query.ray.org_z = static_cast<float>(origin.z);
+    query.ray.dir_x = Coordinate(ray.direction.x);
+    query.ray.dir_y = Coordinate(ray.direction.y);
+    query.ray.dir_z = Coordinate(ray.direction.z);
+    query.ray.tfar = INFINITY;
+    query.ray.mask = 0xffffffffu;
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(data_.scene, &every.context, &query);
+    for (MetTriangle& m : *met) {
+      Vec3 corners[3], normals[3];
+      CornersOf(m.node, m.triangle, corners, normals);
+      const double side = data_.nodes[m.node].side;
+      m.hit = Refine(frame_, ray, start_, corners, normals, side);
+      m.leaving = side * Dot(Cross(corners[1] - corners[0], corners[2] - corners[0]), ray.direction) > 0;
+    }
+  }
+
+  void CornersOf(std::uint32_t node_index, std::uint32_t triangle, Vec3 (&corners)[3],
+                 Vec3 (&normals)[3]) const {
     const MeshNode& node = data_.mesh->nodes[node_index];
     const MeshPart& part = data_.mesh->parts[node.part];
     const PlacedNode& placed = data_.nodes[node_index];
-    Vec3 corners[3], normals[3];
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t vertex = part.triangles[triangle][k];
       const auto& p = part.positions[vertex];
@@ -159,11 +277,17 @@ class TileTracer {
       normals[k] = {Dot(placed.normal_rows[0], normal), Dot(placed.normal_rows[1], normal),
                     Dot(placed.normal_rows[2], normal)};
     }
-    const HitPoint hit = Refine(frame_, ray, start_, corners, normals, placed.side);
+  }
+
+  void Store(std::size_t pixel, const Ray& ray, std::uint32_t node_index, std::uint32_t triangle) const {
+    Vec3 corners[3], normals[3];
+    CornersOf(node_index, triangle, corners, normals);
+    const HitPoint hit = Refine(frame_, ray, start_, corners, normals, data_.nodes[node_index].side);
     out_.depth[pixel] = hit.depth;
     out_.normal[pixel] = {static_cast<float>(hit.normal.x), static_cast<float>(hit.normal.y),
                           static_cast<float>(hit.normal.z)};
-    out_.face[pixel] = node.first_placed_face + part.face_of_triangle[triangle];
+    const MeshNode& node = data_.mesh->nodes[node_index];
+    out_.face[pixel] = node.first_placed_face + data_.mesh->parts[node.part].face_of_triangle[triangle];
   }
 
   const BaselineScene::Data& data_;
@@ -178,6 +302,10 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
                                      const BaselineOptions& options) {
   const Result<CameraFrame> frame = MakeFrame(camera, scene.bounds().diagonal());
   if (!frame.ok()) return frame.error();
+  if (auto sound = CheckSections(options.sections); !sound.ok()) return sound.error();
+  if (!options.sections.empty() && (options.solids == nullptr || !scene.data().to_be_cut))
+    return Error{ErrorCode::kBadUsage,
+                 "section planes need the model's solids, and a mesh prepared to be cut"};
   const Clock::time_point start = Clock::now();
   BaselineResult result;
   result.frame = frame.value();
@@ -186,12 +314,12 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
     result.samples.Resize(camera.width_px, camera.height_px);
     const TileTracer tracer(scene.data(), result.frame, result.samples);
     RunWithThreads(options.threads, [&] {
-      ParallelForTiles(camera.height_px, camera.width_px, kTile,
-                       [&](int row, int row_end, int column, int column_end) {
-                         if (options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed))
-                           return;
-                         hits += tracer.Trace(column, column_end, row, row_end);
-                       });
+      ParallelForTiles(
+          camera.height_px, camera.width_px, kTile, [&](int row, int row_end, int column, int column_end) {
+            if (options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed)) return;
+            hits += options.sections.empty() ? tracer.Trace(column, column_end, row, row_end)
+                                             : tracer.TraceCut(column, column_end, row, row_end, options);
+          });
     });
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimitExceeded, "view '" + camera.name + "': its samples do not fit into memory"};

@@ -9,24 +9,32 @@
 //     the ray than its triangle does (silhouettes of coarse meshes) is turned back to the horizon.
 //  4. Everything is relative to the mesh's centre before it becomes float32: a model 10 km away loses
 //     nothing.
-//  5. Answers don't depend on the number of threads. They may depend on the processor: Embree promises no
+//  5. With section planes (trace/section.h) a ray collects all triangles that it meets. Those that share an edge
+//     or a corner may both be met by one ray: neighbours in depth, to within kSameCrossing of the diagonal, that are
+//     entered or left alike are one crossing. A mesh of another program has solids of unknown extent: each node is
+//     taken for one.
+//  6. Answers don't depend on the number of threads. They may depend on the processor: Embree promises no
 //     more.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "render/model/mesh.h"
 #include "render/model/result.h"
 #include "render/trace/camera.h"
 #include "render/trace/samples.h"
+#include "render/trace/section.h"
 
 namespace facetless {
 
 struct BaselineOptions {
-  int threads = 0;                            // 0: all cores
-  const std::atomic<bool>* cancel = nullptr;  // polled per tile; true ends the call with kCancelled
+  int threads = 0;                              // 0: all cores
+  const std::atomic<bool>* cancel = nullptr;    // polled per tile; true ends the call with kCancelled
+  std::span<const SectionPlane> sections = {};  // what is cut away
+  const SectionSolids* solids = nullptr;        // of the model; required with sections
 };
 
 struct BaselineStats {
@@ -44,9 +52,9 @@ struct BaselineResult {
 // An Embree BVH over a mesh; immutable, may serve many calls at once. The Mesh must outlive it.
 class BaselineScene {
  public:
-  // Errors: kNothingUsable (no triangle), kLimitExceeded (Embree ran out of memory, more than 2^32 − 1
+  // `to_be_cut`: it will be traced with section planes, which takes a slower tree walk. Errors: kNothingUsable (no triangle), kLimitExceeded (Embree ran out of memory, more than 2^32 − 1
   // nodes), kBadUsage (the machine lacks what Embree needs).
-  static Result<BaselineScene> Build(const Mesh& mesh, int threads);
+  static Result<BaselineScene> Build(const Mesh& mesh, int threads, bool to_be_cut = false);
   ~BaselineScene();
   BaselineScene(BaselineScene&&) noexcept;
   BaselineScene& operator=(BaselineScene&&) noexcept;
@@ -68,7 +76,7 @@ class BaselineScene {
   std::unique_ptr<Data> data_;
 };
 
-// Errors: kBadUsage (camera), kLimitExceeded (samples don't fit into memory), kCancelled.
+// Errors: kBadUsage (camera, sections), kLimitExceeded (samples don't fit into memory), kCancelled.
 Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& camera,
                                      const BaselineOptions& options);
 

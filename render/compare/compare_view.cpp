@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "render/lines/draw_lines.h"
+#include "render/lines/view_lines.h"
 #include "render/trace/parallel.h"
 
 namespace facetless {
@@ -40,30 +42,48 @@ Result<void> CheckOptions(const ViewOptions& options) {
   return {};
 }
 
-// What a picture is made of: samples at the grid's resolution, and what they were traced with.
+// What pictures are made of, whoever traces it.
+struct Subject {
+  Subject(const Model& m, const ViewOptions& options)
+      : model(m), colors(FaceColors(m, options.sections.size())) {
+    if (!options.sections.empty()) solids.emplace(m);
+  }
+  const Model& model;
+  const std::vector<Color> colors;      // by placed face, then by cap
+  std::optional<SectionSolids> solids;  // whose caps are shown; none where nothing is cut
+};
+
+// What a picture is made from: samples at the grid's resolution, and what they were traced with.
 struct Exposure {
   const SampleBuffer& samples;
   const CameraFrame& frame;
   SampleGrid grid;
+  const Scene* scene;  // null for a mesh
+  const std::vector<ViewLine>& lines;
 };
 
-// Shades, resolves and encodes. `scene` is null for a mesh, `inspection` for the studio's light.
-Result<Image8> Develop(const Exposure& exposure, const Model& model, const Scene* scene,
-                       const InspectionView* inspection, const ViewOptions& options) {
-  const auto& [samples, frame, grid] = exposure;
+// Shades, resolves, draws lines and encodes. `inspection` is null for the studio's light.
+Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const InspectionView* inspection,
+                       const ViewOptions& options) {
+  const auto& [samples, frame, grid, scene, lines] = exposure;
   ShadeOptions shade;
+  if (subject.solids) {
+    shade.first_cap = subject.solids->first_cap();
+    shade.cap_stride = subject.solids->stride();
+  }
   shade.background = options.background;
   shade.edges = options.edges;
   shade.samples_x = grid.x;
   shade.samples_y = grid.y;
   shade.threads = options.threads;
   Result<Film> film = inspection != nullptr
-                          ? Draw(model, scene, samples, frame, *inspection, shade, options.cancel)
-                          : Shade(samples, frame, FaceColors(model), shade);
+                          ? Draw(subject.model, scene, samples, frame, *inspection, shade, options.cancel)
+                          : Shade(samples, frame, subject.colors, shade);
   if (!film.ok()) return film.error();
   std::optional<Result<Image8>> image;
   RunWithThreads(options.threads, [&] {
-    const Result<Film> resolved = Resolve(std::move(film).value(), grid.x, grid.y);
+    Result<Film> resolved = Resolve(std::move(film).value(), grid.x, grid.y);
+    if (resolved.ok() && options.lines != LineMode::kNone) DrawLines(lines, &resolved.value());
     image = resolved.ok() ? Encode(resolved.value()) : Result<Image8>(resolved.error());
   });
   return *std::move(image);
@@ -92,7 +112,8 @@ struct DirectPasses {
   const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : view.samples; }
 };
 
-Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const ViewOptions& options) {
+Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const Subject& subject,
+                               const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   DirectPasses passes;
   DirectView& view = passes.view;
@@ -107,6 +128,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const V
   trace.uv = options.uv || WantsUv(options.inspection.kind);
   trace.depth_error = options.depth_error;
   trace.audit = options.audit;
+  trace.sections = options.sections;
   trace.cancel = options.cancel;
   Result<DirectResult> traced = TraceDirect(scene, camera, trace);
   if (!traced.ok()) return traced.error();
@@ -133,12 +155,24 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const V
                                       BufferBytes(passes.color_samples) + FilmBytes(passes.color_samples));
   }
 
+  // Lines.
+  if (options.lines != LineMode::kNone || options.find_lines) {
+    const Clock::time_point lines_start = Clock::now();
+    view.lines = FindLines(scene, camera, view.frame, passes.color(), color_frame,
+                           {.sections = options.sections, .threads = options.threads});
+    std::erase_if(view.lines, [&](const ViewLine& line) {
+      return !line.visible && (options.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
+                               line.kind == LineClass::kSmooth);
+    });
+    view.lines_ms = MillisecondsSince(lines_start);
+  }
+
   // Light.
   const Clock::time_point shade_start = Clock::now();
-  auto inspected = Inspected(scene.model(), &scene, view.samples, view.frame, options);
+  auto inspected = Inspected(subject.model, &scene, view.samples, view.frame, options);
   if (!inspected.ok()) return inspected.error();
   view.inspection = std::move(inspected).value();
-  Result<Image8> image = Develop({passes.color(), color_frame, view.grid}, scene.model(), &scene,
+  Result<Image8> image = Develop({passes.color(), color_frame, view.grid, &scene, view.lines}, subject,
                                  Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
@@ -167,13 +201,15 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
 
 // `direct` lends its faces to a foreign mesh; null for one that names its own.
 Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
-                                 const Model& model, const ViewOptions& options) {
+                                 const Subject& subject, const std::vector<ViewLine>& lines,
+                                 const ViewOptions& options) {
   const Clock::time_point start = Clock::now();
   const SampleGrid grid = GridOf(options.samples);
   BaselineView view;
 
   // The pixel-centre pass.
-  const BaselineOptions trace{options.threads, options.cancel};
+  const BaselineOptions trace{options.threads, options.cancel, options.sections,
+                              subject.solids ? &*subject.solids : nullptr};
   Result<BaselineResult> traced = TraceBaseline(scene, camera, trace);
   if (!traced.ok()) return traced.error();
   view.samples = std::move(traced.value().samples);
@@ -197,11 +233,11 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   // Light.
   const Clock::time_point shade_start = Clock::now();
   if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
-  auto inspected = Inspected(model, nullptr, view.samples, traced.value().frame, options);
+  auto inspected = Inspected(subject.model, nullptr, view.samples, traced.value().frame, options);
   if (!inspected.ok()) return inspected.error();
   view.inspection = std::move(inspected).value();
   Result<Image8> image =
-      Develop({color, color_frame, grid}, model, nullptr, Address(view.inspection), options);
+      Develop({color, color_frame, grid, nullptr, lines}, subject, Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -226,6 +262,15 @@ Result<void> CompareViews(const Model& model, const BaselineScene& baseline, con
   return {};
 }
 
+void NameCaps(const SectionSolids& solids, Difference* difference) {
+  for (FaceDifference& face : difference->faces) {
+    if (face.id < solids.first_cap()) continue;
+    const std::uint32_t cap = face.id - solids.first_cap();
+    face.name =
+        "section " + std::to_string(cap / solids.stride()) + " of " + solids.Name(cap % solids.stride());
+  }
+}
+
 Error OutOfMemory(const Camera& camera) {
   return {ErrorCode::kLimitExceeded, "view '" + camera.name + "': its pictures do not fit into memory"};
 }
@@ -239,16 +284,22 @@ SampleGrid GridOf(int samples) {
   return grid;
 }
 
-std::vector<Color> FaceColors(const Model& model) {
+std::vector<Color> FaceColors(const Model& model, std::size_t section_planes) {
   std::vector<Color> colors(model.PlacedFaceCount());
   for (std::uint32_t id = 0; id < colors.size(); ++id) colors[id] = model.PlacedFaceColor(id);
+  if (section_planes == 0) return colors;
+  const SectionSolids solids(model);
+  std::vector<Color> caps;
+  for (std::uint32_t solid = 0; solid < solids.stride(); ++solid) caps.push_back(solids.ColorOf(solid));
+  for (std::size_t plane = 0; plane < section_planes; ++plane)
+    colors.insert(colors.end(), caps.begin(), caps.end());
   return colors;
 }
 
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   try {
-    Result<DirectPasses> passes = RunDirect(scene, camera, options);
+    Result<DirectPasses> passes = RunDirect(scene, camera, Subject(scene.model(), options), options);
     if (!passes.ok()) return passes.error();
     return std::move(passes).value().view;
   } catch (const std::bad_alloc&) {
@@ -263,7 +314,7 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
     return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
   if (Result<void> can = CheckMeshCanShow(options.inspection, true); !can.ok()) return can.error();
   try {
-    return RunBaseline(baseline, camera, nullptr, model, options);
+    return RunBaseline(baseline, camera, nullptr, Subject(model, options), {}, options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -278,10 +329,12 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     // Trace both.
     ViewComparison comparison;
     comparison.camera = camera;
-    Result<DirectPasses> direct = RunDirect(scene, camera, options);
+    const Subject subject(scene.model(), options);
+    Result<DirectPasses> direct = RunDirect(scene, camera, subject, options);
     if (!direct.ok()) return direct.error();
-    Result<BaselineView> meshed = RunBaseline(
-        baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), scene.model(), options);
+    Result<BaselineView> meshed =
+        RunBaseline(baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), subject,
+                    direct.value().view.lines, options);
     if (!meshed.ok()) return meshed.error();
     comparison.direct = std::move(direct.value().view);
     comparison.baseline = std::move(meshed).value();
@@ -292,6 +345,7 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     RunWithThreads(options.threads,
                    [&] { compared = CompareViews(scene.model(), baseline, options, comparison); });
     if (!compared.ok()) return compared.error();
+    if (subject.solids) NameCaps(*subject.solids, &comparison.difference);
     comparison.difference_ms = MillisecondsSince(start);
     return comparison;
   } catch (const std::bad_alloc&) {

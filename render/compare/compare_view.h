@@ -3,7 +3,7 @@
 //  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
 //     samples > 1 the colour comes from a second, supersampled pass of the same camera.
 //  2. Times are of a steady clock, in ms, and disjoint: total is the whole call for that tracer, files
-//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, and shading
+//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, finding lines lines_ms, and shading
 //     (with resolve and encode) shade_ms.
 //  3. peak_bytes counts what the tracer holds for this view at its fullest: the direct one the scene's
 //     leaves, bitmaps and buffers; the baseline the mesh, Embree's own count at its highest, and buffers.
@@ -11,6 +11,7 @@
 //  4. An inspection is measured at pixel centres, its robust range included, and drawn where the colour comes from.
 //  5. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
 //     shows there, and the commonest colour of that image where it shows none.
+//  6. Section planes cut both models (trace/section.h). An audit counts the crossings of the whole model.
 #pragma once
 
 #include <atomic>
@@ -24,6 +25,7 @@
 #include "render/image/film.h"
 #include "render/image/metrics.h"
 #include "render/inspect/picture.h"
+#include "render/lines/line.h"
 #include "render/model/model.h"
 #include "render/shade/shade.h"
 #include "render/trace/camera.h"
@@ -37,12 +39,15 @@ struct ViewOptions {
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // what the leaves of a view may take
   int threads = 0;                                      // 0: all cores
   bool edges = false;
+  LineMode lines = LineMode::kNone;  // drawn over both pictures, from the exact model
+  bool find_lines = false;           // fill DirectView::lines, whatever is drawn
   Background background = Background::kStudio;
-  Inspection inspection;        // what both pictures show; the difference is measured all the same
-  double newton_tolerance = 0;  // as DirectOptions
-  bool uv = false;              // fill the direct samples' uv
-  bool depth_error = false;     // fill the direct samples' depth_error
-  bool audit = false;           // fill stats.odd_rays and stats.reverse_mismatches
+  Inspection inspection;               // what both pictures show; the difference is measured all the same
+  double newton_tolerance = 0;         // as DirectOptions
+  bool uv = false;                     // fill the direct samples' uv
+  bool depth_error = false;            // fill the direct samples' depth_error
+  bool audit = false;                  // fill stats.odd_rays and stats.reverse_mismatches
+  std::vector<SectionPlane> sections;  // what is cut away, of both models alike
   ColorMetricOptions color;
   DifferencePictureOptions picture;
   const std::atomic<bool>* cancel = nullptr;
@@ -62,7 +67,8 @@ struct DirectView {
   Image8 image;
   std::optional<InspectionView> inspection;  // none: the studio
   SampleGrid grid;
-  double color_ms = 0, shade_ms = 0, total_ms = 0;
+  std::vector<ViewLine> lines;  // hidden ones only with LineMode::kHidden
+  double color_ms = 0, lines_ms = 0, shade_ms = 0, total_ms = 0;
   std::uint64_t peak_bytes = 0;
 };
 
@@ -97,7 +103,7 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
                                    const ViewOptions& options);
 
-// One colour per placed face.
-std::vector<Color> FaceColors(const Model& model);
+// One colour per placed face, and behind them those of the caps of so many section planes.
+std::vector<Color> FaceColors(const Model& model, std::size_t section_planes = 0);
 
 }  // namespace facetless

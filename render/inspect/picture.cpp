@@ -161,6 +161,11 @@ bool IsNumber(const SampleBuffer& samples, std::size_t i) {
   return std::isfinite(samples.depth[i]) && std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);
 }
 
+// Caps of sections have ids above those of the faces.
+bool IsCap(const Model& model, std::uint32_t face) {
+  return face != kNoIndex && face >= model.PlacedFaceCount();
+}
+
 Result<void> CheckSizes(const SampleBuffer& samples) {
   const std::size_t count =
       static_cast<std::size_t>(samples.width) * static_cast<std::size_t>(samples.height);
@@ -200,7 +205,7 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
   if (view.classes.empty()) return view;
   const Painter painter(view, centres, view.values, frame, model.bounds);
   for (std::size_t i = 0; i < centres.size(); ++i) {
-    if (!IsNumber(centres, i)) continue;
+    if (!IsNumber(centres, i) || IsCap(model, centres.face[i])) continue;
     const Seen seen = SeenAt(centres, frame, i);
     ++view.classes[painter.ClassOf(i, seen.position, seen.normal, seen.toward)].pixels;
   }
@@ -244,9 +249,13 @@ Result<Film> Draw(const Model& model, const Scene* scene, const SampleBuffer& sa
         }
         const Seen seen = SeenAt(samples, frame, i);
         const double matte = kDarkest + (1 - kDarkest) * std::fabs(Dot(seen.normal, seen.toward));
-        const Vec3 light = matte * painter.ColorOf(i, seen.position, seen.normal, seen.toward);
+        const bool cap = IsCap(model, samples.face[i]);
+        const Vec3 light = matte * (cap ? Linear(ToColor(kNoNumber))
+                                        : painter.ColorOf(i, seen.position, seen.normal, seen.toward));
         film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y),
                           static_cast<float>(light.z), 1.0f};
+        if (cap)
+          HatchCap(options, samples.face[i], static_cast<double>(i - first) + 0.5, y + 0.5, &film.pixels[i]);
       }
     });
   });

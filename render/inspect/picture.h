@@ -8,7 +8,8 @@
 //     float32 makes of its normal.
 //  4. back: faces seen from inside, in a signal colour. unseen: those too, and faces with fewer pixel centres than `few_pixels`; a face
 //     with none cannot be shown, and is listed.
-//  5. Normals, except for law 4, are turned to the viewer. Two tracers that agree in the samples agree in every byte; no libm.
+//  5. Caps of sections are grey and hatched: no number and no class is theirs.
+//  6. Normals, except for law 4, are turned to the viewer. Two tracers that agree in the samples agree in every byte; no libm.
 #pragma once
 
 #include <atomic>

@@ -61,6 +61,7 @@ class Evaluator {
     if (!std::isfinite(samples_.depth[i])) return kNone;
     const auto& n = samples_.normal[i];
     const Vec3 rough = Normalized({n[0], n[1], n[2]});
+    if (samples_.face[i] >= placed_.size() && samples_.face[i] != kNoIndex) return kNone;  // a section's cap
     if (samples_.uv.empty() || samples_.face[i] >= placed_.size()) return DraftOf(rough);
     const PlacedFace& placed = placed_[samples_.face[i]];
     const SurfaceEval& surface = surfaces_[placed.face];

@@ -12,7 +12,8 @@
 //  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
 //     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds to
 //     the leaf's depth in double.
-//  5. A doubt counts from the depth at which it arose: what a nearer hit hides is no doubt.
+//  5. A doubt counts from the depth at which it arose: what a nearer hit hides is no doubt. Where every hit is asked
+//     for, nothing is hidden, and all doubts of a ray count.
 //
 // A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V);
 // with F = (X − x_R·W, Y − y_R·W) formed first, Cramer's rule on F and its derivatives is the same step

@@ -341,7 +341,8 @@ class Packet {
         job_.leaf[to + j] = leaf_[from + j] == kMiss ? kNoLeaf : static_cast<std::uint32_t>(leaf_[from + j]);
       }
       for (int j = 0; doubtful_ && j < kPacketWidth; ++j)
-        if (doubt_depth_[from + j] <= Reach(from + j)) job_.doubt[to + j] = doubt_[from + j];
+        if (!nearest_only_ || doubt_depth_[from + j] <= Reach(from + j))
+          job_.doubt[to + j] = doubt_[from + j];
     }
     if (job_.normal) WriteNormals();
   }

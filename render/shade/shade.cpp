@@ -8,11 +8,18 @@
 #include <vector>
 
 #include "render/shade/edges.h"
+#include "render/shade/hatch.h"
 #include "render/shade/studio.h"
 #include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
+
+// Light of a line of hatching on a cap of mean light `light`: dark, but lighter than what is nearly black.
+float HatchLight(float light) {
+  constexpr float kDark = 0.04f, kShare = 0.18f, kAgainstDark = 0.30f;
+  return light < kDark ? kAgainstDark : kShare * light;
+}
 
 constexpr std::size_t kNoPixel = std::numeric_limits<std::size_t>::max();
 
@@ -44,7 +51,8 @@ Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
 
 // Shades the row's samples; returns the first that is no number, or kNoPixel.
 std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, const std::vector<Vec3>& albedo,
-                     Vec3 fallback, const std::array<float, 4>& background, int y, Film& film) {
+                     Vec3 fallback, const std::array<float, 4>& background, const ShadeOptions& options,
+                     int y, Film& film) {
   const bool perspective = frame.projection == Projection::kPerspective;
   const std::size_t first = static_cast<std::size_t>(y) * samples.width;
   StudioView view(Normalized(ToViewer(frame, -frame.forward)));
@@ -78,7 +86,9 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
     const Vec3 light = view.Light(normal, face < albedo.size() ? albedo[face] : fallback);
     film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z),
                       1.0f};
-    if (!perspective) alike = i;
+    const bool cap = face >= options.first_cap;
+    if (cap) HatchCap(options, face, static_cast<double>(i - first) + 0.5, y + 0.5, &film.pixels[i]);
+    alike = perspective || cap ? kNoPixel : i;
   }
   return kNoPixel;
 }
@@ -103,7 +113,7 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
   std::atomic<std::size_t> bad{kNoPixel};
   RunWithThreads(options.threads, [&] {
     ParallelFor(0, samples.height, [&](int y) {
-      const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, y, film);
+      const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, options, y, film);
       std::size_t known = bad.load();
       while (found < known && !bad.compare_exchange_weak(known, found)) {
       }
@@ -121,6 +131,15 @@ std::array<float, 4> BackgroundLight(Background background) {
   if (background == Background::kTransparent) return {0, 0, 0, 0};
   const Vec3 room = StudioBackground();
   return {static_cast<float>(room.x), static_cast<float>(room.y), static_cast<float>(room.z), 1.0f};
+}
+
+void HatchCap(const ShadeOptions& options, std::uint32_t face, double x, double y,
+              std::array<float, 4>* pixel) {
+  if (face < options.first_cap || face == kNoIndex) return;
+  const std::uint32_t solid = (face - options.first_cap) % options.cap_stride;
+  const float cover = HatchCover(x / options.samples_x, y / options.samples_y, solid);
+  const float line = HatchLight(((*pixel)[0] + (*pixel)[1] + (*pixel)[2]) / 3);
+  for (int c = 0; c < 3; ++c) (*pixel)[c] += cover * (line - (*pixel)[c]);
 }
 
 void DrawFeatureEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,

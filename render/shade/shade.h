@@ -10,6 +10,7 @@
 //  5. Edges, where asked for, are drawn at silhouettes (a jump in depth that the surface's slope does not
 //     explain) and where the normals on both sides of a face border differ by more than edge_angle_deg.
 //     They are about one pixel wide: with samples_x × samples_y samples per pixel, as many samples.
+//  6. Caps of section planes have their solid's colour, hatched (hatch.h).
 #pragma once
 
 #include <array>
@@ -32,7 +33,9 @@ struct ShadeOptions {
   double edge_angle_deg = 20;        // 0 … 180
   int samples_x = 1, samples_y = 1;  // samples per pixel: the width of edges
   Color fallback;                    // of a face id beyond `colors`
-  int threads = 0;                   // 0: all cores
+  // Face ids from here on are caps, those of a plane following each other by solid (trace/section.h).
+  std::uint32_t first_cap = kNoIndex, cap_stride = 1;
+  int threads = 0;  // 0: all cores
 };
 
 // `colors` by placed-face id (sRGB); `frame` is the one that the samples were traced with. Errors:
@@ -43,6 +46,10 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
 
 // What Shade shows where nothing is hit: red, green, blue times alpha, and alpha; linear.
 std::array<float, 4> BackgroundLight(Background background);
+
+// Law 6 alone: hatches the pixel of a cap's sample, x and y from the film's corner; leaves others as they are.
+void HatchCap(const ShadeOptions& options, std::uint32_t face, double x, double y,
+              std::array<float, 4>* pixel);
 
 // Law 5 alone, over a film that somebody else made from the samples. Requires equal sizes.
 void DrawFeatureEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,

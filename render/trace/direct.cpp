@@ -12,6 +12,8 @@
 #include "render/trace/hit_geometry.h"
 #include "render/trace/parallel.h"
 #include "render/trace/prepare.h"
+#include "render/trace/section_tracer.h"
+#include "render/trace/tally.h"
 #include "render/trace/tile_tracer.h"
 
 namespace facetless {
@@ -21,24 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-Certificate CertificateOf(std::uint8_t doubt) {
-  if (doubt & kDoubtUnresolved) return Certificate::kUnresolved;
-  return doubt ? Certificate::kConverged : Certificate::kCertified;
-}
-
-// Counts of one thread; its own cache lines.
-struct alignas(64) Tally {
-  std::uint64_t hits = 0, certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
-  std::array<std::uint64_t, kDoubtNames.size()> doubts{};
-  double depth_error_max = 0;
-};
-
-// A bound as a float.
-float RoundedUp(double x) {
-  const float f = static_cast<float>(x);
-  return f >= x ? f : std::nextafter(f, INFINITY);
 }
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
@@ -74,9 +58,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       if (doubt != 0) {
         samples->certificate[out] = certificate;
         samples->doubt[out] = doubt;
-        for (std::size_t bit = 0; doubt >> bit; ++bit) tally->doubts[bit] += doubt >> bit & 1;
-        tally->converged += certificate == Certificate::kConverged;
-        tally->unresolved += certificate == Certificate::kUnresolved;
+        tally->AddDoubts(doubt);
       } else {
         ++tally->certified;
       }
@@ -114,6 +96,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
   const Clock::time_point start = Clock::now();
   DirectResult result;
+  if (auto sound = CheckSections(options.sections); !sound.ok()) return sound.error();
   if (auto frame = MakeFrame(camera, scene.model().Diagonal()); frame.ok()) {
     result.frame = frame.value();
   } else {
@@ -143,12 +126,22 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   if (options.uv) samples.uv.resize(samples.size());
   PerThread<TileTracer> tracers([&] { return TileTracer(shared, kernel, certify); });
   PerThread<Tally> tallies;
-  ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
-    if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
-    TileTracer& tracer = tracers.local();
-    tracer.Trace(tile, nullptr);
-    WriteTile(shared, tracer, &samples, &tallies.local());
-  });
+  if (options.sections.empty()) {
+    ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
+      if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
+      TileTracer& tracer = tracers.local();
+      tracer.Trace(tile, nullptr);
+      WriteTile(shared, tracer, &samples, &tallies.local());
+    });
+  } else {
+    const SectionSolids solids(scene.model());
+    PerThread<SectionTracer> sections(
+        [&] { return SectionTracer(shared, options.sections, solids, certify); });
+    ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
+      if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
+      sections.local().Trace(tile, &tracers.local(), &samples, &tallies.local());
+    });
+  }
   if (options.cancel && options.cancel->load())
     return Error{ErrorCode::kCancelled, "cancelled while tracing"};
   result.stats.trace_ms = MillisecondsSince(traced);
@@ -162,6 +155,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     stats.converged += tally.converged;
     stats.unresolved += tally.unresolved;
     stats.certified_hits += tally.certified_hits;
+    stats.caps += tally.caps;
     for (std::size_t bit = 0; bit < tally.doubts.size(); ++bit) stats.doubts[bit] += tally.doubts[bit];
     stats.depth_error_max = std::max(stats.depth_error_max, tally.depth_error_max);
   }

@@ -18,6 +18,7 @@
 #include "render/model/model.h"
 #include "render/trace/camera.h"
 #include "render/trace/samples.h"
+#include "render/trace/section.h"
 
 namespace facetless {
 
@@ -35,7 +36,8 @@ struct DirectOptions {
   int threads = 0;              // 0: all cores
   bool uv = false;              // fill samples.uv
   bool depth_error = false;     // fill samples.depth_error
-  bool audit = false;           // count every crossing of every ray
+  bool audit = false;           // count every crossing of every ray; of the whole model, sections or not
+  std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
   std::uint64_t max_bytes = std::uint64_t{8} << 30;  // what the leaves of a view may take
   const std::atomic<bool>* cancel = nullptr;         // polled; true ends the call with kCancelled
 };
@@ -45,6 +47,7 @@ struct DirectStats {
   std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
+  std::uint64_t caps = 0;                                  // hits on caps of section planes
   std::array<std::uint64_t, kDoubtNames.size()> doubts{};  // samples with each bit of Doubt
   double depth_error_max = 0;                              // mm, of the certified hits
   std::optional<std::uint64_t> odd_rays;            // audit only; null where the model has no closed solid
@@ -77,7 +80,7 @@ class Scene {
   std::unique_ptr<Data> data_;
 };
 
-// Errors: kBadUsage (camera), kLimitExceeded (more leaves than memory allows), kCancelled.
+// Errors: kBadUsage (camera, sections), kLimitExceeded (more leaves than memory allows), kCancelled.
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options);
 
 // The instruction set that the kernels run on: FACETLESS_ISA=scalar|avx2|avx512 forces one (kBadUsage if the

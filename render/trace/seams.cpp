@@ -371,8 +371,10 @@ class Finder {
     for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
       const TrimSegment& segment = model_.trim_segments[s];
       const double width = segment.edge_end - segment.edge_begin;
-      const double t = width != 0 ? (parameter - segment.edge_begin) / width : 0.5;
-      const double inside = std::clamp(t, 0.0, 1.0), off = std::fabs((t - inside) * width);
+      // A segment of no length stands for one parameter only.
+      const double inside =
+          width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
+      const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
       if (!(off < best)) continue;
       best = off;
       point = PointOn({model_.trim_points.data() + segment.first_point, segment.degree}, inside);

@@ -154,6 +154,7 @@ TEST(Layering, FoldersOfRenderFormAChain) {
   EXPECT_THAT(
       ForbiddenIncludes("render/inspect/", tracer_and({"render/inspect/", "render/shade/", "render/image/"})),
       IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes("render/lines/", tracer_and({"render/lines/", "render/image/"})), IsEmpty());
 }
 
 TEST(Layering, EachLibraryHasOneHome) {

@@ -1,0 +1,196 @@
+#include "render/lines/edge_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <optional>
+
+#include "render/nurbs/angle_map.h"
+#include "render/nurbs/monotone_curve.h"
+#include "render/nurbs/surface_eval.h"
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+constexpr int kMostHalvings = 14;  // of a segment: a line of a million pixels
+constexpr int kPlaces = 5;         // along an edge, at which its angle is measured
+
+struct Use {
+  std::uint32_t face, coedge;
+};
+
+// The face's outward normal beside the place at `share` of the edge, if there is one.
+std::optional<Vec3> NormalBeside(const Model& model, const Use& use, double parameter) {
+  const Coedge& coedge = model.coedges[use.coedge];
+  for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
+    const TrimSegment& segment = model.trim_segments[s];
+    const double low = std::min(segment.edge_begin, segment.edge_end),
+                 high = std::max(segment.edge_begin, segment.edge_end);
+    if (!(parameter >= low && parameter <= high && high > low)) continue;
+    const double t = (parameter - segment.edge_begin) / (segment.edge_end - segment.edge_begin);
+    const Vec2 uv = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, t);
+    const SurfaceEval surface(model, model.faces[use.face].surface);
+    const SurfacePoint point = surface.First(uv.x, uv.y);
+    const Vec3 normal = Normalized(Cross(point.du, point.dv));
+    if (!(Dot(normal, normal) > 0)) return {};
+    return model.faces[use.face].reversed ? -normal : normal;
+  }
+  return {};
+}
+
+LineClass ClassOf(const Model& model, const Edge& edge, const std::vector<Use>& uses, double cos_edge) {
+  if (uses.size() == 1) return LineClass::kBoundary;
+  if (uses.size() != 2) return LineClass::kFeature;
+  if (uses[0].face == uses[1].face) return LineClass::kSeam;
+  const double begin = model.edge_segments[edge.segments.first].begin,
+               end = model.edge_segments[edge.segments.end() - 1].end;
+  double least_cosine = 1;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double parameter = begin + (end - begin) * (i + 0.5) / kPlaces;
+    const auto a = NormalBeside(model, uses[0], parameter), b = NormalBeside(model, uses[1], parameter);
+    if (a && b) least_cosine = std::min(least_cosine, Dot(*a, *b));
+  }
+  return least_cosine < cos_edge ? LineClass::kFeature : LineClass::kSmooth;
+}
+
+// Projects the edges of one instance.
+class Projector {
+ public:
+  Projector(const Model& model, const Placement& placement, const Camera& camera, const CameraFrame& frame)
+      : model_(model), placement_(placement), camera_(camera), frame_(frame) {}
+
+  void Add(const Edge& edge, LineClass kind, std::vector<ViewLine>* lines) {
+    line_ = {kind, true, {}};
+    for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
+      const EdgeSegment& segment = model_.edge_segments[s];
+      std::vector<Vec4> points;
+      for (int i = 0; i <= segment.degree; ++i) {
+        const Vec4& p = model_.edge_points[segment.first_point + i];
+        const Vec3 placed = placement_.Point({p.x / p.w, p.y / p.w, p.z / p.w});
+        points.push_back({p.w * placed.x, p.w * placed.y, p.w * placed.z, p.w});
+      }
+      Flatten(points, 0, lines);
+    }
+    End(lines);
+  }
+
+ private:
+  PixelPoint At(const Vec4& p) const { return Project(frame_, {p.x / p.w, p.y / p.w, p.z / p.w}); }
+
+  void End(std::vector<ViewLine>* lines) {
+    if (line_.points.size() > 1) lines->push_back(line_);
+    line_.points.clear();
+  }
+
+  void Flatten(const std::vector<Vec4>& points, int halvings, std::vector<ViewLine>* lines) {
+    // Leave out what lies behind the eye or beside the window.
+    const bool perspective = frame_.projection == Projection::kPerspective;
+    bool left = true, right = true, above = true, below = true, behind = perspective, in_front = true;
+    std::vector<PixelPoint> pixels;
+    for (const Vec4& p : points) {
+      pixels.push_back(At(p));
+      const PixelPoint& q = pixels.back();
+      const bool ahead = !perspective || q.depth > frame_.near_mm;
+      in_front = in_front && ahead;
+      behind = behind && !ahead;
+      left = left && q.x < 0, right = right && q.x > camera_.width_px;
+      above = above && q.y < 0, below = below && q.y > camera_.height_px;
+    }
+    if (behind || (in_front && (left || right || above || below))) return End(lines);
+    const PixelPoint &a = pixels.front(), &b = pixels.back();
+    if (in_front && IsFlat(pixels)) {
+      if (line_.points.empty()) line_.points.push_back({a.x, a.y, a.depth});
+      line_.points.push_back({b.x, b.y, b.depth});
+      return;
+    }
+    if (halvings == kMostHalvings) return End(lines);
+    // Halve by de Casteljau.
+    std::vector<Vec4> row = points, low, high(points.size());
+    for (std::size_t level = 0; level < points.size(); ++level) {
+      low.push_back(row.front());
+      high[points.size() - 1 - level] = row[points.size() - 1 - level];
+      for (std::size_t i = 0; i + 1 < points.size() - level; ++i) row[i] = 0.5 * (row[i] + row[i + 1]);
+    }
+    Flatten(low, halvings + 1, lines);
+    Flatten(high, halvings + 1, lines);
+  }
+
+  // Whether the control points lie as near to the chord as lines may; in depth too, counted in pixels.
+  bool IsFlat(const std::vector<PixelPoint>& pixels) const {
+    const PixelPoint &a = pixels.front(), &b = pixels.back();
+    const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
+    const double scale = std::max(frame_.pixel_x, frame_.pixel_y);
+    for (std::size_t i = 1; i + 1 < pixels.size(); ++i) {
+      const PixelPoint& p = pixels[i];
+      const double share =
+          square > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0;
+      const double off_x = p.x - a.x - share * dx, off_y = p.y - a.y - share * dy;
+      if (!(off_x * off_x + off_y * off_y <= kFlatness * kFlatness)) return false;
+      const double pixel = frame_.projection == Projection::kPerspective ? scale * p.depth : scale;
+      const double low = std::min(a.depth, b.depth), high = std::max(a.depth, b.depth);
+      if (!(p.depth >= low - 0.5 * pixel && p.depth <= high + 0.5 * pixel)) return false;
+    }
+    return true;
+  }
+
+  const Model& model_;
+  const Placement& placement_;
+  const Camera& camera_;
+  const CameraFrame& frame_;
+  ViewLine line_;
+};
+
+}  // namespace
+
+std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) {
+  // cos from the tangent of the half: no libm.
+  const double t = edge_angle_deg < 180 ? PolyTan(edge_angle_deg * (std::numbers::pi / 360)) : INFINITY;
+  const double cos_edge = std::isfinite(t) ? (1 - t * t) / (1 + t * t) : -1;
+  std::vector<std::vector<Use>> uses(model.edges.size());
+  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
+    const Range loops = model.faces[f].loops;
+    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
+      const Range coedges = model.loops[l].coedges;
+      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
+        if (model.coedges[c].edge != kNoIndex) uses[model.coedges[c].edge].push_back({f, c});
+    }
+  }
+  std::vector<LineClass> classes(model.edges.size(), LineClass::kFeature);
+  ParallelFor(std::size_t{0}, model.edges.size(), [&](std::size_t e) {
+    const Edge& edge = model.edges[e];
+    if (!edge.degenerate && edge.segments.count > 0 && !uses[e].empty())
+      classes[e] = ClassOf(model, edge, uses[e], cos_edge);
+  });
+  return classes;
+}
+
+std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
+                                const Camera& camera, const CameraFrame& frame) {
+  // The edges of each part, in the order of their first use.
+  std::vector<std::vector<std::uint32_t>> edges_of(model.parts.size());
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    std::vector<std::uint32_t>& edges = edges_of[p];
+    const Range faces = model.parts[p].faces;
+    for (std::uint32_t f = faces.first; f < faces.end(); ++f)
+      for (std::uint32_t l = model.faces[f].loops.first; l < model.faces[f].loops.end(); ++l)
+        for (std::uint32_t c = model.loops[l].coedges.first; c < model.loops[l].coedges.end(); ++c)
+          if (model.coedges[c].edge != kNoIndex) edges.push_back(model.coedges[c].edge);
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  }
+  std::vector<std::vector<ViewLine>> of_instance(model.instances.size());
+  ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
+    const Instance& instance = model.instances[i];
+    Projector projector(model, instance.placement, camera, frame);
+    for (const std::uint32_t e : edges_of[instance.part])
+      if (!model.edges[e].degenerate) projector.Add(model.edges[e], classes[e], &of_instance[i]);
+  });
+  std::vector<ViewLine> lines;
+  for (auto& own : of_instance)
+    lines.insert(lines.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  return lines;
+}
+
+}  // namespace facetless

@@ -1,0 +1,322 @@
+#include "render/lines/face_curves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "render/nurbs/surface_eval.h"
+#include "render/trace/parallel.h"
+#include "render/trace/scene.h"
+
+namespace facetless {
+namespace {
+
+constexpr int kCellsPerSpan = 8;
+constexpr int kMostCells = 512;       // in one direction of a face
+constexpr int kBisections = 48;       // of a place on the side of a cell: all bits of its parameter
+constexpr int kMostRefinements = 10;  // halvings of a chord
+// What is added to the value, as a share of its largest: curves along the grid's own lines, and along seams, then lie
+// on one side of them, and what vanishes everywhere vanishes nowhere.
+constexpr double kBias = 1e-9;
+
+// Below this sine of the angle between the tangents, or ratio of their lengths, du × dv is mostly rounding.
+constexpr double kSingular = 0x1p-26;
+
+bool IsSingular(const SurfacePoint& p) {
+  const double longest = std::fmax(Dot(p.du, p.du), Dot(p.dv, p.dv));
+  const Vec3 normal = Cross(p.du, p.dv);
+  return !(Dot(normal, normal) > kSingular * kSingular * longest * longest);
+}
+
+// A curve's value at a place: n · view, or the height over a plane, scaled to about 1.
+class FaceValue {
+ public:
+  FaceValue(const Model& model, std::uint32_t face, const Instance& instance, const CameraFrame& frame,
+            const SectionPlane* plane)
+      : surface(model, model.faces[face].surface),
+        placement_(instance.placement),
+        frame_(frame),
+        plane_(plane),
+        size_(model.Diagonal() > 0 ? model.Diagonal() : 1) {}
+
+  double operator()(Vec2 uv) const {
+    if (plane_ != nullptr) return Dot(plane_->normal, Point(uv) - plane_->point) / size_ + kBias;
+    SurfacePoint p = surface.First(uv.x, uv.y);
+    // At a pole step back towards the middle, where the tangents span a plane again.
+    for (double back = 0x1p-20; back <= 1 && IsSingular(p); back *= 16)
+      p = surface.First(uv.x + back * (0.5 * (surface.u_begin() + surface.u_end()) - uv.x),
+                        uv.y + back * (0.5 * (surface.v_begin() + surface.v_end()) - uv.y));
+    const Vec3 normal = Normalized(Cross(placement_.Vector(p.du), placement_.Vector(p.dv)));
+    const Vec3 view = frame_.projection == Projection::kPerspective
+                          ? Normalized(placement_.Point(p.position) - frame_.eye)
+                          : frame_.forward;
+    return Dot(normal, view) + kBias;
+  }
+  Vec3 Point(Vec2 uv) const { return placement_.Point(surface.Position(uv.x, uv.y)); }
+  PixelPoint Pixel(Vec2 uv) const { return Project(frame_, Point(uv)); }
+
+  const SurfaceEval surface;
+
+ private:
+  const Placement& placement_;
+  const CameraFrame& frame_;
+  const SectionPlane* plane_;
+  const double size_;
+};
+
+// The zero of the value between two places of different sign.
+Vec2 Bisect(const FaceValue& value, Vec2 a, Vec2 b) {
+  const bool positive = value(a) >= 0;
+  for (int i = 0; i < kBisections; ++i) {
+    const Vec2 middle = 0.5 * (a + b);
+    ((value(middle) >= 0) == positive ? a : b) = middle;
+  }
+  return 0.5 * (a + b);
+}
+
+class FaceTracer {
+ public:
+  FaceTracer(const Scene::Data& scene, std::uint32_t face, const FaceValue& value, LineClass kind,
+             const Camera& camera, const CameraFrame& frame)
+      : scene_(scene), face_(face), value_(value), kind_(kind), camera_(camera), frame_(frame) {}
+
+  void Run(std::vector<ViewLine>* lines) {
+    const Surface& surface = scene_.model->surfaces[scene_.model->faces[face_].surface];
+    columns_ = Lines(surface.u_spans);
+    rows_ = Lines(surface.v_spans);
+    std::vector<double> values(columns_.size() * rows_.size());
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      for (std::size_t j = 0; j < rows_.size(); ++j)
+        values[i * rows_.size() + j] = value_({columns_[i], rows_[j]});
+    FindPieces(values);
+    Chain(lines);
+  }
+
+ private:
+  // The grid's lines in one direction: each span in equal cells.
+  std::vector<double> Lines(Range spans) const {
+    const int cells = std::clamp(kMostCells / std::max(1, int(spans.count)), 1, kCellsPerSpan);
+    std::vector<double> lines;
+    for (std::uint32_t s = spans.first; s < spans.end(); ++s) {
+      const Span& span = scene_.model->spans[s];
+      for (int k = 0; k < cells; ++k) lines.push_back(span.begin + (span.end - span.begin) * k / cells);
+    }
+    lines.push_back(scene_.model->spans[spans.end() - 1].end);
+    return lines;
+  }
+
+  // The pieces of the curve in the cells, as pairs of cell sides that they join.
+  void FindPieces(const std::vector<double>& values) {
+    const std::size_t nv = rows_.size();
+    const auto positive = [&](std::size_t i, std::size_t j) { return values[i * nv + j] >= 0; };
+    const auto place = [&](std::size_t i, std::size_t j) { return Vec2{columns_[i], rows_[j]}; };
+    // Sides run from the corner (i, j) in u (even keys) or in v (odd ones).
+    const auto side = [&](std::size_t i, std::size_t j, bool along_v) { return 2 * (i * nv + j) + along_v; };
+    for (std::size_t i = 0; i + 1 < columns_.size(); ++i) {
+      for (std::size_t j = 0; j + 1 < nv; ++j) {
+        const bool a = positive(i, j), b = positive(i + 1, j), c = positive(i + 1, j + 1),
+                   d = positive(i, j + 1);
+        if (a == b && b == c && c == d) continue;
+        std::vector<std::size_t> met;
+        const auto meet = [&](bool changes, std::size_t key, Vec2 from, Vec2 to) {
+          if (!changes) return;
+          met.push_back(key);
+          if (!places_.contains(key)) places_[key] = Bisect(value_, from, to);
+        };
+        meet(a != b, side(i, j, false), place(i, j), place(i + 1, j));
+        meet(b != c, side(i + 1, j, true), place(i + 1, j), place(i + 1, j + 1));
+        meet(c != d, side(i, j + 1, false), place(i, j + 1), place(i + 1, j + 1));
+        meet(d != a, side(i, j, true), place(i, j), place(i, j + 1));
+        if (met.size() == 2) {
+          pieces_.emplace_back(met[0], met[1]);
+        } else {
+          // Two pieces: those that do not part the centre from the corners of its sign.
+          const bool centre = value_(0.5 * (place(i, j) + place(i + 1, j + 1))) >= 0;
+          const bool around_a = centre != a;  // the corners a and c are cut off
+          pieces_.emplace_back(met[0], around_a ? met[3] : met[1]);
+          pieces_.emplace_back(met[2], around_a ? met[1] : met[3]);
+        }
+      }
+    }
+  }
+
+  // Joins pieces that share a side.
+  void Chain(std::vector<ViewLine>* lines) {
+    std::map<std::size_t, std::vector<std::size_t>> at;  // pieces by side
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+      at[pieces_[k].first].push_back(k);
+      at[pieces_[k].second].push_back(k);
+    }
+    std::vector<bool> used(pieces_.size(), false);
+    const auto walk = [&](std::size_t start, std::size_t from) {
+      std::vector<Vec2> chain = {places_[from]};
+      for (std::size_t k = start;;) {
+        used[k] = true;
+        from = pieces_[k].first == from ? pieces_[k].second : pieces_[k].first;
+        chain.push_back(places_[from]);
+        const auto& next = at[from];
+        const auto found = std::find_if(next.begin(), next.end(), [&](std::size_t n) { return !used[n]; });
+        if (found == next.end()) break;
+        k = *found;
+      }
+      Draw(chain, lines);
+    };
+    // Open chains from their ends, then closed ones.
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+      if (used[k]) continue;
+      if (at[pieces_[k].first].size() == 1) {
+        walk(k, pieces_[k].first);
+      } else if (at[pieces_[k].second].size() == 1) {
+        walk(k, pieces_[k].second);
+      }
+    }
+    for (std::size_t k = 0; k < pieces_.size(); ++k)
+      if (!used[k]) walk(k, pieces_[k].first);
+  }
+
+  bool Inside(Vec2 uv) const {
+    const FaceTrim& trim = scene_.faces[face_].trim;
+    return trim.whole() || trim.Query(uv.x, uv.y, 0, 0).inside;
+  }
+
+  // Refines a chain, trims it and projects what is left.
+  void Draw(const std::vector<Vec2>& chain, std::vector<ViewLine>* lines) {
+    std::vector<Vec2> fine = {chain.front()};
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      Refine(chain[i - 1], chain[i], 0, &fine);
+      fine.push_back(chain[i]);
+    }
+    ViewLine line{kind_, true, {}};
+    const auto end = [&] {
+      if (line.points.size() > 1) lines->push_back(line);
+      line.points.clear();
+    };
+    const auto add = [&](Vec2 uv) {
+      const PixelPoint p = value_.Pixel(uv);
+      const bool ahead = frame_.projection == Projection::kOrthographic || p.depth > frame_.near_mm;
+      if (!ahead || !std::isfinite(p.x) || !std::isfinite(p.y)) return end();
+      line.points.push_back({p.x, p.y, p.depth});
+    };
+    bool inside = Inside(fine.front());
+    if (inside) add(fine.front());
+    for (std::size_t i = 1; i < fine.size(); ++i) {
+      const bool here = Inside(fine[i]);
+      if (here != inside) {
+        Vec2 a = fine[i - 1], b = fine[i];
+        for (int k = 0; k < 30; ++k) {
+          const Vec2 middle = 0.5 * (a + b);
+          (Inside(middle) == inside ? a : b) = middle;
+        }
+        add(0.5 * (a + b));
+        if (!here) end();
+        inside = here;
+      }
+      if (here) add(fine[i]);
+    }
+    end();
+  }
+
+  // Points of the curve between a and b, until the chord is flat.
+  void Refine(Vec2 a, Vec2 b, int depth, std::vector<Vec2>* out) {
+    if (depth == kMostRefinements) return;
+    const std::optional<Vec2> middle = OnCurve(0.5 * (a + b), b - a);
+    if (!middle) return;
+    const PixelPoint p = value_.Pixel(a), q = value_.Pixel(b), m = value_.Pixel(*middle);
+    // Outside the window nobody looks.
+    const auto outside = [&](double p1, double p2, double p3, double size) {
+      return (p1 < 0 && p2 < 0 && p3 < 0) || (p1 > size && p2 > size && p3 > size);
+    };
+    if (outside(p.x, q.x, m.x, camera_.width_px) || outside(p.y, q.y, m.y, camera_.height_px)) return;
+    const double dx = q.x - p.x, dy = q.y - p.y, square = dx * dx + dy * dy;
+    const double share =
+        square > 0 ? std::clamp(((m.x - p.x) * dx + (m.y - p.y) * dy) / square, 0.0, 1.0) : 0;
+    const double off_x = m.x - p.x - share * dx, off_y = m.y - p.y - share * dy;
+    const bool flat = off_x * off_x + off_y * off_y <= kFlatness * kFlatness;
+    if (flat && depth > 0) return;
+    Refine(a, *middle, depth + 1, out);
+    out->push_back(*middle);
+    Refine(*middle, b, depth + 1, out);
+  }
+
+  // The place on the curve across the chord's direction from `at`.
+  std::optional<Vec2> OnCurve(Vec2 at, Vec2 chord) const {
+    // Across in the cells' own measure: parameters of u and v have nothing in common.
+    const double du = (columns_.back() - columns_.front()) / (columns_.size() - 1),
+                 dv = (rows_.back() - rows_.front()) / (rows_.size() - 1);
+    const Vec2 across{-chord.y / dv * du, chord.x / du * dv};
+    const bool positive = value_(at) >= 0;
+    for (double reach = 0.05; reach < 2; reach *= 2) {
+      for (const double sign : {1.0, -1.0}) {
+        const Vec2 other = at + (sign * reach) * across;
+        if ((value_(other) >= 0) != positive) return Bisect(value_, at, other);
+      }
+    }
+    return {};
+  }
+
+  const Scene::Data& scene_;
+  const std::uint32_t face_;
+  const FaceValue& value_;
+  const LineClass kind_;
+  const Camera& camera_;
+  const CameraFrame& frame_;
+  std::vector<double> columns_, rows_;
+  std::map<std::size_t, Vec2> places_;  // of the curve, by side
+  std::vector<std::pair<std::size_t, std::size_t>> pieces_;
+};
+
+std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, const Camera& camera,
+                              const CameraFrame& frame) {
+  const Model& model = scene.model();
+  struct Job {
+    std::uint32_t instance, face;
+  };
+  std::vector<Job> jobs;
+  for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
+    const Range faces = model.parts[model.instances[i].part].faces;
+    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
+      // A plane turns away everywhere or nowhere.
+      if (plane == nullptr && model.surfaces[model.faces[f].surface].kind == SurfaceKind::kPlane) continue;
+      if (plane != nullptr) {
+        // Whether the plane passes the box at all.
+        const Box3& box = scene.data().faces[f].bounds;
+        bool above = false, below = false;
+        for (int k = 0; k < 8; ++k) {
+          const Vec3 corner = model.instances[i].placement.Point({k & 1 ? box.high.x : box.low.x,
+                                                                  k & 2 ? box.high.y : box.low.y,
+                                                                  k & 4 ? box.high.z : box.low.z});
+          (Dot(plane->normal, corner - plane->point) > 0 ? above : below) = true;
+        }
+        if (!above || !below) continue;
+      }
+      jobs.push_back({i, f});
+    }
+  }
+  std::vector<std::vector<ViewLine>> of_job(jobs.size());
+  ParallelFor(std::size_t{0}, jobs.size(), [&](std::size_t k) {
+    const FaceValue value(model, jobs[k].face, model.instances[jobs[k].instance], frame, plane);
+    FaceTracer(scene.data(), jobs[k].face, value, plane ? LineClass::kCut : LineClass::kSilhouette, camera,
+               frame)
+        .Run(&of_job[k]);
+  });
+  std::vector<ViewLine> lines;
+  for (auto& own : of_job)
+    lines.insert(lines.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  return lines;
+}
+
+}  // namespace
+
+std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame) {
+  return Collect(scene, nullptr, camera, frame);
+}
+
+std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
+                               const CameraFrame& frame) {
+  return Collect(scene, &plane, camera, frame);
+}
+
+}  // namespace facetless

@@ -1,0 +1,69 @@
+#include "render/lines/line.h"
+
+#include <cmath>
+#include <utility>
+
+namespace facetless {
+namespace {
+
+// Planes keep what lies in them, to the flatness of the lines: a face's edge in the plane stays.
+double Height(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& p) {
+  const Ray ray = PixelRay(frame, p.x, p.y);
+  const double pixel =
+      std::fmax(frame.pixel_x, frame.pixel_y) * (frame.projection == Projection::kPerspective ? p.depth : 1);
+  return Dot(plane.normal, ray.origin + p.depth * ray.direction - plane.point) - kFlatness * pixel;
+}
+
+// Where the height changes its sign. It runs evenly along the line in space, not on the screen: bisected.
+LinePoint CrossingOf(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& a,
+                     const LinePoint& b) {
+  const bool above = Height(frame, plane, a) > 0;
+  double low = 0, high = 1;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    ((Height(frame, plane, Between(frame, a, b, middle)) > 0) == above ? low : high) = middle;
+  }
+  return Between(frame, a, b, 0.5 * (low + high));
+}
+
+}  // namespace
+
+LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint& b, double share) {
+  const double depth = frame.projection == Projection::kPerspective
+                           ? a.depth * b.depth / (b.depth + share * (a.depth - b.depth))
+                           : a.depth + share * (b.depth - a.depth);
+  return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), depth};
+}
+
+void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes, int except, ViewLine line,
+              std::vector<ViewLine>* out) {
+  std::vector<ViewLine> kept;
+  kept.push_back(std::move(line));
+  for (int k = 0; k < static_cast<int>(planes.size()); ++k) {
+    if (k == except) continue;
+    std::vector<ViewLine> next;
+    for (const ViewLine& whole : kept) {
+      ViewLine piece{whole.kind, whole.visible, {}};
+      const auto end = [&] {
+        if (piece.points.size() > 1) next.push_back(piece);
+        piece.points.clear();
+      };
+      for (std::size_t i = 0; i < whole.points.size(); ++i) {
+        const double here = Height(frame, planes[k], whole.points[i]);
+        if (i > 0) {
+          const double before = Height(frame, planes[k], whole.points[i - 1]);
+          if ((before > 0) != (here > 0)) {
+            piece.points.push_back(CrossingOf(frame, planes[k], whole.points[i - 1], whole.points[i]));
+            if (here > 0) end();
+          }
+        }
+        if (here <= 0) piece.points.push_back(whole.points[i]);
+      }
+      end();
+    }
+    kept = std::move(next);
+  }
+  for (ViewLine& piece : kept) out->push_back(std::move(piece));
+}
+
+}  // namespace facetless

@@ -1,0 +1,54 @@
+// Lines of a view: what a drawing shows of a model, in pixels.
+//
+//  1. Points are pixel coordinates of the view's camera and the depth there; between two of them runs a straight line
+//     that is off the exact curve by at most kFlatness.
+//  2. Classes, in the order in which they are drawn: what comes later lies on top.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "render/model/model.h"
+#include "render/trace/camera.h"
+#include "render/trace/section.h"
+
+namespace facetless {
+
+inline constexpr double kFlatness = 0.03;  // pixels
+
+enum class LineClass : std::uint8_t {
+  kSeam,        // both sides are the same face
+  kSmooth,      // two faces meet without a bend
+  kFeature,     // two faces meet at an angle
+  kBoundary,    // the edge of one face only
+  kSilhouette,  // the surface turns away from the viewer
+  kCut,         // a face meets a section plane
+};
+inline constexpr std::array<const char*, 6> kLineClassNames = {"seam",     "smooth",     "feature",
+                                                               "boundary", "silhouette", "cut"};
+
+// Which lines a picture shows. kHidden: those too that are hidden, dashed; but for seams and smooth edges, which would
+// only be in the way.
+enum class LineMode : std::uint8_t { kNone, kVisible, kHidden };
+
+struct LinePoint {
+  double x, y, depth;
+};
+
+struct ViewLine {
+  LineClass kind = LineClass::kFeature;
+  bool visible = true;
+  std::vector<LinePoint> points;  // two at least
+};
+
+// The point at `share` of the way from a to b on the screen. Depth runs evenly on a straight line in an orthographic
+// view, its reciprocal in perspective.
+LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint& b, double share);
+
+// Where the planes cut a line away nothing is left of it. Appends what is to `out`; `except`: a plane that is not
+// asked, −1 for none.
+void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes, int except, ViewLine line,
+              std::vector<ViewLine>* out);
+
+}  // namespace facetless

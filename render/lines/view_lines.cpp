@@ -1,0 +1,44 @@
+#include "render/lines/view_lines.h"
+
+#include <iterator>
+#include <utility>
+
+#include "render/lines/edge_lines.h"
+#include "render/lines/face_curves.h"
+#include "render/lines/visibility.h"
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const CameraFrame& frame,
+                           const LineOptions& options) {
+  const Model& model = scene.model();
+  std::vector<ViewLine> whole = EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame);
+  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame);
+  whole.insert(whole.end(), std::make_move_iterator(silhouettes.begin()),
+               std::make_move_iterator(silhouettes.end()));
+  if (options.sections.empty()) return whole;
+
+  // What the planes leave of them, and what each plane cuts.
+  std::vector<ViewLine> lines;
+  for (ViewLine& line : whole) ClipLine(frame, options.sections, -1, std::move(line), &lines);
+  for (int k = 0; k < static_cast<int>(options.sections.size()); ++k)
+    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame))
+      ClipLine(frame, options.sections, k, std::move(line), &lines);
+  return lines;
+}
+
+}  // namespace
+
+std::vector<ViewLine> FindLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
+                                const SampleBuffer& samples, const CameraFrame& sample_frame,
+                                const LineOptions& options) {
+  std::vector<ViewLine> lines;
+  RunWithThreads(options.threads, [&] {
+    lines = SplitByVisibility(Find(scene, camera, frame, options), frame, samples, sample_frame);
+  });
+  return lines;
+}
+
+}  // namespace facetless

@@ -1,0 +1,137 @@
+#include "render/lines/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
+constexpr double kSteepest =
+    30;  // samples of depth per sample: steeper planes say nothing, as in shade/features.h
+
+double Distance(const LinePoint& a, const LinePoint& b) {
+  return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+}
+
+class Judge {
+ public:
+  Judge(const CameraFrame& frame, const SampleBuffer& samples, const CameraFrame& sample_frame)
+      : frame_(frame),
+        samples_(samples),
+        sample_frame_(sample_frame),
+        scale_x_(frame.pixel_x / sample_frame.pixel_x),
+        scale_y_(frame.pixel_y / sample_frame.pixel_y) {}
+
+  double scale() const { return std::max(scale_x_, scale_y_); }
+
+  bool Sees(const LinePoint& p) const {
+    const double x = p.x * scale_x_, y = p.y * scale_y_;
+    // Beside the picture the nearest of its samples must do.
+    const int column = std::clamp(static_cast<int>(std::floor(x)), 0, samples_.width - 1),
+              row = std::clamp(static_cast<int>(std::floor(y)), 0, samples_.height - 1);
+    const std::size_t i = static_cast<std::size_t>(row) * samples_.width + column;
+    const double depth = samples_.depth[i];
+    if (!(depth < p.depth)) return true;
+    const double pixel = std::max(sample_frame_.pixel_x, sample_frame_.pixel_y) *
+                         (sample_frame_.projection == Projection::kPerspective ? depth : 1);
+    // Continue the sample's tangent plane to the line.
+    const Ray ray = PixelRay(sample_frame_, column + 0.5, row + 0.5), through = PixelRay(sample_frame_, x, y);
+    const Vec3 normal{samples_.normal[i][0], samples_.normal[i][1], samples_.normal[i][2]};
+    const double rate = Dot(normal, through.direction), most = kSteepest * pixel;
+    const double there = Dot(normal, ray.origin + depth * ray.direction - through.origin) / rate;
+    const double change = std::isfinite(there) ? std::clamp(there - depth, -most, most) : most;
+    return p.depth <= depth + std::max(change, 0.0) + 2 * std::fabs(change) + kSlack * pixel;
+  }
+
+ private:
+  const CameraFrame& frame_;
+  const SampleBuffer& samples_;
+  const CameraFrame& sample_frame_;
+  const double scale_x_, scale_y_;
+};
+
+struct Run {
+  bool visible;
+  std::size_t begin, end;  // of the points
+};
+
+std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, const Judge& judge) {
+  // Walk in steps; remember which points are the line's own.
+  std::vector<LinePoint> points;
+  std::vector<bool> own;
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    if (i > 0) {
+      const LinePoint &a = line.points[i - 1], &b = line.points[i];
+      const double length = Distance(a, b) * judge.scale();
+      // Lines that leave the window by far take no more steps than the picture has samples.
+      const int steps = static_cast<int>(std::clamp(std::ceil(length / kStep), 1.0, 65536.0));
+      for (int k = 1; k < steps; ++k) {
+        points.push_back(Between(frame, a, b, double(k) / steps));
+        own.push_back(false);
+      }
+    }
+    points.push_back(line.points[i]);
+    own.push_back(true);
+  }
+  // Judge between the points: ends of lines lie in the corners of others.
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const bool visible = judge.Sees(Between(frame, points[i], points[i + 1], 0.5));
+    if (runs.empty() || runs.back().visible != visible) {
+      runs.push_back({visible, i, i + 1});
+    } else {
+      runs.back().end = i + 1;
+    }
+  }
+  // Give short runs to their neighbours.
+  const auto length_of = [&](const Run& run) {
+    double length = 0;
+    for (std::size_t i = run.begin; i < run.end; ++i) length += Distance(points[i], points[i + 1]);
+    return length * judge.scale();
+  };
+  while (runs.size() > 1) {
+    std::size_t shortest = 0;
+    double least = INFINITY;
+    for (std::size_t k = 0; k < runs.size(); ++k)
+      if (const double length = length_of(runs[k]); length < least) least = length, shortest = k;
+    if (least >= kShortest) break;
+    runs[shortest].visible = !runs[shortest].visible;
+    std::vector<Run> merged;
+    for (const Run& run : runs) {
+      if (!merged.empty() && merged.back().visible == run.visible) {
+        merged.back().end = run.end;
+      } else {
+        merged.push_back(run);
+      }
+    }
+    runs = std::move(merged);
+  }
+  std::vector<ViewLine> out;
+  for (const Run& run : runs) {
+    ViewLine piece{line.kind, run.visible, {}};
+    for (std::size_t i = run.begin; i <= run.end; ++i)
+      if (own[i] || i == run.begin || i == run.end) piece.points.push_back(points[i]);
+    out.push_back(std::move(piece));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<ViewLine> SplitByVisibility(const std::vector<ViewLine>& lines, const CameraFrame& frame,
+                                        const SampleBuffer& samples, const CameraFrame& sample_frame) {
+  const Judge judge(frame, samples, sample_frame);
+  std::vector<std::vector<ViewLine>> split(lines.size());
+  ParallelFor(std::size_t{0}, lines.size(),
+              [&](std::size_t i) { split[i] = SplitOne(lines[i], frame, judge); });
+  std::vector<ViewLine> out;
+  for (auto& pieces : split)
+    out.insert(out.end(), std::make_move_iterator(pieces.begin()), std::make_move_iterator(pieces.end()));
+  return out;
+}
+
+}  // namespace facetless

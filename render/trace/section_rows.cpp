@@ -1,0 +1,156 @@
+#include "render/trace/section_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/trace/crossings.h"
+#include "render/trace/section_tracer.h"
+
+namespace facetless {
+namespace {
+
+// Slope of the rays against the axes of the plane that the model's axes give: of the golden ratio, which no drawing
+// has by chance. A face at a right angle to the plane is then hardly ever parallel to them.
+constexpr double kSlope = 0.38196601125010515;
+
+// The plane's own axis that is farthest from its normal, turned.
+Vec3 DirectionIn(Vec3 normal) {
+  const Vec3 size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
+  Vec3 axis{1, 0, 0};
+  if (size.y <= size.x && size.y <= size.z) axis = {0, 1, 0};
+  if (size.z <= size.x && size.z <= size.y) axis = {0, 0, 1};
+  const Vec3 first = Normalized(Cross(normal, axis)), second = Cross(normal, first);
+  return Normalized(first + kSlope * second);
+}
+
+}  // namespace
+
+SectionScan::SectionScan(const SectionPlane& section, const Box3& bounds) : plane(section) {
+  along = DirectionIn(plane.normal);
+  axis = Normalized(Cross(along, plane.normal));
+  // The origin is the foot of the model's centre: coordinates stay small.
+  origin = bounds.center() - Dot(bounds.center() - plane.point, plane.normal) * plane.normal;
+  if (const auto range = bounds.empty() ? std::nullopt : RangeOf(bounds, {})) {
+    // A plane that touches the bounds' face must not lose its ends to rounding.
+    const double margin = 1e-6 * bounds.diagonal();
+    begin = range->first - margin, end = range->second + margin;
+  }
+}
+
+std::optional<std::pair<double, double>> SectionScan::RangeOf(const Box3& box,
+                                                              const Placement& placement) const {
+  struct Corner {
+    double height, place;
+  } corners[8];
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 p = placement.Point(
+        {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z});
+    corners[i] = {Dot(plane.normal, p - plane.point), Dot(axis, p - origin)};
+  }
+  // Where its edges meet the plane.
+  double low = INFINITY, high = -INFINITY;
+  const auto add = [&](double place) { low = std::min(low, place), high = std::max(high, place); };
+  for (int i = 0; i < 8; ++i) {
+    for (int bit = 1; bit < 8; bit *= 2) {
+      const Corner &a = corners[i], &b = corners[i ^ bit];
+      if (a.height == 0) add(a.place);
+      if ((a.height < 0) == (b.height < 0)) continue;
+      add(a.place + (b.place - a.place) * (a.height / (a.height - b.height)));
+    }
+  }
+  if (!(low <= high)) return {};
+  return std::pair{low, high};
+}
+
+SectionRows::SectionRows(const Scene::Data& scene, std::span<const SectionPlane> planes, std::size_t index,
+                         const SectionSolids& solids, std::uint64_t max_bytes,
+                         const std::atomic<bool>* cancel, TileKernel kernel)
+    : scene_(scene), solids_(solids), scan_(planes[index], scene.model->bounds), kernel_(kernel) {
+  for (std::size_t i = 0; i < planes.size(); ++i)
+    if (i != index) others_.push_back(planes[i]);
+  options_.max_bytes = max_bytes;
+  options_.cancel = cancel;
+}
+
+SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const {
+  SectionRow row;
+  if (crossings.empty()) return row;
+  const KeptInterval kept = KeptOf(ray, others_, -INFINITY);
+  const auto clipped = [&](double depth) { return std::clamp(depth, kept.begin, kept.end); };
+  if (!(kept.begin < kept.end)) return row;
+
+  // Walk along the row; `entered` holds where each solid that the row is inside of was entered.
+  std::vector<SectionArea::OfSolid> entered;
+  double since = 0;  // where the row entered the first of them
+  for (const SolidCrossing& crossing : crossings) {
+    if (crossing.solid == kNoIndex) continue;
+    const auto inside = std::find_if(entered.begin(), entered.end(),
+                                     [&](const auto& e) { return e.solid == crossing.solid; });
+    const double depth = clipped(crossing.depth);
+    if (inside == entered.end()) {
+      if (entered.empty()) since = depth;
+      entered.push_back({crossing.solid, depth});
+      continue;
+    }
+    auto sum = std::find_if(row.solids.begin(), row.solids.end(),
+                            [&](const auto& s) { return s.solid == crossing.solid; });
+    if (sum == row.solids.end()) sum = row.solids.insert(sum, {crossing.solid, 0});
+    sum->area_mm2 += depth - inside->area_mm2;
+    entered.erase(inside);
+    if (entered.empty()) row.length += depth - since;
+  }
+  if (!entered.empty()) row.odd_length = clipped(crossings.back().depth) - clipped(crossings.front().depth);
+  return row;
+}
+
+Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int count) const {
+  // A view along the plane, one pixel wide: its right is the normal, its column of pixel centres the scan axis.
+  Camera camera;
+  camera.name = "section";
+  camera.width_px = 1;
+  camera.height_px = count;
+  CameraFrame frame;
+  frame.forward = scan_.along;
+  frame.right = scan_.plane.normal;
+  frame.down = Cross(frame.forward, frame.right);
+  frame.eye = scan_.origin + (0.5 * (begin + end)) * scan_.axis;
+  frame.pixel_x = frame.pixel_y = (end - begin) / count;
+  frame.center_x = 0.5;
+  frame.center_y = 0.5 * count;
+  const Result<PreparedView> prepared = PrepareView(scene_, camera, frame, options_);
+  if (!prepared.ok()) return prepared.error();
+  const PreparedView& view = prepared.value();
+  const TraceShared shared(scene_, view, camera, frame);
+  TileTracer tracer(shared, kernel_, /*certify=*/false);
+
+  Answer answer;
+  answer.rows.resize(count);
+  std::vector<Crossing> crossings;
+  std::vector<SolidCrossing> row;
+  for (int tile = 0; tile < view.tiles->tiles_x() * view.tiles->tiles_y(); ++tile) {
+    crossings.clear();
+    tracer.Trace(tile, &crossings);
+    PutInOrder(view, &crossings);
+    for (auto next = crossings.begin(); next != crossings.end();) {
+      const std::uint32_t sample = next->sample;
+      std::uint8_t doubt = tracer.doubt[(static_cast<int>(sample) - tracer.row()) * kTileSize];
+      row.clear();
+      for (; next != crossings.end() && next->sample == sample; ++next) {
+        const std::uint32_t face = view.tiles->leaves()[next->leaf].placed_face,
+                            solid = solids_.SolidOf(face);
+        doubt |= next->doubt;
+        row.push_back({next->hit.depth, 0, solid});
+        if (solid == kNoIndex) answer.open_faces.push_back(face);
+      }
+      answer.rows[sample] = Measure(PixelRay(frame, 0.5, sample + 0.5), row);
+      answer.doubtful_rows += doubt != 0;
+      answer.odd_rows += answer.rows[sample].odd_length > 0;
+    }
+  }
+  std::sort(answer.open_faces.begin(), answer.open_faces.end());
+  answer.open_faces.erase(std::unique(answer.open_faces.begin(), answer.open_faces.end()),
+                          answer.open_faces.end());
+  return answer;
+}
+
+}  // namespace facetless

@@ -1,0 +1,103 @@
+#include "render/trace/section_tracer.h"
+
+#include <cmath>
+
+#include "render/trace/crossings.h"
+#include "render/trace/hit_geometry.h"
+
+namespace facetless {
+
+SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Crossing> crossings,
+                                         std::uint8_t doubt) {
+  const std::span<const Leaf> leaves = shared_.view.tiles->leaves();
+  const CameraFrame& frame = shared_.frame;
+  const bool perspective = frame.projection == Projection::kPerspective;
+  const KeptInterval kept =
+      KeptOf(PixelRay(frame, column + 0.5, row + 0.5), planes_, perspective ? frame.near_mm : -INFINITY);
+  solid_crossings_.clear();
+  for (const Crossing& crossing : crossings) {
+    doubt |= crossing.doubt;
+    solid_crossings_.push_back(
+        {crossing.hit.depth, ErrorOf(crossing), solids_.SolidOf(leaves[crossing.leaf].placed_face)});
+  }
+  const SectionAnswer answer = decision_.Decide(solid_crossings_, kept);
+
+  Found found;
+  found.doubt = doubt;
+  if (answer.uncertain) found.doubt |= kDoubtCoincident;
+  if (answer.odd) found.doubt |= kDoubtTrim;
+  if (answer.kind == SectionAnswer::Kind::kCap) {
+    found.depth = kept.begin;
+    found.error = kept.begin_error;
+    found.face = solids_.CapId(kept.plane, answer.index);
+    found.normal = planes_[kept.plane].normal;
+  } else if (answer.kind == SectionAnswer::Kind::kCrossing) {
+    const Crossing& nearest = crossings[answer.index];
+    const Leaf& leaf = leaves[nearest.leaf];
+    const double x = column + 0.5 - 0.5 * shared_.camera.width_px,
+                 y = row + 0.5 - 0.5 * shared_.camera.height_px;
+    found.depth = nearest.hit.depth;
+    found.error = nearest.hit.error;
+    found.face = leaf.placed_face;
+    found.normal = shared_.Placed(leaf.placed_face).outward *
+                   EvaluateHit(leaf, nearest.hit.s, nearest.hit.t, x, y, frame).normal;
+    found.crossing = &nearest;
+    // What else lies within the error of the depth may be the nearest.
+    for (std::size_t i = answer.index + 1; certify_ && i < crossings.size(); ++i) {
+      const Crossing& other = crossings[i];
+      if (other.hit.depth - ErrorOf(other) > nearest.hit.depth + ErrorOf(nearest)) break;
+      if (leaves[other.leaf].placed_face != leaf.placed_face) found.doubt |= kDoubtCoincident;
+    }
+  }
+  return found;
+}
+
+void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, Tally* tally) {
+  crossings_.clear();
+  tracer->Trace(index, &crossings_);
+  PutInOrder(shared_.view, &crossings_);
+
+  // Samples of the tile do not follow each other in the image: find each one's run.
+  const auto run_of = [&](std::uint32_t sample) -> std::span<const Crossing> {
+    const auto begin = std::lower_bound(crossings_.begin(), crossings_.end(), sample,
+                                        [](const Crossing& c, std::uint32_t s) { return c.sample < s; });
+    auto end = begin;
+    while (end != crossings_.end() && end->sample == sample) ++end;
+    return {begin, end};
+  };
+  for (int i = 0; i < tracer->rows(); ++i) {
+    for (int j = 0; j < tracer->columns(); ++j) {
+      const int column = tracer->column() + j, row = tracer->row() + i;
+      const std::size_t out = std::size_t(row) * samples->width + column;
+      const std::uint8_t doubt = tracer->empty() ? 0 : tracer->doubt[i * kTileSize + j];
+      const Found found = Look(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
+      const Certificate certificate = CertificateOf(found.doubt);
+      samples->depth[out] = found.depth;
+      samples->face[out] = found.face;
+      samples->normal[out] = {float(found.normal.x), float(found.normal.y), float(found.normal.z)};
+      samples->certificate[out] = certificate;
+      samples->doubt[out] = found.doubt;
+      if (!samples->depth_error.empty())
+        samples->depth_error[out] = found.face == kNoIndex ? 0.0f : RoundedUp(found.error);
+      if (!samples->uv.empty()) {
+        samples->uv[out] = {0, 0};
+        if (found.crossing) {
+          const Leaf& leaf = shared_.view.tiles->leaves()[found.crossing->leaf];
+          const TraceShared::LeafParameters at = shared_.Parameters(
+              leaf, shared_.Placed(leaf.placed_face).face, found.crossing->hit.s, found.crossing->hit.t);
+          samples->uv[out] = {at.u_map->ToNative(at.u), at.v_map->ToNative(at.v)};
+        }
+      }
+      tally->AddDoubts(found.doubt);
+      tally->certified += certificate == Certificate::kCertified;
+      if (found.face == kNoIndex) continue;
+      ++tally->hits;
+      tally->caps += found.crossing == nullptr;
+      if (certificate != Certificate::kCertified) continue;
+      ++tally->certified_hits;
+      tally->depth_error_max = std::max(tally->depth_error_max, found.error);
+    }
+  }
+}
+
+}  // namespace facetless

@@ -1,0 +1,195 @@
+// The lines of a view against closed forms: where they run, what they are called and what hides them.
+#include "render/lines/view_lines.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "render/lines/draw_lines.h"
+#include "render/lines/edge_lines.h"
+#include "tests/support/shapes.h"
+
+namespace facetless {
+namespace {
+
+using std::numbers::pi;
+using testing::Frustum;
+using testing::LooseBox;
+using testing::ModelOf;
+using testing::Rectangle;
+using testing::Sphere;
+using testing::Torus;
+
+std::vector<ViewLine> LinesOf(const Model& model, const Camera& camera,
+                              std::vector<SectionPlane> sections = {}, int threads = 0) {
+  const Scene scene(model);
+  DirectOptions options;
+  options.sections = sections;
+  const DirectResult direct = TraceDirect(scene, camera, options).value();
+  return FindLines(scene, camera, direct.frame, direct.samples, direct.frame,
+                   {.sections = std::move(sections), .threads = threads});
+}
+
+double LengthOf(const std::vector<ViewLine>& lines, LineClass kind, bool visible) {
+  double length = 0;
+  for (const ViewLine& line : lines) {
+    if (line.kind != kind || line.visible != visible) continue;
+    for (std::size_t i = 1; i < line.points.size(); ++i)
+      length += std::hypot(line.points[i].x - line.points[i - 1].x, line.points[i].y - line.points[i - 1].y);
+  }
+  return length;
+}
+
+Camera ViewOf(const Model& model, const char* name, Projection projection, int size = 300) {
+  return NamedView(name, model.bounds, projection, size, size).value();
+}
+
+// Whether all chords of the kind lie within kFlatness of the circle, and they go once around it.
+void ExpectCircle(const std::vector<ViewLine>& lines, LineClass kind, double x, double y, double radius) {
+  double around = 0;
+  for (const ViewLine& line : lines) {
+    if (line.kind != kind) continue;
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+      const LinePoint &a = line.points[i - 1], &b = line.points[i];
+      ASSERT_NEAR(std::hypot(a.x - x, a.y - y), radius, 1e-5);
+      ASSERT_NEAR(std::hypot(0.5 * (a.x + b.x) - x, 0.5 * (a.y + b.y) - y), radius, 1.01 * kFlatness);
+      around += std::hypot(a.x - b.x, a.y - b.y);
+    }
+  }
+  EXPECT_NEAR(around / (2 * pi * radius), 1, 1e-3);
+}
+
+TEST(ViewLines, OfABallAreItsOutline) {
+  const Model model = ModelOf({Sphere({3, -2, 5}, 10)});
+  // Front and top look along the lines in which patches meet, and along the seam.
+  for (const char* name : {"iso", "front", "top", "right"}) {
+    const Camera camera = ViewOf(model, name, Projection::kOrthographic);
+    const auto lines = LinesOf(model, camera);
+    ExpectCircle(lines, LineClass::kSilhouette, 150, 150, 10 * 300 / camera.height);
+    EXPECT_EQ(LengthOf(lines, LineClass::kSilhouette, false), 0) << name;
+  }
+}
+
+TEST(ViewLines, OfABallInPerspectiveAreTheConeThatTouchesIt) {
+  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
+  const Camera camera = ViewOf(model, "iso", Projection::kPerspective);
+  const CameraFrame frame = MakeFrame(camera, 20).value();
+  const double distance = Length(camera.eye), sine = 10 / distance;
+  ExpectCircle(LinesOf(model, camera), LineClass::kSilhouette, 150, 150,
+               sine / std::sqrt(1 - sine * sine) / frame.pixel_x);
+}
+
+TEST(ViewLines, OfABoxAreNineEdgesSeenAndThreeHidden) {
+  const Model model = LooseBox({10, 10, 10}, 0, 1);
+  const Camera camera = ViewOf(model, "iso", Projection::kOrthographic);
+  const auto lines = LinesOf(model, camera);
+  // Seen along the diagonal all edges of a cube have the same length, √(2/3) of their own.
+  const double edge = 10 * std::sqrt(2.0 / 3) * 300 / camera.height;
+  EXPECT_NEAR(LengthOf(lines, LineClass::kFeature, true), 9 * edge, 4);
+  EXPECT_NEAR(LengthOf(lines, LineClass::kFeature, false), 3 * edge, 4);
+  EXPECT_EQ(LengthOf(lines, LineClass::kSilhouette, true), 0);
+  EXPECT_EQ(LengthOf(lines, LineClass::kBoundary, true), 0);
+}
+
+TEST(ViewLines, OfACylinderAreTwoStraightOnes) {
+  const Model model = ModelOf({Frustum({0, 0, 0}, 5, 5, 20)});
+  const Camera camera = ViewOf(model, "front", Projection::kOrthographic);
+  const auto lines = LinesOf(model, camera);
+  EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 2 * 20 * 300 / camera.height, 1e-6);
+  // Seen along its axis it turns away everywhere, and nowhere in particular.
+  EXPECT_EQ(LinesOf(model, ViewOf(model, "top", Projection::kOrthographic)).size(), 0u);
+}
+
+TEST(ViewLines, ThatLieBehindAreHidden) {
+  // A ball behind a plate: seen from the front, then from behind.
+  const Model model = ModelOf({Rectangle({-20, 0, -20}, {40, 0, 0}, {0, 0, 40}), Sphere({0, 15, 0}, 10)});
+  const auto front = LinesOf(model, ViewOf(model, "front", Projection::kOrthographic));
+  EXPECT_EQ(LengthOf(front, LineClass::kSilhouette, true), 0);
+  EXPECT_GT(LengthOf(front, LineClass::kSilhouette, false), 100);
+  const auto back = LinesOf(model, ViewOf(model, "back", Projection::kOrthographic));
+  EXPECT_EQ(LengthOf(back, LineClass::kSilhouette, false), 0);
+  EXPECT_GT(LengthOf(back, LineClass::kSilhouette, true), 100);
+}
+
+TEST(ViewLines, OfACutAreItsOutline) {
+  Model model = ModelOf({Sphere({0, 0, 0}, 10)});
+  model.solids.push_back({0, true, "ball"});
+  model.parts[0].solids = {0, 1};
+  model.faces[0].solid = 0;
+  const Camera camera = ViewOf(model, "top", Projection::kOrthographic);
+  const auto lines = LinesOf(model, camera, {{{0, 0, 6}, {0, 0, 1}}});
+  ExpectCircle(lines, LineClass::kCut, 150, 150, 8 * 300 / camera.height);
+  EXPECT_EQ(LengthOf(lines, LineClass::kCut, false), 0);
+  // What is cut away has no outline: all above the widest circle.
+  EXPECT_EQ(LengthOf(LinesOf(model, camera, {{{0, 0, -1}, {0, 0, 1}}}), LineClass::kSilhouette, true), 0);
+}
+
+TEST(ViewLines, AreTheSameForAnyNumberOfThreads) {
+  const Model model = ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({0, 5, 8}, 5)});
+  const Camera camera = ViewOf(model, "iso", Projection::kPerspective);
+  const std::string one = LinesSvg(LinesOf(model, camera, {}, 1), 300, 300, 0, "x"),
+                    two = LinesSvg(LinesOf(model, camera, {}, 2), 300, 300, 0, "x");
+  EXPECT_GT(one.size(), 500u);
+  EXPECT_EQ(one, two);
+}
+
+TEST(EdgeClasses, AreThoseOfTheirFaces) {
+  const Model model = LooseBox({10, 20, 30}, 0, 1);
+  for (const LineClass kind : ClassifyEdges(model, 20)) EXPECT_EQ(kind, LineClass::kFeature);
+  for (const LineClass kind : ClassifyEdges(model, 91)) EXPECT_EQ(kind, LineClass::kSmooth);
+  // Without its first face four of the twelve are used once.
+  Model open = LooseBox({10, 20, 30}, 0, 1);
+  open.faces[0].loops = {};
+  std::map<LineClass, int> counts;
+  for (const LineClass kind : ClassifyEdges(open, 20)) ++counts[kind];
+  EXPECT_EQ(counts[LineClass::kBoundary], 4);
+  EXPECT_EQ(counts[LineClass::kFeature], 8);
+}
+
+Film WhiteFilm(int width, int height) {
+  Film film;
+  film.width = width, film.height = height;
+  film.pixels.assign(std::size_t(width) * height, {1, 1, 1, 1});
+  return film;
+}
+
+TEST(DrawLines, CoversAsMuchAsTheLineIsWide) {
+  const LineStyle style = StyleOf(LineClass::kFeature, true);
+  for (const double y : {10.0, 10.25, 10.5, 10.9}) {
+    Film film = WhiteFilm(40, 20);
+    const ViewLine line{LineClass::kFeature, true, {{-5, y, 0}, {20, y, 0}, {45, y, 0}}};
+    DrawLines({&line, 1}, &film);
+    for (const int x : {0, 19, 20, 39}) {
+      double cover = 0;
+      for (int row = 0; row < 20; ++row) cover += (1 - film.pixels[row * 40 + x][0]) / (1 - style.ink[0]);
+      EXPECT_NEAR(cover, style.width * style.cover, 1e-3) << y << " " << x;
+    }
+  }
+}
+
+TEST(DrawLines, DashesHiddenLinesBelowVisibleOnes) {
+  Film film = WhiteFilm(200, 20);
+  const ViewLine hidden{LineClass::kFeature, false, {{0, 10.5, 0}, {200, 10.5, 0}}};
+  DrawLines({&hidden, 1}, &film);
+  int gaps = 0;
+  for (int x = 1; x < 200; ++x) {
+    const bool ink = film.pixels[10 * 200 + x][0] < 0.9, before = film.pixels[10 * 200 + x - 1][0] < 0.9;
+    gaps += before && !ink;
+  }
+  EXPECT_NEAR(gaps, 25, 1);
+}
+
+TEST(LinesSvg, GroupsLinesByClassAndEscapesItsTitle) {
+  const std::vector<ViewLine> lines = {{LineClass::kFeature, true, {{0, 0, 0}, {5, 0, 0}, {10, 0, 0}}},
+                                       {LineClass::kSilhouette, false, {{1, 2.345, 0}, {3, 4, 0}}}};
+  const std::string svg = LinesSvg(lines, 100, 50, 0.5, "<a&b>");
+  EXPECT_NE(svg.find("viewBox=\"0 0 100 50\" width=\"50mm\" height=\"25mm\""), std::string::npos);
+  EXPECT_NE(svg.find("<title>&lt;a&amp;b>"), std::string::npos);
+  EXPECT_NE(svg.find("<g class=\"feature visible\">\n<path d=\"M0 0L10 0\"/>"), std::string::npos) << svg;
+  EXPECT_NE(svg.find("<g class=\"silhouette hidden\">\n<path d=\"M1 2.3"), std::string::npos) << svg;
+}
+
+}  // namespace
+}  // namespace facetless

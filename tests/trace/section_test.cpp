@@ -1,0 +1,296 @@
+// Section planes against closed forms: areas of cuts, and what a view of a cut model shows.
+#include "render/trace/section.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "render/trace/direct.h"
+#include "render/trace/section_area.h"
+#include "tests/support/shapes.h"
+
+namespace facetless {
+namespace {
+
+using std::numbers::pi;
+using testing::Frustum;
+using testing::LooseBox;
+using testing::ModelOf;
+using testing::Sphere;
+using testing::Torus;
+
+// Models made by hand name no solids: all faces of `model` are one that is closed.
+Model Closed(Model model) {
+  model.solids.push_back({0, true, "body"});
+  model.parts[0].solids = {0, 1};
+  for (Face& face : model.faces) face.solid = 0;
+  return model;
+}
+
+SectionPlane Plane(Vec3 point, Vec3 normal) {
+  return {point, Normalized(normal)};
+}
+
+SectionArea Measure(const Model& model, std::vector<SectionPlane> planes, std::size_t index = 0) {
+  const Scene scene(model);
+  Result<SectionArea> area = MeasureSection(scene, planes, index, {});
+  EXPECT_TRUE(area.ok()) << area.error().message;
+  return area.ok() ? area.value() : SectionArea{};
+}
+
+void ExpectArea(const SectionArea& area, double expected, double share) {
+  EXPECT_NEAR(area.area_mm2, expected, share * expected);
+  EXPECT_LE(area.error_mm2, share * expected);
+  // Only what touches a surface may come out odd, and then it says so.
+  EXPECT_LE(area.odd_rows, area.doubtful_rows);
+  EXPECT_LE(area.odd_rows, 8u);
+}
+
+TEST(SectionArea, OfASphereIsThatOfItsCircle) {
+  const Model model = Closed(ModelOf({Sphere({1, 2, 3}, 25)}));
+  // Through the middle, where patches meet; off the middle; obliquely.
+  ExpectArea(Measure(model, {Plane({1, 2, 3}, {0, 0, 1})}), pi * 625, 1e-9);
+  ExpectArea(Measure(model, {Plane({1, 2, 10}, {0, 0, 1})}), pi * (625 - 49), 1e-9);
+  const Vec3 normal = Normalized({1, -2, 0.7});
+  ExpectArea(Measure(model, {Plane(Vec3{1, 2, 3} + 13.0 * normal, normal)}), pi * (625 - 169), 1e-9);
+}
+
+TEST(SectionArea, OfATorus) {
+  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6)}));
+  // Across: two circles. Along: a ring.
+  ExpectArea(Measure(model, {Plane({0, 0, 0}, {1, 0, 0})}), 2 * pi * 36, 1e-9);
+  ExpectArea(Measure(model, {Plane({0, 0, 0}, {0, 0, -1})}), pi * (26 * 26 - 14 * 14), 1e-9);
+  // Above the middle at height h: between the radii 20 ± √(36 − h²).
+  ExpectArea(Measure(model, {Plane({0, 0, 3}, {0, 0, 1})}), pi * 4 * 20 * std::sqrt(27.0), 1e-9);
+}
+
+TEST(SectionArea, OfACylinderCutObliquelyIsAnEllipse) {
+  const Model model = Closed(ModelOf({Frustum({0, 0, -50}, 10, 10, 100)}));
+  const Vec3 normal = Normalized({1, 0, 2});
+  ExpectArea(Measure(model, {Plane({0, 0, 0}, normal)}), pi * 100 / normal.z, 1e-9);
+}
+
+TEST(SectionArea, OfABox) {
+  const Model model = LooseBox({10, 20, 30}, 0, 1);
+  ExpectArea(Measure(model, {Plane({5, 10, 15}, {0, 0, 1})}), 200, 1e-9);
+  ExpectArea(Measure(model, {Plane({5, 10, 15}, {1, 0, 0})}), 600, 1e-9);
+  ExpectArea(Measure(model, {Plane({5, 10, 15}, {0, 1, 1})}), 10 * 20 * std::sqrt(2.0), 1e-9);
+}
+
+TEST(SectionArea, OfAHollowBallIsARing) {
+  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, 25), Sphere({0, 0, 0}, 20)}));
+  ExpectArea(Measure(model, {Plane({0, 0, 5}, {0, 0, 1})}), pi * (625 - 400), 1e-9);
+}
+
+TEST(SectionArea, CountsWhatSeveralPlanesLeave) {
+  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, 10)}));
+  const std::vector<SectionPlane> planes = {Plane({0, 0, 0}, {0, 0, 1}), Plane({0, 0, 0}, {1, 0, 0})};
+  ExpectArea(Measure(model, planes, 0), pi * 50, 1e-9);
+  ExpectArea(Measure(model, planes, 1), pi * 50, 1e-9);
+}
+
+TEST(SectionArea, OfOverlappingSolidsCountsOnceAndForEach) {
+  Model model = Closed(ModelOf({Sphere({0, 0, 0}, 10), Sphere({10, 0, 0}, 10)}));
+  model.solids.push_back({0, true, "other"});
+  model.parts[0].solids.count = 2;
+  model.faces[1].solid = 1;
+  const SectionArea area = Measure(model, {Plane({0, 0, 0}, {0, 0, 1})});
+  // Two circles whose centres are one radius apart share 2r²·(π/3 − √3/4).
+  const double circle = 100 * pi, lens = 200 * (pi / 3 - std::sqrt(3.0) / 4);
+  ExpectArea(area, 2 * circle - lens, 1e-9);
+  ASSERT_EQ(area.solids.size(), 2u);
+  EXPECT_NEAR(area.solids[0].area_mm2, circle, 1e-7);
+  EXPECT_NEAR(area.solids[1].area_mm2, circle, 1e-7);
+}
+
+TEST(SectionArea, OfAFaceThatLiesInThePlaneIsThatOfTheKeptSide) {
+  const Model model = LooseBox({10, 20, 30}, 0, 1);
+  // The top, with the box on the kept side; and with nothing there.
+  const SectionArea kept = Measure(model, {Plane({0, 0, 30}, {0, 0, 1})});
+  ExpectArea(kept, 200, 1e-9);
+  EXPECT_EQ(kept.coincident_faces.size(), 1u);
+  EXPECT_GT(kept.moved_mm, 0);
+  const SectionArea removed = Measure(model, {Plane({0, 0, 30}, {0, 0, -1})});
+  EXPECT_EQ(removed.area_mm2, 0);
+  EXPECT_EQ(removed.coincident_faces, kept.coincident_faces);
+}
+
+TEST(SectionArea, OfAThinPinFarBelowTheSpacingOfTheFirstRows) {
+  // Two balls a metre apart fix the extent; the pin between them is 0.05 mm thick.
+  const Model model = Closed(
+      ModelOf({Sphere({-500, -500, 0}, 1), Sphere({500, 500, 0}, 1), Frustum({3, 5, -10}, 0.05, 0.05, 20)}));
+  const SectionArea area = Measure(model, {Plane({0, 0, 0}, {0, 0, 1})});
+  ExpectArea(area, pi * (1 + 1 + 0.0025), 1e-7);
+}
+
+TEST(SectionArea, OfAnOpenShellIsNothingAndSaysSo) {
+  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});  // of no solid
+  const SectionArea area = Measure(model, {Plane({0, 0, 1}, {0, 0, 1})});
+  EXPECT_EQ(area.area_mm2, 0);
+  EXPECT_EQ(area.open_faces, 1u);
+}
+
+TEST(SectionArea, BesideTheModelIsNothing) {
+  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, 10)}));
+  EXPECT_EQ(Measure(model, {Plane({0, 0, 11}, {0, 0, 1})}).area_mm2, 0);
+}
+
+TEST(SectionArea, IsTheSameForAnyNumberOfThreads) {
+  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({40, 1, 2}, 5)}));
+  const Scene scene(model);
+  const std::vector<SectionPlane> planes = {Plane({1, 2, 0.5}, {0.1, 0.2, 1})};
+  const SectionArea one = MeasureSection(scene, planes, 0, {.threads = 1}).value();
+  const SectionArea many = MeasureSection(scene, planes, 0, {.threads = 5}).value();
+  EXPECT_EQ(one.area_mm2, many.area_mm2);
+  EXPECT_EQ(one.error_mm2, many.error_mm2);
+  EXPECT_EQ(one.rows, many.rows);
+}
+
+TEST(SectionArea, RefusesWhatIsNoPlane) {
+  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
+  const Scene scene(model);
+  const SectionPlane wrong[] = {{{0, 0, 0}, {0, 0, 0}}, {{NAN, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, {0, 0, 2}}};
+  for (const SectionPlane& plane : wrong) {
+    const Result<SectionArea> area = MeasureSection(scene, {&plane, 1}, 0, {});
+    ASSERT_FALSE(area.ok());
+    EXPECT_EQ(area.error().code, ErrorCode::kBadUsage);
+  }
+}
+
+DirectResult View(const Model& model, const Camera& camera, std::vector<SectionPlane> planes,
+                  int threads = 0) {
+  const Scene scene(model);
+  DirectOptions options;
+  options.sections = std::move(planes);
+  options.threads = threads;
+  options.uv = options.depth_error = true;
+  Result<DirectResult> result = TraceDirect(scene, camera, options);
+  EXPECT_TRUE(result.ok()) << result.error().message;
+  return std::move(result).value();
+}
+
+// What a ball that is cut at height `h`, its top removed, shows to a ray.
+struct BallCut {
+  double depth = INFINITY;
+  bool cap = false;
+};
+BallCut CutBall(const Ray& ray, double radius, double h) {
+  const double a = Dot(ray.direction, ray.direction), b = Dot(ray.origin, ray.direction),
+               c = Dot(ray.origin, ray.origin) - radius * radius, disc = b * b - a * c;
+  if (disc < 0) return {};
+  for (const double root : {(-b - std::sqrt(disc)) / a, (-b + std::sqrt(disc)) / a}) {
+    if (ray.origin.z + root * ray.direction.z > h) continue;
+    // Entered through the ball, or through the plane.
+    const double plane = (h - ray.origin.z) / ray.direction.z;
+    const bool through_plane = ray.direction.z < 0 && plane > (-b - std::sqrt(disc)) / a;
+    return through_plane ? BallCut{plane, true} : BallCut{root, false};
+  }
+  return {};
+}
+
+TEST(SectionView, OfACutBallShowsItsCapAndWhatIsKept) {
+  const double radius = 10, h = 3;
+  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, radius)}));
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    for (const char* name : {"iso", "top", "iso-below"}) {
+      const Camera camera = NamedView(name, model.bounds, projection, 160, 160).value();
+      const DirectResult view = View(model, camera, {Plane({0, 0, h}, {0, 0, 1})});
+      const std::uint32_t cap = SectionSolids(model).CapId(0, 0);
+      std::uint64_t caps = 0, hits = 0;
+      for (std::size_t i = 0; i < view.samples.size(); ++i) {
+        const BallCut expected = CutBall(PixelRay(view.frame, i % 160 + 0.5, i / 160 + 0.5), radius, h);
+        // Rays that graze the ball, or its rim, are anybody's.
+        if (!std::isfinite(expected.depth) && view.samples.certificate[i] != Certificate::kCertified)
+          continue;
+        ASSERT_EQ(std::isfinite(view.samples.depth[i]), std::isfinite(expected.depth)) << name << " " << i;
+        if (!std::isfinite(expected.depth)) continue;
+        ++hits;
+        caps += expected.cap;
+        ASSERT_NEAR(view.samples.depth[i], expected.depth, 1e-9) << name << " " << i;
+        ASSERT_EQ(view.samples.face[i], expected.cap ? cap : 0u) << name << " " << i;
+        if (!expected.cap) continue;
+        ASSERT_EQ(view.samples.normal[i], (std::array<float, 3>{0, 0, 1}));
+      }
+      EXPECT_EQ(view.stats.caps, caps) << name;
+      EXPECT_EQ(view.stats.hits, hits) << name;
+      EXPECT_EQ(caps > 0, std::string(name) != "iso-below");
+      EXPECT_EQ(view.stats.certified + view.stats.converged + view.stats.unresolved, view.stats.rays);
+      EXPECT_GT(view.stats.certified_hits, hits * 9 / 10);
+    }
+  }
+}
+
+TEST(SectionView, OfTwoPlanesKeepsTheirIntersection) {
+  const Model model = LooseBox({10, 20, 30}, 0, 1);
+  const Camera camera = NamedView("iso", model.bounds, Projection::kOrthographic, 120, 120).value();
+  const std::vector<SectionPlane> planes = {Plane({5, 10, 15}, {0, 0, 1}), Plane({5, 10, 15}, {1, 0, 0})};
+  const DirectResult view = View(model, camera, planes);
+  const SectionSolids solids(model);
+  std::uint64_t caps[2] = {0, 0};
+  for (std::size_t i = 0; i < view.samples.size(); ++i) {
+    if (view.samples.face[i] == kNoIndex) continue;
+    const Ray ray = PixelRay(view.frame, i % 120 + 0.5, i / 120 + 0.5);
+    const Vec3 point = ray.origin + view.samples.depth[i] * ray.direction;
+    EXPECT_LE(point.z, 15 + 1e-9);
+    EXPECT_LE(point.x, 5 + 1e-9);
+    for (int k = 0; k < 2; ++k) {
+      if (view.samples.face[i] != solids.CapId(k, 0)) continue;
+      ++caps[k];
+      EXPECT_NEAR(Dot(planes[k].normal, point - planes[k].point), 0, 1e-9);
+    }
+  }
+  EXPECT_GT(caps[0], 100u);
+  EXPECT_GT(caps[1], 100u);
+}
+
+TEST(SectionView, InAFaceShowsTheCapOrNothing) {
+  const Model model = LooseBox({10, 20, 30}, 0, 1);
+  const Camera camera = NamedView("iso", model.bounds, Projection::kOrthographic, 100, 100).value();
+  const DirectResult whole = View(model, camera, {});
+  const DirectResult kept = View(model, camera, {Plane({0, 0, 30}, {0, 0, 1})});
+  EXPECT_EQ(kept.stats.hits, whole.stats.hits);
+  EXPECT_GT(kept.stats.caps, 0u);
+  for (std::size_t i = 0; i < kept.samples.size(); ++i) {
+    if (!std::isfinite(whole.samples.depth[i])) continue;
+    ASSERT_NEAR(kept.samples.depth[i], whole.samples.depth[i], 1e-9);
+  }
+  EXPECT_EQ(View(model, camera, {Plane({0, 0, 30}, {0, 0, -1})}).stats.hits, 0u);
+}
+
+TEST(SectionView, BesideTheModelChangesNoDepth) {
+  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6)}));
+  const Camera camera = NamedView("iso", model.bounds, Projection::kPerspective, 100, 100).value();
+  const DirectResult whole = View(model, camera, {});
+  const DirectResult cut = View(model, camera, {Plane({0, 0, 50}, {0, 0, 1})});
+  EXPECT_EQ(cut.stats.caps, 0u);
+  ASSERT_EQ(0, std::memcmp(whole.samples.depth.data(), cut.samples.depth.data(),
+                           whole.samples.size() * sizeof(double)));
+  EXPECT_EQ(whole.samples.face, cut.samples.face);
+  EXPECT_EQ(whole.samples.uv, cut.samples.uv);
+}
+
+TEST(SectionView, HasTheSameBytesForAnyNumberOfThreads) {
+  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({0, 1, 2}, 5)}));
+  const Camera camera = NamedView("iso", model.bounds, Projection::kOrthographic, 150, 150).value();
+  const std::vector<SectionPlane> planes = {Plane({0, 0, 1}, {0.3, 0.2, 1}), Plane({1, 0, 0}, {1, 0, 0})};
+  const DirectResult one = View(model, camera, planes, 1), many = View(model, camera, planes, 4);
+  EXPECT_EQ(0, std::memcmp(one.samples.depth.data(), many.samples.depth.data(),
+                           one.samples.size() * sizeof(double)));
+  EXPECT_EQ(one.samples.face, many.samples.face);
+  EXPECT_EQ(one.samples.doubt, many.samples.doubt);
+  EXPECT_EQ(one.samples.normal, many.samples.normal);
+}
+
+TEST(SectionView, OfAnOpenShellHasNoCap) {
+  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
+  const Camera camera = NamedView("top", model.bounds, Projection::kOrthographic, 64, 64).value();
+  const DirectResult view = View(model, camera, {Plane({0, 0, 0}, {0, 0, 1})});
+  EXPECT_EQ(view.stats.caps, 0u);
+  // One looks into the lower half.
+  EXPECT_NEAR(view.samples.depth[32 * 64 + 32] - camera.eye.z, 10, 0.2);
+}
+
+}  // namespace
+}  // namespace facetless
