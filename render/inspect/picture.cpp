@@ -44,7 +44,7 @@ std::vector<InspectionClass> ClassesOf(const Inspection& inspection) {
   switch (inspection.kind) {
     case InspectionKind::kZebra:
     case InspectionKind::kIsophotes:
-      return classes({{"light", {244, 244, 242}}, {"dark", {22, 22, 26}}, {"none", {22, 22, 26}}});
+      return classes({{"light", {244, 244, 242}}, {"dark", {22, 22, 26}}});
     case InspectionKind::kReflection:
       return classes({{"line", {250, 248, 240}}, {"ground", {58, 66, 78}}, {"no line", {44, 47, 54}}});
     case InspectionKind::kDraft:
