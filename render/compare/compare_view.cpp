@@ -158,8 +158,11 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
   // Lines.
   if (options.lines != LineMode::kNone || options.find_lines) {
     const Clock::time_point lines_start = Clock::now();
-    view.lines = FindLines(scene, camera, view.frame, passes.color(), color_frame,
-                           {.sections = options.sections, .threads = options.threads});
+    view.lines =
+        FindLines(scene, camera, view.frame, passes.color(), color_frame,
+                  {.sections = options.sections, .threads = options.threads, .cancel = options.cancel});
+    if (options.cancel && options.cancel->load())
+      return Error{ErrorCode::kCancelled, "cancelled while finding lines"};
     std::erase_if(view.lines, [&](const ViewLine& line) {
       return !line.visible && (options.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
                                line.kind == LineClass::kSmooth);

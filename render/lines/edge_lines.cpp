@@ -17,6 +17,8 @@ namespace {
 constexpr int kMostHalvings = 14;  // of a segment: a line of a million pixels
 constexpr int kPlaces = 5;         // along an edge, at which its angle is measured
 
+constexpr double kSmallest = 0.1;  // pixels: what is smaller is no line, its neighbours' ends cover it
+
 struct Use {
   std::uint32_t face, coedge;
 };
@@ -80,7 +82,10 @@ class Projector {
   PixelPoint At(const Vec4& p) const { return Project(frame_, {p.x / p.w, p.y / p.w, p.z / p.w}); }
 
   void End(std::vector<ViewLine>* lines) {
-    if (line_.points.size() > 1) lines->push_back(line_);
+    double size = 0;
+    for (const LinePoint& p : line_.points)
+      size = std::max({size, std::fabs(p.x - line_.points[0].x), std::fabs(p.y - line_.points[0].y)});
+    if (size >= kSmallest) lines->push_back(line_);
     line_.points.clear();
   }
 
@@ -167,7 +172,8 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) 
 }
 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
-                                const Camera& camera, const CameraFrame& frame) {
+                                const Camera& camera, const CameraFrame& frame,
+                                const std::atomic<bool>* cancel) {
   // The edges of each part, in the order of their first use.
   std::vector<std::vector<std::uint32_t>> edges_of(model.parts.size());
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
@@ -182,6 +188,7 @@ std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>
   }
   std::vector<std::vector<ViewLine>> of_instance(model.instances.size());
   ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
+    if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const Instance& instance = model.instances[i];
     Projector projector(model, instance.placement, camera, frame);
     for (const std::uint32_t e : edges_of[instance.part])

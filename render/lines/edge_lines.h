@@ -5,9 +5,10 @@
 //     two faces, along the p-curves. An edge of more than two faces is a feature.
 //  2. Each edge is projected segment by segment as the rational Bézier curve that it is, and halved until its
 //     projected control points lie within kFlatness of the chord: the convex hull holds the curve. In perspective
-//     what is not in front of the eye is left out.
+//     what is not in front of the eye is left out; so is an edge that is smaller than a tenth of a pixel.
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "render/lines/line.h"
@@ -19,6 +20,7 @@ namespace facetless {
 std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg);
 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
-                                const Camera& camera, const CameraFrame& frame);
+                                const Camera& camera, const CameraFrame& frame,
+                                const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace facetless

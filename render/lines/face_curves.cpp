@@ -15,6 +15,7 @@ namespace facetless {
 namespace {
 
 constexpr int kCellsPerSpan = 8;
+constexpr double kPixelsPerCell = 12;
 constexpr int kMostCells = 512;       // in one direction of a face
 constexpr int kBisections = 48;       // of a place on the side of a cell: all bits of its parameter
 constexpr int kMostRefinements = 10;  // halvings of a chord
@@ -79,9 +80,15 @@ Vec2 Bisect(const FaceValue& value, Vec2 a, Vec2 b) {
 
 class FaceTracer {
  public:
-  FaceTracer(const Scene::Data& scene, std::uint32_t face, const FaceValue& value, LineClass kind,
+  FaceTracer(const Scene::Data& scene, std::uint32_t face, const FaceValue& value, LineClass kind, int cells,
              const Camera& camera, const CameraFrame& frame)
-      : scene_(scene), face_(face), value_(value), kind_(kind), camera_(camera), frame_(frame) {}
+      : scene_(scene),
+        face_(face),
+        value_(value),
+        kind_(kind),
+        cells_(cells),
+        camera_(camera),
+        frame_(frame) {}
 
   void Run(std::vector<ViewLine>* lines) {
     const Surface& surface = scene_.model->surfaces[scene_.model->faces[face_].surface];
@@ -98,7 +105,7 @@ class FaceTracer {
  private:
   // The grid's lines in one direction: each span in equal cells.
   std::vector<double> Lines(Range spans) const {
-    const int cells = std::clamp(kMostCells / std::max(1, int(spans.count)), 1, kCellsPerSpan);
+    const int cells = std::clamp(kMostCells / std::max(1, int(spans.count)), 1, cells_);
     std::vector<double> lines;
     for (std::uint32_t s = spans.first; s < spans.end(); ++s) {
       const Span& span = scene_.model->spans[s];
@@ -261,6 +268,7 @@ class FaceTracer {
   const std::uint32_t face_;
   const FaceValue& value_;
   const LineClass kind_;
+  const int cells_;  // per span
   const Camera& camera_;
   const CameraFrame& frame_;
   std::vector<double> columns_, rows_;
@@ -268,11 +276,29 @@ class FaceTracer {
   std::vector<std::pair<std::size_t, std::size_t>> pieces_;
 };
 
+// How large the box is in the picture, pixels; 0 if it lies beside the window.
+double SizeInPicture(const Box3& box, const Placement& placement, const Camera& camera,
+                     const CameraFrame& frame) {
+  double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
+  for (int k = 0; k < 8; ++k) {
+    const PixelPoint p =
+        Project(frame, placement.Point({k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y,
+                                        k & 4 ? box.high.z : box.low.z}));
+    // What reaches behind the eye may be as large as it likes.
+    if (frame.projection == Projection::kPerspective && !(p.depth > frame.near_mm)) return INFINITY;
+    x_low = std::min(x_low, p.x), x_high = std::max(x_high, p.x);
+    y_low = std::min(y_low, p.y), y_high = std::max(y_high, p.y);
+  }
+  if (x_high < 0 || y_high < 0 || x_low > camera.width_px || y_low > camera.height_px) return 0;
+  return std::max(x_high - x_low, y_high - y_low);
+}
+
 std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, const Camera& camera,
-                              const CameraFrame& frame) {
+                              const CameraFrame& frame, const std::atomic<bool>* cancel) {
   const Model& model = scene.model();
   struct Job {
     std::uint32_t instance, face;
+    int cells;  // per span
   };
   std::vector<Job> jobs;
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
@@ -292,14 +318,18 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
         }
         if (!above || !below) continue;
       }
-      jobs.push_back({i, f});
+      const double size =
+          SizeInPicture(scene.data().faces[f].bounds, model.instances[i].placement, camera, frame);
+      if (size < 1) continue;
+      jobs.push_back({i, f, static_cast<int>(std::clamp(size / kPixelsPerCell, 2.0, double(kCellsPerSpan)))});
     }
   }
   std::vector<std::vector<ViewLine>> of_job(jobs.size());
   ParallelFor(std::size_t{0}, jobs.size(), [&](std::size_t k) {
+    if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const FaceValue value(model, jobs[k].face, model.instances[jobs[k].instance], frame, plane);
-    FaceTracer(scene.data(), jobs[k].face, value, plane ? LineClass::kCut : LineClass::kSilhouette, camera,
-               frame)
+    FaceTracer(scene.data(), jobs[k].face, value, plane ? LineClass::kCut : LineClass::kSilhouette,
+               jobs[k].cells, camera, frame)
         .Run(&of_job[k]);
   });
   std::vector<ViewLine> lines;
@@ -310,13 +340,14 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
 
 }  // namespace
 
-std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame) {
-  return Collect(scene, nullptr, camera, frame);
+std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
+                                      const std::atomic<bool>* cancel) {
+  return Collect(scene, nullptr, camera, frame, cancel);
 }
 
 std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
-                               const CameraFrame& frame) {
-  return Collect(scene, &plane, camera, frame);
+                               const CameraFrame& frame, const std::atomic<bool>* cancel) {
+  return Collect(scene, &plane, camera, frame, cancel);
 }
 
 }  // namespace facetless

@@ -2,13 +2,14 @@
 // cuts, where it meets a section plane.
 //
 //  1. The curve is sought on a grid over the face's parameters, kCellsPerSpan cells for each of its knot spans and
-//     direction. Where it crosses a side of a cell is found by bisection; between two such places it is refined,
+//     direction; fewer where the whole face is small in the picture, and none where it is smaller than a pixel. Where it crosses a side of a cell is found by bisection; between two such places it is refined,
 //     point by point on the curve, until chords lie within kFlatness of it on the screen.
 //  2. Parts outside the trimming are left out; where a curve leaves the face is bisected.
 //  3. A closed curve that lies within one cell is not found.
 //  4. What vanishes on a whole face (a cylinder seen along its axis) gives no curve.
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "render/lines/line.h"
@@ -17,10 +18,11 @@
 namespace facetless {
 
 // Where n · view = 0 on curved faces.
-std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame);
+std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
+                                      const std::atomic<bool>* cancel = nullptr);
 
 // Where faces meet `plane`.
 std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
-                               const CameraFrame& frame);
+                               const CameraFrame& frame, const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace facetless

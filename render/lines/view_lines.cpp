@@ -14,8 +14,9 @@ namespace {
 std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const CameraFrame& frame,
                            const LineOptions& options) {
   const Model& model = scene.model();
-  std::vector<ViewLine> whole = EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame);
-  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame);
+  std::vector<ViewLine> whole =
+      EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame, options.cancel);
+  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame, options.cancel);
   whole.insert(whole.end(), std::make_move_iterator(silhouettes.begin()),
                std::make_move_iterator(silhouettes.end()));
   if (options.sections.empty()) return whole;
@@ -24,7 +25,7 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
   std::vector<ViewLine> lines;
   for (ViewLine& line : whole) ClipLine(frame, options.sections, -1, std::move(line), &lines);
   for (int k = 0; k < static_cast<int>(options.sections.size()); ++k)
-    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame))
+    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame, options.cancel))
       ClipLine(frame, options.sections, k, std::move(line), &lines);
   return lines;
 }

@@ -1,6 +1,7 @@
 // All lines of a view: edges, silhouettes and the outlines of cuts, with what hides them.
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "render/lines/line.h"
@@ -9,9 +10,10 @@
 namespace facetless {
 
 struct LineOptions {
-  double edge_angle_deg = 20;          // above it an edge is a feature
-  std::vector<SectionPlane> sections;  // as the samples were traced with
-  int threads = 0;                     // 0: all cores
+  double edge_angle_deg = 20;                 // above it an edge is a feature
+  std::vector<SectionPlane> sections;         // as the samples were traced with
+  int threads = 0;                            // 0: all cores
+  const std::atomic<bool>* cancel = nullptr;  // polled; true ends the call with whatever there is
 };
 
 // `samples`: of the same view, or of Supersampled of it, with their frame. Lines come in an order that depends on
