@@ -7,6 +7,7 @@
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
+#include "render/compare/pixel_data.h"
 #include "render/compare/report.h"
 #include "render/image/io.h"
 #include "render/model/model_file.h"
@@ -56,6 +57,12 @@ class ViewFiles {
     Add(role, ".tif", [&samples](const std::string& path) {
       return WriteDepth(path, samples.width, samples.height, samples.depth);
     });
+  }
+  // One file for each plane.
+  void Pixels(const PixelData& data) {
+    for (std::size_t i = 0; i < kPixelPlanes; ++i)
+      Add(PixelPlaneName(PixelPlane(i)), ".png",
+          [&plane = data.planes[i]](const std::string& path) { return WriteDataPng(path, plane); });
   }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
@@ -292,10 +299,19 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     files.Depth("depth", view.direct.samples);
     files.Depth("baseline-depth", view.baseline.samples);
     files.Aovs(view.direct.samples, options);
+    std::optional<PixelData> pixels;
+    if (view.direct.samples.size() <= kMostPixelData) {
+      auto made = MakePixelData(view.direct.samples, view.baseline.samples, view.direct.frame, mesh.from_model,
+                                view.difference.noise_mm);
+      if (!made) return made.error();
+      pixels = std::move(made).value();
+      files.Pixels(*pixels);
+    }
     const Difference& d = view.difference;
     values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                       d.color.flip_mean, d.color.share_over_threshold});
     Json json = ComparisonJson(view, baseline.value());
+    json["pixel_data"] = pixels ? Json{{"depth_mm", {pixels->near_mm, pixels->far_mm}}} : Json(nullptr);
     if (auto written = files.Write(json, options.threads); !written) return written.error();
     return json;
   });
