@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "render/compare/pixel_data.h"
 #include "render/image/io.h"
+#include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/service/web_assets.h"
 
@@ -74,8 +77,15 @@ std::string Filled(std::string_view text,
   return filled;
 }
 
-// Of all views together, so many pixels of data fit into a report that is mailed around.
+// Reports are mailed around: of all views together, so many pixels of data at first, and fewer where the whole would become larger than
+// so many bytes. What is reduced beyond the last stride says too little; then the report is larger.
 constexpr double kMostEmbeddedPixels = 1.1e6;
+constexpr std::size_t kMostBytes = 2'700'000;
+constexpr int kMostStride = 6;
+
+std::size_t Base64Size(std::size_t bytes) {
+  return (bytes + 2) / 3 * 4;
+}
 
 std::optional<PixelPlane> PlaneOf(const std::string& role) {
   for (std::size_t i = 0; i < kPixelPlanes; ++i) {
@@ -107,14 +117,28 @@ class Pictures {
     Put(name, bytes.value());
     return {};
   }
-  Result<void> AddPlane(PixelPlane plane, const std::string& name, int stride) {
-    auto full = ReadPng(Path(name));
-    if (!full) return full.error();
-    auto bytes = EncodeDataPng(ReducedPlane(plane, full.value(), stride));
-    if (!bytes) return bytes.error();
-    Put(name, bytes.value());
+  // Reduced until they fit into `room` bytes.
+  Result<void> AddPlanes(const std::vector<std::pair<PixelPlane, std::string>>& planes, int stride,
+                         std::size_t room) {
+    for (; stride <= kMostStride; ++stride) {
+      std::vector<Result<std::string>> encoded(planes.size(), std::string());
+      ParallelFor(std::size_t{0}, planes.size(), [&](std::size_t i) {
+        const auto full = ReadPng(Path(planes[i].second));
+        encoded[i] = full ? EncodeDataPng(ReducedPlane(planes[i].first, full.value(), stride))
+                          : Result<std::string>(full.error());
+      });
+      std::size_t bytes = 0;
+      for (const Result<std::string>& plane : encoded) {
+        if (!plane) return plane.error();
+        bytes += Base64Size(plane.value().size());
+      }
+      if (bytes > room && stride < kMostStride) continue;
+      for (std::size_t i = 0; i < planes.size(); ++i) Put(planes[i].second, encoded[i].value());
+      return {};
+    }
     return {};
   }
+  std::size_t bytes() const { return bytes_; }
   const Json& json() const { return json_; }
 
  private:
@@ -123,10 +147,12 @@ class Pictures {
   }
   void Put(const std::string& name, const std::string& bytes) {
     json_[name] = "data:image/png;base64," + Base64(bytes);
+    bytes_ += Base64Size(bytes.size());
   }
 
   const std::string directory_;
   Json json_ = Json::object();
+  std::size_t bytes_ = 0;
 };
 
 std::string Page(const std::string& title, const Json& report, const Json& pictures) {
@@ -156,18 +182,23 @@ std::string Base64(const std::string& bytes) {
 
 Result<std::string> ReportHtml(const Json& report, const std::string& directory) {
   Pictures pictures(directory);
-  const int stride = StrideOf(report.at("views"));
+  std::vector<std::pair<PixelPlane, std::string>> planes;
   for (const Json& view : report.at("views")) {
     const Json& files = view.at("files");
     const bool heat_map = files.contains(PixelPlaneName(PixelPlane::kDeviation));
     for (const auto& [role, file] : files.items()) {
+      if (const auto plane = PlaneOf(role)) {
+        planes.emplace_back(*plane, file);
+        continue;
+      }
       // The heat map is drawn from the pixel data.
       if (role == "difference" && heat_map) continue;
-      const auto plane = PlaneOf(role);
-      auto embedded = plane ? pictures.AddPlane(*plane, file, stride) : pictures.Add(file);
-      if (!embedded) return embedded.error();
+      if (auto embedded = pictures.Add(file); !embedded) return embedded.error();
     }
   }
+  const std::size_t room = kMostBytes - std::min(kMostBytes, JsonText(report, -1).size() + pictures.bytes());
+  if (auto embedded = pictures.AddPlanes(planes, StrideOf(report.at("views")), room); !embedded)
+    return embedded.error();
   return Page(report.at("model").value("file", "report"), report, pictures.json());
 }
 

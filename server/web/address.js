@@ -26,13 +26,13 @@ export class Address {
     }
     if (this.values.toString() !== before) this.write(step);
   }
+  // These values and no others, at once.
   only(values, step = true) {
-    this.values = new URLSearchParams();
-    this.set(values, step);
-    if ([...this.values].length === 0) this.write(step);
+    this.values = new URLSearchParams(Object.entries(values).filter(([, value]) => value !== null));
+    this.write(step, true);
   }
   // Writing is put off: a drag would write a hundred times a second, which browsers refuse.
-  write(step) {
+  write(step, atOnce = step) {
     clearTimeout(this.timer);
     this.step = this.step || step;
     const now = () => {
@@ -44,7 +44,7 @@ export class Address {
       }
       this.step = false;
     };
-    if (step) now(); else this.timer = setTimeout(now, 150);
+    if (atOnce) now(); else this.timer = setTimeout(now, 150);
   }
   onChange(listener) { this.listeners.push(listener); }
 }

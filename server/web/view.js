@@ -47,8 +47,8 @@ export class ViewBench {
     this.note = element("p", { class: "facts", role: "status" });
     const zoomButton = (text, label, act) => element("button", { type: "button", class: "small", "aria-label": label, on: { click: act } }, text);
     this.scaleText = element("span", { class: "facts", "aria-live": "off" });
-    const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Show all of the view", () => this.viewport.fit()),
-      zoomButton("1:1", "One pixel on one of the screen", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
+    const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Fit: show all of the view", () => this.viewport.fit()),
+      zoomButton("1:1", "1:1, one pixel on one of the screen", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
     this.root = element("section", { class: "view" },
       element("div", { class: "bar" }, element("h2", {}, view.name), element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },

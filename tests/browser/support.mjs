@@ -76,11 +76,16 @@ const freePort = () => new Promise((resolve) => {
 // A running `facetless serve`; it can be killed and started again on the same port and data.
 export class Server {
   static async start(...options) {
+    const server = await Server.prepared(...options);
+    await server.start();
+    return server;
+  }
+  // One that is still to be started: who needs keys makes them first.
+  static async prepared(...options) {
     const server = new Server();
     server.port = await freePort();
     server.data = path.join(folder(), "data");
     server.options = options;
-    await server.start();
     servers.push(server);
     return server;
   }
@@ -93,7 +98,7 @@ export class Server {
     });
   }
   async stop(signal = "SIGKILL") {
-    if (this.child.exitCode !== null || this.child.signalCode !== null) return;
+    if (!this.child || this.child.exitCode !== null || this.child.signalCode !== null) return;
     const ended = new Promise((resolve) => { this.child.once("exit", resolve); });
     this.child.kill(signal);
     await ended;
