@@ -24,11 +24,11 @@
 namespace facetless {
 
 enum class PixelClass : std::uint8_t {
-  kNothing,       // neither tracer hits
-  kMeasured,      // both hit
-  kBorder,        // both hit, and law 3 of difference.h says border: the deviation says nothing there
-  kOnlySurface,   // the direct tracer alone hits
-  kOnlyMesh,      // the baseline alone hits
+  kNothing,      // neither tracer hits
+  kMeasured,     // both hit
+  kBorder,       // both hit, and law 3 of difference.h says border: the deviation says nothing there
+  kOnlySurface,  // the direct tracer alone hits
+  kOnlyMesh,     // the baseline alone hits
 };
 
 enum class PixelPlane : std::uint8_t { kFaces, kDepths, kNormals, kDeviation, kStatus };

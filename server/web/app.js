@@ -83,12 +83,11 @@ const show = (own, answer, focus) => {
   const stem = (answer.model.file || "report").replace(/\.[^.]*$/, "");
   const copied = element("span", { role: "status" });
   const button = (label, act) => element("button", { type: "button", class: "small", on: { click: act } }, label);
-  const tools = element("div", { class: "bar tight no-print" }, button("Save as one file", () => save(own, answer.links.page, `${stem}.html`)), button("Save the numbers (JSON)", () => save(own, answer.links.report, `${stem}.json`)),
-    button("Copy the link to what is shown", async () => {
+  const tools = element("div", { class: "actions no-print" }, button("Save as one file", () => save(own, answer.links.page, `${stem}.html`)), button("Save the numbers", () => save(own, answer.links.report, `${stem}.json`)),
+    button("Copy the link", async () => {
       try { await navigator.clipboard.writeText(location.href); copied.textContent = "Copied."; } catch (error) { copied.textContent = "The address bar has it."; }
     }), copied);
-  shown = showReport(byId("report"), answer, sourceOf(own), address, null);
-  byId("report").prepend(tools);
+  shown = showReport(byId("report"), answer, sourceOf(own), address, tools);
   document.title = `${answer.model.file || "Report"} · Facetless`;
   document.body.dataset.state = "shown";
   if (focus) byId("report").querySelector("h1").focus({ preventScroll: true });
@@ -105,7 +104,7 @@ const firstPicture = async (own, file, options) => {
   running.at("upload");
   const job = await own.post("v1/renders", body, (fraction) => running?.at("upload", fraction));
   const answer = await own.follow(job, (stage, fraction, text) => { if (text) running?.say(text); else if (stage !== "publish") running?.at(stage, fraction); });
-  shown = showReport(byId("report"), answer, sourceOf(own), new Address(), null);
+  shown = showReport(byId("report"), answer, sourceOf(own), new Address());
   document.body.dataset.state = "first-picture";
   return answer.links.model.split("/").pop();
 };

@@ -7,7 +7,7 @@ export const element = (tag, attributes = {}, ...children) => {
     if (name === "on") Object.entries(value).forEach(([event, handler]) => made.addEventListener(event, handler));
     else if (value !== undefined && value !== null && value !== false) made.setAttribute(name, value === true ? "" : value);
   }
-  made.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  made.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
   return made;
 };
 
@@ -18,7 +18,7 @@ export const drawn = (tag, attributes = {}, ...children) => {
     if (name === "on") Object.entries(value).forEach(([event, handler]) => made.addEventListener(event, handler));
     else if (value !== undefined && value !== null) made.setAttribute(name, value);
   }
-  made.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  made.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
   return made;
 };
 

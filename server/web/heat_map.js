@@ -4,16 +4,19 @@ import { border, css, diverging, onlyMesh, onlySurface, paper, roundUp } from ".
 
 const steps = 512;
 const ramp = Array.from({ length: 2 * steps + 1 }, (_, i) => diverging((i - steps) / steps));
+// Where the direct image goes from one face to the next, faint lines: so that one sees what one looks at.
+const lineLight = 0.8;
 const special = [paper, null, border, onlySurface, onlyMesh];
 
 // A canvas of the planes' size.
 export const heatMap = (pixels, range) => {
   const canvas = new OffscreenCanvas(pixels.width, pixels.height), context = canvas.getContext("2d");
-  const image = context.createImageData(pixels.width, pixels.height), { data } = image;
+  const image = context.createImageData(pixels.width, pixels.height), { data } = image, { faces, width } = pixels;
   for (let i = 0; i < pixels.deviations.length; ++i) {
     const kind = pixels.status[4 * i];
     const color = kind === 1 ? ramp[steps + Math.round(Math.max(-1, Math.min(1, pixels.deviations[i] / range)) * steps)] : special[kind];
-    data[4 * i] = color[0]; data[4 * i + 1] = color[1]; data[4 * i + 2] = color[2]; data[4 * i + 3] = 255;
+    const light = (i + 1) % width !== 0 && (faces[i] !== faces[i + 1] || (i + width < faces.length && faces[i] !== faces[i + width])) ? lineLight : 1;
+    data[4 * i] = light * color[0]; data[4 * i + 1] = light * color[1]; data[4 * i + 2] = light * color[2]; data[4 * i + 3] = 255;
   }
   context.putImageData(image, 0, 0);
   return canvas;

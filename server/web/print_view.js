@@ -2,8 +2,9 @@
 // page is idle, since a browser that prints waits for nothing; hidden on the screen.
 import { element, number, table } from "./dom.js";
 import { heatMap, usualRange } from "./heat_map.js";
-import { cameraText } from "./numbers.js";
+import { cameraText, certaintyTable, differenceTables } from "./numbers.js";
 import { Pixels } from "./pixels.js";
+import { timing } from "./timing.js";
 
 const worst = 25;
 
@@ -13,7 +14,7 @@ const picture = (title, canvas, of) => {
   return element("figure", {}, shown, element("figcaption", {}, element("b", {}, title)));
 };
 
-export const printView = async (view, source) => {
+export const printView = async (model, view, source) => {
   const roles = source.roles(view), range = view.difference && usualRange(view.difference), figures = [];
   for (const [role, title] of [["direct", "Direct"], ["baseline", "Baseline"]]) {
     if (!roles.includes(role)) continue;
@@ -28,5 +29,6 @@ export const printView = async (view, source) => {
   const faces = view.difference?.faces || [];
   return element("section", { class: "print-only view" }, element("h2", {}, view.name), element("p", { class: "facts" }, cameraText(view.camera)), element("div", { class: `stage of-${figures.length}` }, figures),
     faces.length ? table(`Worst faces of ${view.name}`, ["Worst faces", "deviation max, mm", "mean, mm", "normal max, °", "pixels", "missed"],
-      faces.slice(0, worst).map((face) => [face.name || `face ${face.id}`, number(face.deviation_mm_max), number(face.deviation_mm_mean), number(face.normal_deg_max), number(face.pixels), number(face.missed_pixels)])) : null);
+      faces.slice(0, worst).map((face) => [face.name || `face ${face.id}`, number(face.deviation_mm_max), number(face.deviation_mm_mean), number(face.normal_deg_max), number(face.pixels), number(face.missed_pixels)])) : null,
+    element("div", { class: "tables" }, timing(model, view), view.difference ? differenceTables(view.difference) : null, certaintyTable(view.direct)));
 };

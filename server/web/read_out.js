@@ -6,20 +6,22 @@ const kindTexts = {
   0: "nothing is hit", 2: "border pixel: the two look past different sides of an edge", 3: "only the surface is hit; the mesh shows nothing", 4: "only the mesh is hit; the surface shows nothing",
 };
 
-export const readOut = (faceName) => {
+// `noise`: what lies below it, in mm, says nothing.
+export const readOut = (faceName, noise) => {
+  const signed = (mm) => (Math.abs(mm) <= noise ? `below ${number(noise)} mm` : `${mm < 0 ? "−" : "+"}${number(Math.abs(mm))} mm`);
   const cells = {};
   const cell = (name, title) => {
     cells[name] = element("dd", {}, "–");
     return element("div", { class: `cell ${name}` }, element("dt", {}, title), cells[name]);
   };
-  const list = element("dl", { class: "read-out" }, cell("pixel", "Pixel"), cell("face", "Face"), cell("deviation", "Deviation"), cell("depth", "Depth"), cell("normal", "Normal"), cell("certificate", "Certificate"));
+  const list = element("dl", { class: "read-out" }, cell("pixel", "Pixel"), cell("face", "Face"), cell("deviation", "Deviation"), cell("depth", "Depth"), cell("certificate", "Certificate"), cell("normal", "Normal"));
   const spoken = element("p", { class: "unseen", "aria-live": "polite" });
   // `pixels` may be missing still. Keys are read aloud, pointers are not: they would never be silent.
   const show = (pointed, pixels, aloud) => {
     const known = pointed && pixels ? pixels.at(pointed.x, pointed.y) : null;
     cells.pixel.textContent = pointed ? `${pointed.x}, ${pointed.y}` : "–";
     cells.face.textContent = known?.face !== null && known !== null ? faceName(known.face) : "–";
-    cells.deviation.textContent = !known ? "–" : known.kind === 1 ? `${known.deviation < 0 ? "−" : "+"}${number(Math.abs(known.deviation))} mm` : known.kind === 0 ? "nothing hit" : ["", "", "border", "no mesh", "no surface"][known.kind];
+    cells.deviation.textContent = !known ? "–" : known.kind === 1 ? signed(known.deviation) : known.kind === 0 ? "nothing hit" : ["", "", "border", "no mesh", "no surface"][known.kind];
     cells.deviation.title = known ? kindTexts[known.kind] || "" : "";
     cells.depth.textContent = known?.depth !== null && known ? `${known.depth.toFixed(3)} mm` : "–";
     cells.normal.textContent = known?.normal ? known.normal.map((n) => n.toFixed(3).replace("-", "−")).join(", ") : "–";

@@ -18,9 +18,9 @@ const ownRoles = ["direct", "baseline", "difference", ...planeRoles];
 const titleOf = (role) => captions[role]?.[0] || role.charAt(0).toUpperCase() + role.slice(1).replace("-", " ");
 
 export class ViewBench {
-  // `source`: roles(view) lists what there is, blob(view, role) gives it.
-  constructor(report, view, source, address) {
-    Object.assign(this, { report, view, source, address });
+  // `tabs` stands in the place of the view's name. `source`: roles(view) lists what there is, blob(view, role) gives it.
+  constructor(report, view, source, address, tabs = null) {
+    Object.assign(this, { report, view, source, address, tabs });
     this.viewport = new Viewport(view.camera.width, view.camera.height_px);
     this.pictures = {}; this.panes = []; this.outlines = new Map();
     this.roles = source.roles(view);
@@ -42,7 +42,7 @@ export class ViewBench {
     this.stage = element("div", { class: "stage" });
     this.tools = element("div", { class: "tools" });
     this.faces = difference?.faces?.length ? faceTable(difference, (id) => this.choose(id, true), (id) => this.hover(id)) : null;
-    this.readOut = readOut((id) => this.faces?.name(id) ?? `face ${id}`);
+    this.readOut = readOut((id) => this.faces?.name(id) ?? `face ${id}`, difference?.noise_mm ?? 0);
     this.legend = difference ? heatLegend(this.usual, (range) => { this.address.set({ range: range === this.usual ? null : range }); this.recolor(); }) : null;
     this.note = element("p", { class: "facts", role: "status" });
     const zoomButton = (text, label, act) => element("button", { type: "button", class: "small", "aria-label": label, on: { click: act } }, text);
@@ -50,7 +50,7 @@ export class ViewBench {
     const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Fit: show all of the view", () => this.viewport.fit()),
       zoomButton("1:1", "1:1, one pixel on one of the screen", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
     this.root = element("section", { class: "view" },
-      element("div", { class: "bar" }, element("h2", {}, view.name), element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
+      element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },
         element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, this.legend?.root, this.faces?.root)),
       element("div", { class: "tables" }, timing(this.report.model, view), difference ? differenceTables(difference) : null, certaintyTable(view.direct)));

@@ -24,12 +24,12 @@ test("a comparison at 390, 900 and 1600 pixels, light and dark", async () => {
       await pixelsRead(page);
       await page.click(".faces tbody tr:first-child .face-name");
       for (const mode of ["Slider", "Side by side", "Onion skin", "Difference"]) {
-        await page.click(`.view .modes >> text="${mode}"`);
+        await page.click(`[aria-label=Pictures] >> text="${mode}"`);
         await page.waitForTimeout(50);
         await wellLaidOut(page, `${mode} ${where}`);
       }
       await noViolations(page, `result ${where}`);
-      await page.click('.view .modes >> text="Slider"');
+      await page.click('[aria-label=Pictures] >> text="Slider"');
       const frame = await page.locator(".frame").first().boundingBox();
       await page.mouse.move(frame.x + frame.width * 0.4, frame.y + frame.height * 0.55);
       await page.waitForTimeout(150);

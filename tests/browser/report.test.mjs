@@ -21,9 +21,9 @@ test("of a compare with four views", async () => {
   await pixelsRead(page);
   await page.click(".faces tbody tr:first-child .face-name");
   assert.match(await page.getAttribute(".view", "data-face"), /^\d+$/);
-  await page.click('.bar.views >> text="front"');
+  await page.click('.view .bar [aria-label=Views] >> text="front"');
   await pixelsRead(page);
-  await page.click('.view .modes >> text="Blink"');
+  await page.click('[aria-label=Pictures] >> text="Blink"');
   await page.click('text="Switch"');
   assert.match(await page.textContent(".stage figcaption"), /Baseline/);
   await page.waitForTimeout(300);
@@ -36,8 +36,8 @@ test("of a compare with four views", async () => {
   // Its address, reopened; and on a phone, in the dark.
   const other = await open(report, new URL(page.url()).hash, { width: 390, height: 800, colorScheme: "dark" });
   await pixelsRead(other);
-  assert.equal(await other.textContent(".bar.views [aria-pressed=true]"), "front");
-  assert.equal(await other.textContent(".view .modes [aria-pressed=true]"), "Blink");
+  assert.equal(await other.textContent("[aria-label=Views] [aria-pressed=true]"), "front");
+  assert.equal(await other.textContent("[aria-label=Pictures] [aria-pressed=true]"), "Blink");
   await wellLaidOut(other, "report on a phone");
   await noViolations(other, "report on a phone");
   await shot(other, "report-390-dark", { fullPage: true });

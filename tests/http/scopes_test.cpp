@@ -32,10 +32,8 @@ constexpr Row kTable[] = {
     {"HEAD", "/", {200, 200, 200, 200, 200, 200}},
     {"GET", "/style.css", {200, 200, 200, 200, 200, 200}},
     {"HEAD", "/style.css", {200, 200, 200, 200, 200, 200}},
-    {"GET", "/app.js", {200, 200, 200, 200, 200, 200}},
-    {"HEAD", "/app.js", {200, 200, 200, 200, 200, 200}},
-    {"GET", "/viewer.js", {200, 200, 200, 200, 200, 200}},
-    {"HEAD", "/viewer.js", {200, 200, 200, 200, 200, 200}},
+    {"GET", "/page/{name}", {200, 200, 200, 200, 200, 200}},
+    {"HEAD", "/page/{name}", {200, 200, 200, 200, 200, 200}},
     {"GET", "/favicon.svg", {200, 200, 200, 200, 200, 200}},
     {"HEAD", "/favicon.svg", {200, 200, 200, 200, 200, 200}},
     {"GET", "/openapi.json", {200, 200, 200, 200, 200, 200}},
@@ -86,7 +84,8 @@ class Scopes : public testing::Test {
     const Json report = render.Json();
     const Json& links = report.at("links");
     const Json& pictures = report.at("views").at(0).at("links");
-    things_ = {{"/v1/models/{id}", links.at("model").get<std::string>()},
+    things_ = {{"/page/{name}", "/page/app.js"},
+               {"/v1/models/{id}", links.at("model").get<std::string>()},
                {"/v1/answers/{id}", links.at("self").get<std::string>()},
                {"/v1/artifacts/{name}", pictures.at("direct").get<std::string>()}};
     model_ = things_.at("/v1/models/{id}").substr(std::string("/v1/models/").size());
