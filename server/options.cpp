@@ -257,6 +257,7 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"timeout", NumberParser("timeout", 0, INFINITY, [](RunOptions& o, double v) { o.timeout_s = v; })},
       {"audit", BoolParser("audit", &RunOptions::audit)},
       {"edges", BoolParser("edges", &RunOptions::edges)},
+      {"mesh_deviation", BoolParser("mesh_deviation", &RunOptions::mesh_deviation)},
       {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
       {"aov", ParseAovs},
       {"mesh", [](const Json& json, RunOptions& o) { return Store(ParseText(json, "mesh"), o.mesh); }},

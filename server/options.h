@@ -17,6 +17,7 @@
 // threads         0 (all cores) … 1024                                           0
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
+// mesh_deviation  the same: of a comparison, measure every triangle               false
 // background      studio | transparent                                           studio
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
@@ -82,7 +83,7 @@ struct RunOptions {
   double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
   double timeout_s = 0;
-  bool audit = false, edges = false;
+  bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;

@@ -89,7 +89,8 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
 
   // What is left are the options of a rendering.
   for (const char* key : {"file", "name", "references", "tolerances"}) json.erase(key);
-  for (const char* key : {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit"}) {
+  for (const char* key :
+       {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit", "mesh_deviation"}) {
     if (json.contains(key)) return BadManifest(std::string("the option ") + key + " has no meaning here");
   }
   auto options = ParseOptions(json);

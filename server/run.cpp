@@ -7,6 +7,7 @@
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
+#include "render/compare/mesh_deviation.h"
 #include "render/compare/pixel_data.h"
 #include "render/compare/report.h"
 #include "render/image/io.h"
@@ -109,6 +110,19 @@ class ViewFiles {
   std::vector<File> files_;
 };
 
+// Measures every triangle, and writes the file of it: the report's "mesh_deviation".
+Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std::string& directory,
+                                const std::atomic<bool>* cancel) {
+  const auto measured = MeasureMeshDeviation(model, mesh, cancel);
+  if (!measured) return measured.error();
+  const MeshDeviation& deviation = measured.value();
+  if (auto written = WriteFileAtomically(directory + "/mesh.bin", EncodeMeshDeviation(mesh, deviation));
+      !written)
+    return written.error();
+  return Json{
+      {"triangles", deviation.triangles}, {"max_mm", deviation.largest_mm}, {"p99_mm", deviation.p99_mm}};
+}
+
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
 class Run {
  public:
@@ -150,7 +164,7 @@ class Run {
   }
 
   // Completes the report and writes it.
-  Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
+  Result<Json> Finish(Json views, const std::vector<ViewValues>& values, const Json& more = Json::object()) {
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
@@ -166,6 +180,7 @@ class Run {
                      {"scene", scene_ms_},
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+    report.update(more);
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -316,7 +331,13 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     return json;
   });
   if (!views) return views.error();
-  return run.Finish(std::move(views).value(), values);
+  Json more = Json::object();
+  if (options.mesh_deviation) {
+    auto measured = WriteMeshDeviation(*imported.model, mesh, directory, run.cancel());
+    if (!measured) return run.Explained(measured.error());
+    more = {{"mesh_deviation", std::move(measured).value()}, {"files", {{"mesh", "mesh.bin"}}}};
+  }
+  return run.Finish(std::move(views).value(), values, more);
 }
 
 }  // namespace facetless
