@@ -7,6 +7,7 @@ import { Form } from "./form.js";
 import { ProgressView } from "./progress_view.js";
 import { remedyOf } from "./remedies.js";
 import { showReport } from "./report_view.js";
+import { meshSection } from "./mesh_view.js";
 import { key, Problem, Service } from "./service.js";
 
 const byId = (id) => document.getElementById(id);
@@ -75,6 +76,12 @@ const save = async (own, link, name) => {
   setTimeout(() => URL.revokeObjectURL(anchor.href), 10000);
 };
 
+// Names of faces, from whichever view shows them.
+const faceNames = (answer) => {
+  const names = new Map(answer.views.flatMap((view) => (view.difference?.faces || []).map((face) => [face.id, face.name])));
+  return (id) => names.get(id) || `face ${id}`;
+};
+
 const show = (own, answer, focus) => {
   running?.end();
   running = null;
@@ -87,7 +94,7 @@ const show = (own, answer, focus) => {
     button("Copy the link", async () => {
       try { await navigator.clipboard.writeText(location.href); copied.textContent = "Copied."; } catch (error) { copied.textContent = "The address bar has it."; }
     }), copied);
-  shown = showReport(byId("report"), answer, sourceOf(own), address, tools);
+  shown = showReport(byId("report"), answer, sourceOf(own), address, tools, answer.trade ? null : meshSection(answer, own, address, faceNames(answer)));
   document.title = `${answer.model.file || "Report"} · Facetless`;
   document.body.dataset.state = "shown";
   if (focus) byId("report").querySelector("h1").focus({ preventScroll: true });

@@ -26,7 +26,8 @@ export const heatMap = (pixels, range) => {
 export const usualRange = (difference) => roundUp(Math.max(difference.deviation_mm.p99, difference.noise_mm, 1e-9));
 
 // The legend; the person's choice of a range, or null for the usual one, goes to `changed`.
-export const heatLegend = (usual, changed) => {
+// `ends` are words for blue and red; `pictures`: pixels that only one tracer hits have colours of their own.
+export const heatLegend = (usual, changed, ends = ["mesh nearer", "mesh farther"], pictures = true) => {
   const ticks = element("div", { class: "ticks" });
   const input = element("input", { type: "number", min: "0", step: "any", inputmode: "decimal" });
   const slide = element("input", { type: "range", min: "-9", max: "3", step: "0.01", "aria-label": "Range of the colours, as a power of ten in mm" });
@@ -49,8 +50,8 @@ export const heatLegend = (usual, changed) => {
     return element("span", { class: "key" }, box, text);
   };
   const root = element("div", { class: "legend" },
-    element("div", { class: "bar-of-colors" }, element("span", {}, "mesh nearer"), bar, element("span", {}, "mesh farther"), ticks),
-    element("div", { class: "keys" }, swatch(border, "border, not measured"), swatch(onlySurface, "only the surface"), swatch(onlyMesh, "only the mesh")),
+    element("div", { class: "bar-of-colors" }, element("span", {}, ends[0]), bar, element("span", {}, ends[1]), ticks),
+    pictures ? element("div", { class: "keys" }, swatch(border, "border, not measured"), swatch(onlySurface, "only the surface"), swatch(onlyMesh, "only the mesh")) : null,
     element("div", { class: "range" }, element("label", {}, "Range ±", input, "mm"), slide, usualButton));
   return { root, show };
 };
