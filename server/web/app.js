@@ -5,7 +5,7 @@ import { Address } from "./address.js";
 import { element } from "./dom.js";
 import { Form } from "./form.js";
 import { ProgressView } from "./progress_view.js";
-import { remedyOf } from "./remedies.js";
+import { mayPass, remedyOf } from "./remedies.js";
 import { showReport } from "./report_view.js";
 import { meshSection } from "./mesh_view.js";
 import { key, Problem, Service } from "./service.js";
@@ -48,7 +48,7 @@ const fail = (problem, again) => {
   document.body.dataset.state = "problem";
   if (problem.status === 401) byId("keys").open = true;
   const box = element("section", { class: "notice", role: "alert" }, element("h2", { tabindex: "-1" }, problem.title || "Something failed"), problem.detail ? element("p", {}, problem.detail) : null,
-    element("p", { class: "remedy" }, remedyOf(problem.code)), again ? element("p", {}, element("button", { type: "button", class: "go", on: { click: again } }, "Try again")) : null);
+    element("p", { class: "remedy" }, remedyOf(problem.code)), again && mayPass(problem.code) ? element("p", {}, element("button", { type: "button", class: "go", on: { click: again } }, "Try again")) : null);
   byId("problem").replaceChildren(box);
   box.querySelector("h2").focus({ preventScroll: true });
   if (problem.status === 401) byId("key").focus();

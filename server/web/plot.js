@@ -5,12 +5,18 @@ import { bytes, drawn, element, milliseconds, number } from "./dom.js";
 const box = { width: 720, height: 440, left: 76, right: 16, top: 14, bottom: 52 };
 const zeroBand = 44;  // room left of the axis for errors of zero, or below what the reference knows
 
-const powers = (low, high) => Array.from({ length: Math.round(Math.log10(high / low)) + 1 }, (_, i) => low * 10 ** i);
+const bandGap = 18;
+
+// 1, 10, 100, …; with 2 and 5 between them where that leaves few.
+const powers = (low, high) => {
+  const decades = Math.round(Math.log10(high / low)), digits = decades <= 2 ? [1, 2, 5] : [1];
+  return Array.from({ length: decades + 1 }, (_, i) => digits.map((digit) => digit * low * 10 ** i)).flat().filter((value) => value <= high * 1.001);
+};
 const span = (values) => [10 ** Math.floor(Math.log10(Math.min(...values))), 10 ** Math.ceil(Math.log10(Math.max(...values)) + 1e-9)];
 
 const tickText = (value) => {
-  const power = Math.round(Math.log10(value));
-  return power >= -3 && power <= 4 ? String(Number(value.toPrecision(1))) : `10${[...String(power)].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`;
+  const power = Math.floor(Math.log10(value) + 1e-9);
+  return power >= -3 && power <= 4 ? String(Number(value.toPrecision(1))) : `${value > 1.5 * 10 ** power ? `${Math.round(value / 10 ** power)}·` : ""}10${[...String(power)].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`;
 };
 
 // `cost` is { title, of(point), text(value), unit, pareto }; error(point) is in mm. pointed(name | null) hears what is pointed at.
@@ -18,7 +24,7 @@ export const tradePlot = (label, points, cost, error, floor, limit, pointed) => 
   const measured = points.filter((point) => point.measured && cost.of(point) > 0);
   const above = measured.filter((point) => error(point) > floor);
   const [low, high] = span(above.length ? above.map(error) : [1e-3, 1]), [cheap, dear] = span(measured.map(cost.of));
-  const start = box.left + zeroBand, wide = box.width - start - box.right, tall = box.height - box.top - box.bottom;
+  const start = box.left + zeroBand + bandGap, wide = box.width - start - box.right, tall = box.height - box.top - box.bottom;
   const x = (value) => (value > floor ? start + Math.log10(value / low) / Math.log10(high / low) * wide : box.left + zeroBand / 2);
   const y = (value) => box.top + tall - Math.log10(value / cheap) / Math.log10(dear / cheap) * tall;
   const line = (x1, y1, x2, y2, kind) => drawn("line", { x1, y1, x2, y2, class: kind });

@@ -14,7 +14,7 @@ const picture = (title, canvas, of) => {
   return element("figure", {}, shown, element("figcaption", {}, element("b", {}, title)));
 };
 
-export const printView = async (model, view, source) => {
+export const printView = async (report, view, source) => {
   const roles = source.roles(view), range = view.difference && usualRange(view.difference), figures = [];
   for (const [role, title] of [["direct", "Direct"], ["baseline", "Baseline"]]) {
     if (!roles.includes(role)) continue;
@@ -30,5 +30,5 @@ export const printView = async (model, view, source) => {
   return element("section", { class: "print-only view" }, element("h2", {}, view.name), element("p", { class: "facts" }, cameraText(view.camera)), element("div", { class: `stage of-${figures.length}` }, figures),
     faces.length ? table(`Worst faces of ${view.name}`, ["Worst faces", "deviation max, mm", "mean, mm", "normal max, °", "pixels", "missed"],
       faces.slice(0, worst).map((face) => [face.name || `face ${face.id}`, number(face.deviation_mm_max), number(face.deviation_mm_mean), number(face.normal_deg_max), number(face.pixels), number(face.missed_pixels)])) : null,
-    element("div", { class: "tables" }, timing(model, view), view.difference ? differenceTables(view.difference) : null, certaintyTable(view.direct)));
+    element("div", { class: "tables" }, timing(report, view), view.difference ? differenceTables(view.difference) : null, certaintyTable(view.direct)));
 };

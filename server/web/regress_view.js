@@ -27,11 +27,11 @@ export const showRegress = (root, verdict, source) => {
   const rows = verdict.files.flatMap((file) => (file.views?.length ? file.views : [{ name: "–", passed: file.passed, status: "" }]).map((view) => [file, view]));
   const failed = rows.filter(([, view]) => !view.passed).length;
   const mark = (passed) => element("span", { class: passed ? "pill" : "pill bad" }, passed ? "passed" : "failed");
-  root.replaceChildren(element("h1", {}, verdict.manifest), element("p", {}, mark(verdict.passed), ` ${number(rows.length - failed)} of ${number(rows.length)} views passed`),
+  root.replaceChildren(element("h1", {}, `Regression of ${verdict.manifest.split("/").pop()}`), element("p", {}, mark(verdict.passed), ` ${number(rows.length - failed)} of ${number(rows.length)} views passed`),
     ...rows.filter(([, view]) => view.files?.image).map(([file, view]) => element("section", { class: "view" }, element("div", { class: "bar" }, element("h2", {}, `${file.name}, ${view.name}`), element("span", { class: "facts" }, limits(view, file))), compared(file.name, view, source))),
     element("h2", {}, "All views"),
-    scrolling("All views", element("table", {}, element("thead", {}, element("tr", {}, ["File", "view", "", "max", "mean", "share", "FLIP", "SSIM", "lost", "why"].map((head, i) => (head ? element("th", { scope: "col", class: i > 2 && i < 9 ? "n" : undefined }, head) : element("td", {}))))),
+    scrolling("All views", element("table", {}, element("thead", {}, element("tr", {}, ["File", "view", "", "max", "mean", "share", "FLIP", "SSIM", "lost", "why"].map((head, i) => (head ? element("th", { scope: "col", class: i > 2 && i < 9 ? "n" : i === 9 ? "why" : undefined }, head) : element("td", {}))))),
       element("tbody", {}, rows.map(([file, view]) => element("tr", {}, element("th", { scope: "row", class: "name" }, file.name), element("td", {}, view.name), element("td", {}, mark(view.passed)),
-        ["max", "mean", "share_over_threshold", "flip", "ssim"].map((key) => element("td", { class: "n" }, number(view.values?.[key]))), element("td", { class: "n" }, number(file.lost)), element("td", { class: "name" }, view.passed && file.passed ? "" : limits(view, file))))))),
+        ["max", "mean", "share_over_threshold", "flip", "ssim"].map((key) => element("td", { class: "n" }, number(view.values?.[key]))), element("td", { class: "n" }, number(file.lost)), element("td", { class: "name why" }, view.passed && file.passed ? "" : limits(view, file))))))),
     element("details", {}, element("summary", {}, "The whole verdict as JSON"), element("pre", { tabindex: "0" }, JSON.stringify(verdict, null, 2))));
 };

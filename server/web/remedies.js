@@ -25,4 +25,8 @@ const remedies = {
   "internal": "This is a defect. Send the job's number to whoever runs the service.",
 };
 
+// Problems that may be gone when the same is asked again; others stay as long as file and options do.
+const passing = ["busy", "rate-limited", "timeout", "connection-lost", "internal", "gave-up", "given-up", "cancelled", "write-failed", "shutting-down", "file-unreadable", "unauthorized", ""];
+
+export const mayPass = (code) => passing.includes(code);
 export const remedyOf = (code) => remedies[code] || "Try again.";

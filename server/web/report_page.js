@@ -28,7 +28,7 @@ if (report.command === "regress") {
   const views = report.trade ? [] : [...report.views], paper = document.querySelector(".views-holder");
   const printNext = async () => {
     if (views.length === 0) return;
-    paper.append(await printView(report.model, views.shift(), source));
+    paper.append(await printView(report, views.shift(), source));
     idle(printNext);
   };
   idle(printNext);

@@ -53,7 +53,7 @@ export class ViewBench {
       element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },
         element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, this.legend?.root, this.faces?.root)),
-      element("div", { class: "tables" }, timing(this.report.model, view), difference ? differenceTables(difference) : null, certaintyTable(view.direct)));
+      element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference) : null, certaintyTable(view.direct)));
     this.viewport.onChange((what) => this.moved(what));
     this.viewport.chosen = (id) => this.choose(id === null ? null : this.faceAt(this.viewport.pointed), true);
     this.restore();
