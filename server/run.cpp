@@ -316,8 +316,8 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     files.Aovs(view.direct.samples, options);
     std::optional<PixelData> pixels;
     if (view.direct.samples.size() <= kMostPixelData) {
-      auto made = MakePixelData(view.direct.samples, view.baseline.samples, view.direct.frame, mesh.from_model,
-                                view.difference.noise_mm);
+      auto made = MakePixelData(view.direct.samples, view.baseline.samples, view.direct.frame,
+                                mesh.from_model, view.difference.noise_mm);
       if (!made) return made.error();
       pixels = std::move(made).value();
       files.Pixels(*pixels);
