@@ -8,10 +8,12 @@ export const faceTable = (difference, chosen, hovered) => {
   const body = element("tbody", {});
   let marked = null, pressed = null, filter = "", all = false;
   const more = element("button", { type: "button", class: "small", on: { click: () => { all = true; fill(); } } });
+  // What lies below the noise of the mesh's positions says nothing.
+  const length = (mm) => element("td", { class: mm <= difference.noise_mm ? "n below" : "n" }, number(mm));
   const row = (face, rank) => {
     const button = element("button", { type: "button", class: "face-name", "aria-pressed": "false", on: { click: () => chosen(face.id) } }, face.name || `face ${face.id}`);
     const made = element("tr", { on: { click: (event) => { if (event.target !== button) chosen(face.id); }, pointerenter: () => hovered(face.id), pointerleave: () => hovered(null) } },
-      element("td", { class: "rank" }, String(rank)), element("th", { scope: "row" }, button), element("td", { class: "n" }, number(face.deviation_mm_max)), element("td", { class: "n" }, number(face.deviation_mm_mean)),
+      element("td", { class: "rank" }, String(rank)), element("th", { scope: "row" }, button), length(face.deviation_mm_max), length(face.deviation_mm_mean),
       element("td", { class: "n" }, number(face.normal_deg_max)), element("td", { class: "n" }, number(face.pixels)), element("td", { class: face.missed_pixels > 0 ? "n warn" : "n" }, number(face.missed_pixels)));
     return { made, button };
   };

@@ -24,7 +24,7 @@ export const readOut = (faceName, noise) => {
     cells.deviation.textContent = !known ? "–" : known.kind === 1 ? signed(known.deviation) : known.kind === 0 ? "nothing hit" : ["", "", "border", "no mesh", "no surface"][known.kind];
     cells.deviation.title = known ? kindTexts[known.kind] || "" : "";
     cells.depth.textContent = known?.depth !== null && known ? `${known.depth.toFixed(3)} mm` : "–";
-    cells.normal.textContent = known?.normal ? known.normal.map((n) => n.toFixed(3).replace("-", "−")).join(", ") : "–";
+    cells.normal.textContent = known?.normal ? known.normal.map((n) => n.toFixed(3).replace(/^-0\.000$/, "0.000").replace("-", "−")).join(", ") : "–";
     cells.certificate.textContent = known ? certificates[known.certificate] : "–";
     cells.certificate.className = known && known.certificate > 0 ? "warn" : "";
     if (aloud && known) spoken.textContent = `Pixel ${cells.pixel.textContent}. Face ${cells.face.textContent}. Deviation ${cells.deviation.textContent}. Depth ${cells.depth.textContent}. ${cells.certificate.textContent}.`;

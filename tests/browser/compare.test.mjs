@@ -69,6 +69,16 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   assert.equal(await other.textContent(".zooms .facts"), await page.textContent(".zooms .facts"));
   noFaults(page);
   noFaults(other);
+
+  // report.html as the service serves it: in a sandbox, an origin of its own.
+  const { links } = await (await fetch(`${server.address}v1/answers/${/answer=([0-9a-f]+)/.exec(url)[1]}`)).json();
+  const report = await newTab();
+  await report.goto(new URL(links.page, server.address).href);
+  await pixelsRead(report);
+  await report.click(".faces tbody tr:first-child .face-name");
+  assert.equal(await report.getAttribute(".view", "data-face"), face);
+  noFaults(report);
+
   const host = new URL(server.address).host;
   assert.deepEqual([...page.asked, ...other.asked].filter((url) => !url.startsWith("blob:") && new URL(url).host !== host), []);
 });
