@@ -384,6 +384,8 @@ int RunCommandLine(int argc, char** argv) {
   options.Text(compare, "mesh-unit", "Unit of --mesh: mm, cm, m, in, ft (default: glTF m, STL mm)", "UNIT");
   options.Text(compare, "mesh-up", "Up axis of --mesh: y or z (default: glTF y, STL z)", "AXIS");
   for (CLI::App* command : {mesh, compare}) AddTessellationOptions(command, options);
+  options.Switch(compare, "mesh-deviation",
+                 "Also measure every triangle against the exact surface (mesh.bin)");
   options.Number(compare, "fail-deviation-mm", "Fail if the surfaces are farther apart", "MM");
   options.Number(compare, "fail-depth-mm", "Fail if a depth differs by more", "MM");
   options.Number(compare, "fail-silhouette-px", "Fail if silhouettes are farther apart", "PX");

@@ -258,6 +258,7 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"timeout", NumberParser("timeout", 0, INFINITY, [](RunOptions& o, double v) { o.timeout_s = v; })},
       {"audit", BoolParser("audit", &RunOptions::audit)},
       {"edges", BoolParser("edges", &RunOptions::edges)},
+      {"mesh_deviation", BoolParser("mesh_deviation", &RunOptions::mesh_deviation)},
       {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
       {"shade", [](const Json& json, RunOptions& o) { return Store(ParseShade(json), o.inspection); }},
       {"lines", WordParser("lines", {"none", "visible", "hidden"}, &RunOptions::lines)},

@@ -17,6 +17,7 @@
 // threads         0 (all cores) … 1024                                           0
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
+// mesh_deviation  the same: of a comparison, measure every triangle               false
 // background      studio | transparent                                           studio
 // shade           NAME or NAME:KEY=VALUE,…, or an object: see ParseShade          studio
 // lines           none | visible | hidden: exact edges and silhouettes over the pictures   none
@@ -89,7 +90,7 @@ struct RunOptions {
   double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
   double timeout_s = 0;
-  bool audit = false, edges = false;
+  bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
   Inspection inspection;
   LineMode lines = LineMode::kNone;

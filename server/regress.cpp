@@ -12,6 +12,7 @@
 #include "render/image/metrics.h"
 #include "server/exit_code.h"
 #include "server/files.h"
+#include "server/report_html.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -88,7 +89,8 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
 
   // What is left are the options of a rendering.
   for (const char* key : {"file", "name", "references", "tolerances"}) json.erase(key);
-  for (const char* key : {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit"}) {
+  for (const char* key :
+       {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit", "mesh_deviation"}) {
     if (json.contains(key)) return BadManifest(std::string("the option ") + key + " has no meaning here");
   }
   auto options = ParseOptions(json);
@@ -260,6 +262,13 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   return file;
 }
 
+Result<void> WritePage(const Json& verdict, const std::string& out) {
+  if (auto made = MakeDirectories(out); !made) return made;
+  auto html = RegressHtml(verdict);
+  if (!html) return html.error();
+  return WriteFileAtomically(out + "/report.html", html.value());
+}
+
 }  // namespace
 
 Result<Json> RunRegress(const RegressRequest& request) {
@@ -287,12 +296,17 @@ Result<Json> RunRegress(const RegressRequest& request) {
     files.push_back(std::move(file));
     exit_code = std::max(exit_code, file_code);
   }
-  return Json{{"facetless", ProgramJson(request.threads)},
-              {"manifest", request.manifest},
-              {"updated", request.update},
-              {"passed", exit_code == kExitDone},
-              {"exit_code", exit_code},
-              {"files", std::move(files)}};
+  Json verdict = {{"facetless", ProgramJson(request.threads)},
+                  {"command", "regress"},
+                  {"manifest", request.manifest},
+                  {"updated", request.update},
+                  {"passed", exit_code == kExitDone},
+                  {"exit_code", exit_code},
+                  {"files", std::move(files)}};
+  if (!request.out.empty()) {
+    if (auto written = WritePage(verdict, request.out); !written) return written.error();
+  }
+  return verdict;
 }
 
 }  // namespace facetless

@@ -21,14 +21,14 @@ namespace facetless {
 
 struct RegressRequest {
   std::string manifest;
-  std::string out;      // pictures of what failed; empty: none
+  std::string out;      // report.html and pictures of what failed; empty: none
   bool update = false;  // write the references
   int threads = 0;
   ImportLimits import_limits;
   RunContext context;
 };
 
-// The verdict: {"facetless", "manifest", "updated", "passed", "exit_code", "files": [{"file", "name",
+// The verdict: {"facetless", "command", "manifest", "updated", "passed", "exit_code", "files": [{"file", "name",
 // "passed", "error"?, "lost", "views": [{"name", "passed", "status", "values", "broken", "files"?}]}]}.
 // exit_code: 0; 2 a tolerance is broken or a reference is missing; 3 sizes differ; 4 nothing usable in one of
 // the files. Errors: kFileUnreadable, kBadUsage (the manifest); kCancelled; kWriteFailed.

@@ -1,19 +1,29 @@
 #include "server/report_html.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "render/compare/pixel_data.h"
+#include "render/image/io.h"
+#include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/service/web_assets.h"
 
 namespace facetless {
 namespace {
 
+using Json = nlohmann::json;
+
 // A picture of 65,536 × 65,536 pixels does not fit, and no browser would show it.
 constexpr std::size_t kMaxPictureBytes = std::size_t{1} << 30;
 
 // JSON that is safe inside <script>: without "<" there is neither "</script" nor "<!--". In JSON it occurs in
 // strings only.
-std::string ScriptSafe(const nlohmann::json& json) {
+std::string ScriptSafe(const Json& json) {
   std::string safe;
   for (const char c : JsonText(json, -1)) {
     if (c == '<') {
@@ -67,6 +77,92 @@ std::string Filled(std::string_view text,
   return filled;
 }
 
+// Reports are mailed around: of all views together, so many pixels of data at first, and fewer where the whole would become larger than
+// so many bytes. What is reduced beyond the last stride says too little; then the report is larger.
+constexpr double kMostEmbeddedPixels = 1.1e6;
+constexpr std::size_t kMostBytes = 2'700'000;
+constexpr int kMostStride = 6;
+
+std::size_t Base64Size(std::size_t bytes) {
+  return (bytes + 2) / 3 * 4;
+}
+
+std::optional<PixelPlane> PlaneOf(const std::string& role) {
+  for (std::size_t i = 0; i < kPixelPlanes; ++i) {
+    if (role == PixelPlaneName(PixelPlane(i))) return PixelPlane(i);
+  }
+  return std::nullopt;
+}
+
+// Every so many pixels' data are embedded.
+int StrideOf(const Json& views) {
+  double pixels = 0;
+  for (const Json& view : views) {
+    if (!view.contains("camera")) continue;
+    pixels += view["camera"].value("width", 0.0) * view["camera"].value("height_px", 0.0);
+  }
+  return std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMostEmbeddedPixels))));
+}
+
+// Pictures as data URIs, by the name of their file.
+class Pictures {
+ public:
+  explicit Pictures(const std::string& directory) : directory_(directory) {}
+
+  // A file that is no PNG is left out.
+  Result<void> Add(const std::string& name) {
+    if (!name.ends_with(".png")) return {};
+    auto bytes = ReadFile(Path(name), kMaxPictureBytes);
+    if (!bytes) return bytes.error();
+    Put(name, bytes.value());
+    return {};
+  }
+  // Reduced until they fit into `room` bytes.
+  Result<void> AddPlanes(const std::vector<std::pair<PixelPlane, std::string>>& planes, int stride,
+                         std::size_t room) {
+    for (; stride <= kMostStride; ++stride) {
+      std::vector<Result<std::string>> encoded(planes.size(), std::string());
+      ParallelFor(std::size_t{0}, planes.size(), [&](std::size_t i) {
+        const auto full = ReadPng(Path(planes[i].second));
+        encoded[i] = full ? EncodeDataPng(ReducedPlane(planes[i].first, full.value(), stride))
+                          : Result<std::string>(full.error());
+      });
+      std::size_t bytes = 0;
+      for (const Result<std::string>& plane : encoded) {
+        if (!plane) return plane.error();
+        bytes += Base64Size(plane.value().size());
+      }
+      if (bytes > room && stride < kMostStride) continue;
+      for (std::size_t i = 0; i < planes.size(); ++i) Put(planes[i].second, encoded[i].value());
+      return {};
+    }
+    return {};
+  }
+  std::size_t bytes() const { return bytes_; }
+  const Json& json() const { return json_; }
+
+ private:
+  std::string Path(const std::string& name) const {
+    return directory_.empty() ? name : directory_ + "/" + name;
+  }
+  void Put(const std::string& name, const std::string& bytes) {
+    json_[name] = "data:image/png;base64," + Base64(bytes);
+    bytes_ += Base64Size(bytes.size());
+  }
+
+  const std::string directory_;
+  Json json_ = Json::object();
+  std::size_t bytes_ = 0;
+};
+
+std::string Page(const std::string& title, const Json& report, const Json& pictures) {
+  return Filled(WebAsset("report.html"), {{"title", EscapedHtml(title)},
+                                          {"style", std::string(WebAsset("style.css"))},
+                                          {"script", std::string(WebAsset("report.js"))},
+                                          {"report", ScriptSafe(report)},
+                                          {"pictures", ScriptSafe(pictures)}});
+}
+
 }  // namespace
 
 std::string Base64(const std::string& bytes) {
@@ -84,32 +180,41 @@ std::string Base64(const std::string& bytes) {
   return text;
 }
 
-Result<std::string> ReportHtml(const nlohmann::json& report, const std::string& directory) {
-  nlohmann::json pictures = nlohmann::json::object();
-  const auto embed = [&](const std::string& name) -> Result<void> {
-    const char* type = name.ends_with(".png")   ? "image/png"
-                       : name.ends_with(".svg") ? "image/svg+xml"
-                                                : nullptr;
-    if (type == nullptr) return {};
-    auto bytes = ReadFile(directory + "/" + name, kMaxPictureBytes);
-    if (!bytes) return bytes.error();
-    pictures[name] = std::string("data:") + type + ";base64," + Base64(bytes.value());
-    return {};
-  };
-  for (const auto& view : report.at("views")) {
-    for (const auto& file : view.at("files")) {
-      if (auto embedded = embed(file.get<std::string>()); !embedded) return embedded.error();
-    }
-    // Of a plot, the drawing that stays sharp.
-    for (const auto& plot : view.value("plots", nlohmann::json::object())) {
-      if (auto embedded = embed(plot.at("svg").get<std::string>()); !embedded) return embedded.error();
+Result<std::string> ReportHtml(const Json& report, const std::string& directory) {
+  Pictures pictures(directory);
+  std::vector<std::pair<PixelPlane, std::string>> planes;
+  for (const Json& view : report.at("views")) {
+    const Json& files = view.at("files");
+    const bool heat_map = files.contains(PixelPlaneName(PixelPlane::kDeviation));
+    for (const auto& [role, file] : files.items()) {
+      if (const auto plane = PlaneOf(role)) {
+        planes.emplace_back(*plane, file);
+        continue;
+      }
+      // The heat map is drawn from the pixel data.
+      if (role == "difference" && heat_map) continue;
+      if (auto embedded = pictures.Add(file); !embedded) return embedded.error();
     }
   }
-  return Filled(WebAsset("report.html"), {{"title", EscapedHtml(report.at("model").value("file", "report"))},
-                                          {"style", std::string(WebAsset("style.css"))},
-                                          {"viewer", std::string(WebAsset("viewer.js"))},
-                                          {"report", ScriptSafe(report)},
-                                          {"pictures", ScriptSafe(pictures)}});
+  const std::size_t room = kMostBytes - std::min(kMostBytes, JsonText(report, -1).size() + pictures.bytes());
+  if (auto embedded = pictures.AddPlanes(planes, StrideOf(report.at("views")), room); !embedded)
+    return embedded.error();
+  return Page(report.at("model").value("file", "report"), report, pictures.json());
+}
+
+Result<std::string> RegressHtml(const Json& verdict) {
+  Pictures pictures("");
+  for (const Json& file : verdict.at("files")) {
+    const Json views = file.value("views", Json::array());
+    for (const Json& view : views) {
+      const Json files = view.value("files", Json::object());
+      for (const auto& [role, path] : files.items()) {
+        if (role == "side-by-side" || role == "difference") continue;
+        if (auto embedded = pictures.Add(path); !embedded) return embedded.error();
+      }
+    }
+  }
+  return Page(verdict.value("manifest", "regress"), verdict, pictures.json());
 }
 
 }  // namespace facetless

@@ -7,6 +7,8 @@
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
+#include "render/compare/mesh_deviation.h"
+#include "render/compare/pixel_data.h"
 #include "render/compare/report.h"
 #include "render/compare/section_report.h"
 #include "render/image/io.h"
@@ -81,6 +83,12 @@ class ViewFiles {
     Add(role, ".svg",
         [svg = std::move(svg)](const std::string& path) { return WriteFileAtomically(path, svg); });
   }
+  // One file for each plane.
+  void Pixels(const PixelData& data) {
+    for (std::size_t i = 0; i < kPixelPlanes; ++i)
+      Add(PixelPlaneName(PixelPlane(i)), ".png",
+          [&plane = data.planes[i]](const std::string& path) { return WriteDataPng(path, plane); });
+  }
   // The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options) {
     AovSelection wanted;
@@ -130,6 +138,19 @@ std::string SvgOf(const ImportedModel& imported, const Camera& camera, const Dir
   const bool flat = camera.projection == Projection::kOrthographic;
   return LinesSvg(view.lines, camera.width_px, camera.height_px, flat ? view.frame.pixel_x : 0,
                   imported.model->info.file + ", " + camera.name);
+}
+
+// Measures every triangle, and writes the file of it: the report's "mesh_deviation".
+Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std::string& directory,
+                                const std::atomic<bool>* cancel) {
+  const auto measured = MeasureMeshDeviation(model, mesh, cancel);
+  if (!measured) return measured.error();
+  const MeshDeviation& deviation = measured.value();
+  if (auto written = WriteFileAtomically(directory + "/mesh.bin", EncodeMeshDeviation(mesh, deviation));
+      !written)
+    return written.error();
+  return Json{
+      {"triangles", deviation.triangles}, {"max_mm", deviation.largest_mm}, {"p99_mm", deviation.p99_mm}};
 }
 
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
@@ -186,7 +207,7 @@ class Run {
   }
 
   // Completes the report and writes it.
-  Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
+  Result<Json> Finish(Json views, const std::vector<ViewValues>& values, const Json& more = Json::object()) {
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
@@ -207,6 +228,7 @@ class Run {
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
     if (!sections_.is_null()) report["sections"] = std::move(sections_);
+    report.update(more);
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -352,10 +374,19 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     files.Depth("baseline-depth", view.baseline.samples);
     files.Inspection(view.direct.inspection, view.direct.samples);
     files.Aovs(view.direct.samples, options);
+    std::optional<PixelData> pixels;
+    if (view.direct.samples.size() <= kMostPixelData) {
+      auto made = MakePixelData(view.direct.samples, view.baseline.samples, view.direct.frame,
+                                mesh.from_model, view.difference.noise_mm);
+      if (!made) return made.error();
+      pixels = std::move(made).value();
+      files.Pixels(*pixels);
+    }
     const Difference& d = view.difference;
     values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                       d.color.flip_mean, d.color.share_over_threshold});
     Json json = ComparisonJson(view, baseline.value());
+    json["pixel_data"] = pixels ? Json{{"depth_mm", {pixels->near_mm, pixels->far_mm}}} : Json(nullptr);
     if (auto written = files.Write(json, options.threads); !written) return written.error();
     if (view.direct.inspection && view.baseline.inspection)
       json["inspection"] = {{"direct", InspectionJson(*view.direct.inspection, *imported.model)},
@@ -363,7 +394,13 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     return json;
   });
   if (!views) return views.error();
-  return run.Finish(std::move(views).value(), values);
+  Json more = Json::object();
+  if (options.mesh_deviation) {
+    auto measured = WriteMeshDeviation(*imported.model, mesh, directory, run.cancel());
+    if (!measured) return run.Explained(measured.error());
+    more = {{"mesh_deviation", std::move(measured).value()}, {"files", {{"mesh", "mesh.bin"}}}};
+  }
+  return run.Finish(std::move(views).value(), values, more);
 }
 
 }  // namespace facetless

@@ -3,8 +3,11 @@
 //
 //  1. The command line and the HTTP service call these same functions.
 //  2. For each view, DIR receives NAME.direct.png, NAME.depth.tif, NAME.aov.exr if AOVs were asked for that
-//     need it, NAME.legend.png and NAME.inspection.tif of an inspection that has them, and for a comparison NAME.baseline.png, NAME.baseline-depth.tif and NAME.difference.png; for
-//     the run, report.json and report.html, these last. Each file is replaced as a whole.
+//     need it, NAME.lines.svg if asked for, NAME.legend.png and NAME.inspection.tif of an inspection that has them, and for
+//     a comparison NAME.baseline.png, NAME.baseline-depth.tif, NAME.difference.png and NAME.pixel-….png
+//     (render/compare/pixel_data.h; of views up to kMostPixelData pixels); with mesh_deviation mesh.bin
+//     (render/compare/mesh_deviation.h); for the run, report.json and report.html, these last. Each file is replaced as a
+//     whole.
 //  3. The report is what docs/api.md says; its "views" entries carry "files", from a role ("direct", "depth",
 //     …) to a name in DIR.
 #pragma once

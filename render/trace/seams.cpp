@@ -372,8 +372,7 @@ class Finder {
       const TrimSegment& segment = model_.trim_segments[s];
       const double width = segment.edge_end - segment.edge_begin;
       // A segment of no length stands for one parameter only.
-      const double inside =
-          width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
+      const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
       const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
       if (!(off < best)) continue;
       best = off;

@@ -43,8 +43,8 @@ const std::vector<Route>& AllRoutes() {
   static const std::vector<Route> kRoutes = {
       Page("/", "index.html", "text/html; charset=utf-8"),
       Page("/style.css", "style.css", "text/css; charset=utf-8"),
-      Page("/app.js", "app.js", "text/javascript; charset=utf-8"),
-      Page("/viewer.js", "viewer.js", "text/javascript; charset=utf-8"),
+      // The page's modules.
+      Page("/page/{name}", "", "text/javascript; charset=utf-8"),
       Page("/favicon.svg", "favicon.svg", "image/svg+xml"),
       Page("/openapi.json", "openapi.json", "application/json"),
       Look(RouteKind::kHealth, "/healthz"),

@@ -265,6 +265,10 @@ class JobRun {
       view["links"] = std::move(links);
     }
     Json links = {{"model", "/v1/models/" + model_->id}, {"self", "/v1/answers/" + job_.question}};
+    const Json files = report.value("files", Json::object());
+    for (const auto& [role, file] : files.items()) {
+      if (auto linked = publication.Link(links, role, file.get<std::string>()); !linked) return linked;
+    }
     for (const auto& [role, name] : {std::pair{"report", "report.json"}, {"page", "report.html"}}) {
       if (auto linked = publication.Link(links, role, name); !linked) return linked;
     }

@@ -216,6 +216,9 @@ HttpResponse Service::MetricsPage() {
 }
 
 HttpResponse Service::Page(const std::string& name, const std::string& content_type) const {
+  // A name out of a path may be any.
+  const bool script = content_type.starts_with("text/javascript");
+  if (WebAsset(name).empty() || (script && !name.ends_with(".js"))) return ProblemOfStatus(404);
   HttpResponse response;
   response.content_type = content_type;
   response.body = WebAsset(name);

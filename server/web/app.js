@@ -1,97 +1,166 @@
-// The page of the service: takes a file, asks for a comparison, shows the report.
-"use strict";
+// The page of the service: takes a file, asks, follows the job, shows the answer. What it shows is in its address:
+//   #job=ID        a job, followed to its end
+//   #answer=ID     an answer, with view, mode, split, range, zoom, face, … as a person set them
+import { Address } from "./address.js";
+import { element } from "./dom.js";
+import { Form } from "./form.js";
+import { ProgressView } from "./progress_view.js";
+import { mayPass, remedyOf } from "./remedies.js";
+import { showReport } from "./report_view.js";
+import { meshSection } from "./mesh_view.js";
+import { key, Problem, Service } from "./service.js";
 
 const byId = (id) => document.getElementById(id);
-let chosen = null;
+const address = new Address();
+let shown = null, running = null, service = null;
 
-const choose = (file) => {
-  chosen = file || null;
-  byId("chosen").textContent = chosen ? chosen.name : "Drop a STEP, IGES or BREP file here";
-  byId("hint").textContent = chosen ? bytes(chosen.size) : "or click to choose one. It stays on the machine that serves this page.";
-  byId("go").disabled = !chosen;
+const clear = () => {
+  running?.end();
+  running = null;
+  shown?.end();
+  shown = null;
+  byId("progress").replaceChildren();
+  byId("report").replaceChildren();
+  byId("problem").replaceChildren();
 };
 
-const say = (text, bad = false, busy = false) => {
-  const status = byId("status");
-  status.className = bad ? "status bad" : "status";
-  status.replaceChildren(...(busy ? [element("span", { class: "dot" })] : []), text);
+const begin = (kind) => {
+  service?.stop();
+  clear();
+  service = new Service((tries) => running?.say(tries === 0 ? "The service answers again." : `The service does not answer; trying again (${tries}). What was sent is not lost.`));
+  running = new ProgressView(kind, () => stop());
+  byId("progress").replaceChildren(running.root);
+  document.body.dataset.state = "working";
+  return service;
 };
 
-const request = () => {
-  const body = new FormData();
-  body.append("file", chosen, chosen.name);
-  const options = { view: byId("view").value.split(","), projection: byId("projection").value, size: byId("size").value };
-  if (byId("deflection").value !== "own") options.deflection = Number(byId("deflection").value);
-  else if (byId("mesh").files.length) body.append("mesh", byId("mesh").files[0]);
-  body.append("options", JSON.stringify(options));
-  return body;
+const stop = () => {
+  const job = address.get("job");
+  if (job) new Service(() => {}).cancel(`v1/jobs/${job}`);
+  service.stop();
+  clear();
+  address.only({});
+  document.body.dataset.state = "start";
 };
 
-const stages = { queued: "Waiting for its turn", read: "Reading", transfer: "Reading", convert: "Converting", mesh: "Tessellating", compare: "Tracing and comparing", publish: "Storing the pictures" };
+const fail = (problem, again) => {
+  clear();
+  document.body.dataset.state = "problem";
+  if (problem.status === 401) byId("keys").open = true;
+  const box = element("section", { class: "notice", role: "alert" }, element("h2", { tabindex: "-1" }, problem.title || "Something failed"), problem.detail ? element("p", {}, problem.detail) : null,
+    element("p", { class: "remedy" }, remedyOf(problem.code)), again && mayPass(problem.code) ? element("p", {}, element("button", { type: "button", class: "go", on: { click: again } }, "Try again")) : null);
+  byId("problem").replaceChildren(box);
+  box.querySelector("h2").focus({ preventScroll: true });
+  if (problem.status === 401) byId("key").focus();
+};
 
-// Asks for the job until it has ended; its result, or its problem. A service that is being restarted is asked again.
-const atItsEnd = async (job, report) => {
-  let failures = 0;
-  while (job.state === "queued" || job.state === "running") {
-    if (stages[job.stage]) report(stages[job.stage]);
-    await new Promise((resolve) => { setTimeout(resolve, 500); });
-    try {
-      const response = await fetch(job.links.self.slice(1));
-      if (response.status === 404) return await response.json();
-      if (response.ok) job = await response.json();
-      failures = 0;
-    } catch (error) {
-      if (++failures > 20) throw error;
-    }
+// Runs `work` with a service of its own, and shows what fails.
+const guarded = async (kind, work, again) => {
+  const own = begin(kind);
+  try {
+    await work(own);
+  } catch (error) {
+    if (own.stopped.signal.aborted) return;
+    fail(error instanceof Problem ? error : new Problem({ title: "The page has a defect", detail: String(error?.stack || error) }), again);
   }
-  if (job.state === "done" && job.result) return job.result;
-  return job.problem || { title: "The job was cancelled", detail: "Send it again if needed." };
 };
 
-const compare = async () => {
-  if (!chosen) return;
-  if (byId("deflection").value === "own" && !byId("mesh").files.length) {
-    say("Choose the mesh file to compare with.", true);
+const sourceOf = (own) => ({
+  roles: (view) => Object.keys(view.links || {}).filter((role) => view.links[role].endsWith(".png") && !role.startsWith("trade-")),
+  blob: (view, role) => own.blob(view.links[role]),
+});
+
+const save = async (own, link, name) => {
+  const anchor = element("a", { href: URL.createObjectURL(await own.blob(link)), download: name });
+  anchor.click();
+  setTimeout(() => URL.revokeObjectURL(anchor.href), 10000);
+};
+
+// Names of faces, from whichever view shows them.
+const faceNames = (answer) => {
+  const names = new Map(answer.views.flatMap((view) => (view.difference?.faces || []).map((face) => [face.id, face.name])));
+  return (id) => names.get(id) || `face ${id}`;
+};
+
+const show = (own, answer, focus) => {
+  running?.end();
+  running = null;
+  byId("progress").replaceChildren();
+  shown?.end();
+  const stem = (answer.model.file || "report").replace(/\.[^.]*$/, "");
+  const copied = element("span", { role: "status" });
+  const button = (label, act) => element("button", { type: "button", class: "small", on: { click: act } }, label);
+  const tools = element("div", { class: "actions no-print" }, button("Save as one file", () => save(own, answer.links.page, `${stem}.html`)), button("Save the numbers", () => save(own, answer.links.report, `${stem}.json`)),
+    button("Copy the link", async () => {
+      try { await navigator.clipboard.writeText(location.href); copied.textContent = "Copied."; } catch (error) { copied.textContent = "The address bar has it."; }
+    }), copied);
+  shown = showReport(byId("report"), answer, sourceOf(own), address, tools, answer.trade ? null : meshSection(answer, own, address, faceNames(answer)));
+  document.title = `${answer.model.file || "Report"} · Facetless`;
+  document.body.dataset.state = "shown";
+  if (focus) byId("report").querySelector("h1").focus({ preventScroll: true });
+};
+
+// The first picture is rendered for itself, with one sample per pixel: it is there while the rest is computed. The model stays with
+// the service, so the file is read and sent once.
+const firstPicture = async (own, file, options) => {
+  const body = new FormData();
+  body.append("file", file, file.name);
+  const quick = { view: options.view[0], samples: 1 };
+  for (const name of ["projection", "size", "precision", "edges"]) if (options[name] !== undefined) quick[name] = options[name];
+  body.append("options", JSON.stringify(quick));
+  running.at("upload");
+  const job = await own.post("v1/renders", body, (fraction) => running?.at("upload", fraction));
+  const answer = await own.follow(job, (stage, fraction, text) => { if (text) running?.say(text); else if (stage !== "publish") running?.at(stage, fraction); });
+  shown = showReport(byId("report"), answer, sourceOf(own), new Address());
+  document.body.dataset.state = "first-picture";
+  return answer.links.model.split("/").pop();
+};
+
+const ask = (form) => guarded(form.kind, async (own) => {
+  const kind = form.kind, options = form.options();
+  if (form.needsMesh && !form.meshFile) throw new Problem({ type: "bad-usage", title: "There is no mesh to compare with", detail: "Under Options, “a file of mine” is chosen as the mesh." });
+  address.only({});
+  const model = await firstPicture(own, form.file, options);
+  let body = JSON.stringify({ ...options, model });
+  if (form.needsMesh) {
+    body = new FormData();
+    body.append("model", model);
+    body.append("mesh", form.meshFile, form.meshFile.name);
+    body.append("options", JSON.stringify(options));
+  }
+  const job = await own.post(kind === "trade" ? "v1/trades" : "v1/comparisons", body);
+  if (job.state !== undefined) address.only({ job: job.id, kind: kind === "trade" ? "trade" : null }, false);
+  await finish(own, job);
+}, () => ask(form));
+
+const finish = async (own, job) => {
+  const answer = await own.follow(job, (stage, fraction, text) => { if (text) running?.say(text); else running?.at(stage, fraction); });
+  address.only({ answer: answer.links.self.split("/").pop() }, false);
+  show(own, answer, true);
+};
+
+// Shows what the address says.
+const open = () => {
+  const answer = address.get("answer"), job = address.get("job");
+  if (answer && shown && document.body.dataset.answer === answer) {
+    shown.follow();
     return;
   }
-  byId("go").disabled = true;
-  const start = performance.now();
-  let doing = "Reading, tracing and comparing";
-  const tick = () => say(`${doing} … ${Math.round((performance.now() - start) / 1000)} s`, false, true);
-  tick();
-  const timer = setInterval(tick, 1000);
-  try {
-    const response = await fetch("v1/comparisons", { method: "POST", headers: { Prefer: "wait=2" }, body: request() });
-    let answer = await response.json();
-    if (response.status === 202) answer = await atItsEnd(answer, (stage) => { doing = stage; });
-    if (!response.ok || answer.views === undefined) {
-      say(answer.title === undefined ? `The service answered with status ${response.status}.` : `${answer.title}. ${answer.detail}`, true);
-      return;
-    }
-    showReport(byId("report"), answer, (view, role) => view.links[role]);
-    const done = element("span", {}, `Done in ${((performance.now() - start) / 1000).toFixed(1)} s. `,
-      element("a", { href: answer.links.page, download: "report.html" }, "Save as one file"), " · ", element("a", { href: answer.links.report, target: "_blank", rel: "noopener" }, "JSON"));
-    say(done);
-  } catch (error) {
-    say("The service does not answer. Is it still running?", true);
-  } finally {
-    clearInterval(timer);
-    byId("go").disabled = !chosen;
-  }
+  document.body.dataset.answer = answer || "";
+  if (answer) guarded("comparison", async (own) => { const report = await own.json(`v1/answers/${answer}`); show(own, report, false); }, open);
+  else if (job) guarded(address.get("kind") === "trade" ? "trade" : "comparison", async (own) => finish(own, await own.json(`v1/jobs/${job}`)), open);
+  else { service?.stop(); clear(); document.body.dataset.state = "start"; }
 };
 
-byId("origin").textContent = location.origin;
-byId("file").addEventListener("change", () => choose(byId("file").files[0]));
-byId("deflection").addEventListener("change", () => { byId("mesh-label").hidden = byId("deflection").value !== "own"; });
-byId("form").addEventListener("submit", (event) => { event.preventDefault(); compare(); });
-for (const event of ["dragenter", "dragover"]) {
-  addEventListener(event, (e) => { e.preventDefault(); byId("drop").classList.add("over"); });
-}
-for (const event of ["dragleave", "drop"]) {
-  addEventListener(event, (e) => { e.preventDefault(); byId("drop").classList.remove("over"); });
-}
-addEventListener("drop", (event) => {
-  if (!event.dataTransfer.files.length) return;
-  choose(event.dataTransfer.files[0]);
-  compare();
+const form = new Form(() => ask(form));
+byId("origin").textContent = location.origin + location.pathname.replace(/\/$/, "");
+byId("key").value = key.get();
+byId("key-form").addEventListener("submit", (event) => {
+  event.preventDefault();
+  key.set(byId("key").value.trim());
+  byId("key-said").textContent = key.get() ? "The key is kept until this tab is closed." : "No key is sent any more.";
+  if (document.body.dataset.state !== "problem") return;
+  if (form.file && !address.get("answer") && !address.get("job")) ask(form); else open();
 });
+address.onChange(open);
+open();

@@ -252,8 +252,10 @@ void Provocation::OrdinaryAnswers() {
     if (route.kind != RouteKind::kPage && route.kind != RouteKind::kHealth &&
         route.kind != RouteKind::kReady && route.kind != RouteKind::kMetrics)
       continue;
-    for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, route.pattern).status, 200);
+    const std::string path = route.pattern == "/page/{name}" ? "/page/app.js" : route.pattern;
+    for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, path).status, 200);
   }
+  for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, "/page/none.js").status, 404);
   EXPECT_EQ(Post(server, "/v1/models", file).status, 201);
   std::map<std::string, std::string> addresses;
   for (const char* path : kWork) {

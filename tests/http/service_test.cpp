@@ -55,8 +55,7 @@ TEST_F(HttpService, ServesAPageThatFetchesNothingFromElsewhere) {
   EXPECT_THAT(page.headers.at("content-security-policy"), HasSubstr("default-src 'none'"));
   EXPECT_EQ(page.headers.at("x-content-type-options"), "nosniff");
   for (const auto& [path, type] : {std::pair{"/style.css", "text/css"},
-                                   {"/app.js", "text/javascript"},
-                                   {"/viewer.js", "text/javascript"},
+                                   {"/page/app.js", "text/javascript"},
                                    {"/favicon.svg", "image/svg+xml"}}) {
     EXPECT_THAT(page.body, HasSubstr(std::string(path).substr(1)));
     const Reply asset = server.Get(path);
@@ -65,6 +64,10 @@ TEST_F(HttpService, ServesAPageThatFetchesNothingFromElsewhere) {
     EXPECT_FALSE(asset.body.empty());
   }
   EXPECT_THAT(page.body, Not(HasSubstr("https://")));
+  // Modules that modules import; nothing but scripts is below /page.
+  EXPECT_EQ(server.Get("/page/service.js").status, 200);
+  for (const char* other : {"/page/report.html", "/page/openapi.json", "/page/none.js", "/page/../main.cpp"})
+    EXPECT_EQ(server.Get(other).Problem(), "not-found") << other;
   const Reply head = server.Request("HEAD", "/", {}, "");
   EXPECT_EQ(head.status, 200);
   EXPECT_EQ(head.body, "");

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/compare/pixel_data.h"
+#include "render/image/io.h"
 #include "server/service/web_assets.h"
 #include "tests/server/support.h"
 
@@ -35,7 +37,7 @@ TEST_F(ReportPage, CarriesEverythingAndFetchesNothing) {
   ASSERT_TRUE(html.ok()) << html.error().message;
   EXPECT_THAT(html.value(), HasSubstr("\"iso.direct.png\":\"data:image/png;base64,UE5H\""));
   EXPECT_THAT(html.value(), HasSubstr("<title>part.step"));
-  EXPECT_THAT(html.value(), HasSubstr(std::string(WebAsset("viewer.js"))));
+  EXPECT_THAT(html.value(), HasSubstr(std::string(WebAsset("report.js"))));
   EXPECT_THAT(html.value(), HasSubstr(std::string(WebAsset("style.css"))));
   for (const char* outside : {"http://", "https://", "@import", "src=\"", "url("})
     EXPECT_THAT(html.value(), Not(HasSubstr(outside))) << outside;
@@ -50,6 +52,42 @@ TEST_F(ReportPage, DoesNotRunWhatAFileCarries) {
   EXPECT_THAT(html.value(), HasSubstr("&lt;/title&gt;"));
   // What looks like a placeholder stays text.
   EXPECT_THAT(html.value(), HasSubstr("{{pictures}}"));
+}
+
+TEST_F(ReportPage, IsOneScriptWithoutModulesToFetch) {
+  const std::string script(WebAsset("report.js"));
+  EXPECT_THAT(script, HasSubstr("const showReport"));
+  EXPECT_THAT(script, Not(HasSubstr("\nimport ")));
+  EXPECT_THAT(script, Not(HasSubstr("\nexport ")));
+}
+
+TEST_F(ReportPage, CarriesPixelDataReducedAndNoPictureOfTheDifference) {
+  // 2000 × 1000 pixels are too many for a report: every second one is in it.
+  Image8 plane = {2000, 1000, 3, std::vector<std::uint8_t>(6'000'000, 7)};
+  ASSERT_TRUE(WriteDataPng(directory_.File("iso.pixel-deviation.png"), plane).ok());
+  WriteText(directory_.File("iso.difference.png"), "PNG");
+  report_["views"][0]["camera"] = {{"width", 2000}, {"height_px", 1000}};
+  report_["views"][0]["files"] = {{"difference", "iso.difference.png"},
+                                  {"pixel-deviation", "iso.pixel-deviation.png"}};
+  auto html = ReportHtml(report_, directory_.path());
+  ASSERT_TRUE(html.ok()) << html.error().message;
+  EXPECT_THAT(html.value(), Not(HasSubstr("\"iso.difference.png\":\"data:")));
+  const std::string embedded = Base64(EncodeDataPng(ReducedPlane(PixelPlane::kDeviation, plane, 2)).value());
+  EXPECT_THAT(html.value(), HasSubstr("\"iso.pixel-deviation.png\":\"data:image/png;base64," + embedded));
+}
+
+TEST_F(ReportPage, OfARegressHasThePicturesOfWhatFailed) {
+  const nlohmann::json verdict = {
+      {"command", "regress"},
+      {"manifest", "manifest.json"},
+      {"files",
+       {{{"name", "part"},
+         {"views", {{{"name", "iso"}, {"files", {{"image", directory_.File("iso.direct.png")}}}}}}},
+        {{"name", "unreadable"}, {"error", {{"message", "<script>"}}}}}}};
+  auto html = RegressHtml(verdict);
+  ASSERT_TRUE(html.ok()) << html.error().message;
+  EXPECT_THAT(html.value(), HasSubstr("iso.direct.png\":\"data:image/png;base64,UE5H\""));
+  EXPECT_THAT(html.value(), Not(HasSubstr("\"<script>")));
 }
 
 TEST_F(ReportPage, NeedsItsPictures) {

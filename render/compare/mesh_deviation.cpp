@@ -1,0 +1,338 @@
+#include "render/compare/mesh_deviation.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "render/nurbs/surface_eval.h"
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
+
+// The raster of starts: so many points in each span, so few and so many in all.
+constexpr int kPerSpan = 4, kFewest = 6, kMost = 40;
+// In a direction without curvature the parameter of the nearest point is linear.
+constexpr int kStraight = 3;
+constexpr int kMostIterations = 24, kMostHalvings = 4;
+// At a collapsed border all parameters are one point, and no step leads on: nobody goes there before the other parameter has settled.
+constexpr int kTimidIterations = 8;
+// A step of less than this share of the parameters' range moves the foot point by less than its rounding.
+constexpr double kSmallestStep = 0x1p-44;
+// Points of a surface that differ by less, relative to its coordinates, are one: a file's own digits are fewer.
+constexpr double kSamePoint = 1e-9;
+// Triangles that one task takes: they hand their foot points on as starts.
+constexpr std::size_t kTrianglesPerTask = 1024;
+
+struct Parameters {
+  double u = 0, v = 0;
+};
+
+// One parameter of the grid: an interval, or a circle if the surface closes there.
+class Direction {
+ public:
+  Direction() = default;
+  Direction(double begin, double end) : begin_(begin), end_(end) {}
+
+  void Close() { closed_ = true; }
+  double At(double share) const { return begin_ + (end_ - begin_) * share; }
+  // The parameter in the grid that stands for `t`, less than once around from `from`, which is in it. Who is timid goes half the way
+  // to a border at most.
+  double Within(double from, double t, bool timid) const {
+    if (closed_ && t < begin_) t += end_ - begin_;
+    if (closed_ && t > end_) t -= end_ - begin_;
+    if (timid && t < begin_) return (from + begin_) / 2;
+    if (timid && t > end_) return (from + end_) / 2;
+    return std::clamp(t, begin_, end_);
+  }
+  // Whether a gradient leads out over a border.
+  bool Held(double t, double gradient) const {
+    return !closed_ && ((t <= begin_ && gradient > 0) || (t >= end_ && gradient < 0));
+  }
+  bool OnBorder(double t) const { return t <= begin_ || t >= end_; }
+  bool Differ(double s, double t) const { return std::fabs(s - t) > kSmallestStep * (end_ - begin_); }
+
+ private:
+  double begin_ = 0, end_ = 1;
+  bool closed_ = false;
+};
+
+struct Start {
+  Parameters at;
+  Vec3 point;
+};
+
+// The surface of one face, with points to start from.
+class FaceSurface {
+ public:
+  FaceSurface(const Model& model, const Face& face)
+      : surface_(model, face.surface), sign_(face.reversed ? -1 : 1) {
+    const Surface& grid = model.surfaces[face.surface];
+    u_ = {surface_.u_begin(), surface_.u_end()};
+    v_ = {surface_.v_begin(), surface_.v_end()};
+    const int nu = Count(grid.u_spans.count, grid.degree_u), nv = Count(grid.v_spans.count, grid.degree_v);
+    starts_.reserve(static_cast<std::size_t>(nu) * nv);
+    for (int i = 0; i < nu; ++i) {
+      for (int j = 0; j < nv; ++j) {
+        const Parameters at = {u_.At((i + 0.5) / nu), v_.At((j + 0.5) / nv)};
+        starts_.push_back({at, surface_.Position(at.u, at.v)});
+      }
+    }
+    // Where both ends are one curve, the way goes on over it.
+    const auto meet = [&](Vec3 a, Vec3 b) { return Length(a - b) <= kSamePoint * surface_.magnitude(); };
+    bool closed_u = true, closed_v = true;
+    for (int j = 0; j < nv; ++j) {
+      const double v = v_.At((j + 0.5) / nv);
+      closed_u = closed_u && meet(surface_.Position(u_.At(0), v), surface_.Position(u_.At(1), v));
+    }
+    for (int i = 0; i < nu; ++i) {
+      const double u = u_.At((i + 0.5) / nu);
+      closed_v = closed_v && meet(surface_.Position(u, v_.At(0)), surface_.Position(u, v_.At(1)));
+    }
+    if (closed_u) u_.Close();
+    if (closed_v) v_.Close();
+  }
+
+  // The signed distance of `point`. `hint` is a start that may be near, and becomes the foot point.
+  double Distance(Vec3 point, Start& hint) const {
+    const Start* nearest = &starts_.front();
+    for (const Start& start : starts_) {
+      if (SquaredTo(point, start.point) < SquaredTo(point, nearest->point)) nearest = &start;
+    }
+    // No start lies on the grid's border: at a pole no step leads to another meridian.
+    Foot foot = Descend(point, *nearest);
+    if (!u_.OnBorder(hint.at.u) && !v_.OnBorder(hint.at.v)) {
+      const Foot other = Descend(point, hint);
+      if (other.squared < foot.squared) foot = other;
+    }
+    hint = foot.at;
+    const Vec3 off = point - foot.surface.position;
+    return std::copysign(std::sqrt(foot.squared), sign_ * Dot(off, Cross(foot.surface.du, foot.surface.dv)));
+  }
+  const Start& first() const { return starts_.front(); }
+
+ private:
+  static int Count(std::uint32_t spans, int degree) {
+    if (degree == 1 && spans == 1) return kStraight;
+    return std::clamp(static_cast<int>(std::min(spans, 1000u)) * kPerSpan, kFewest, kMost);
+  }
+  static double SquaredTo(Vec3 a, Vec3 b) { return Dot(a - b, a - b); }
+
+  struct Foot {
+    Start at;
+    SurfacePoint surface;
+    double squared = 0;
+  };
+
+  // Goes down half the squared distance, within the grid: by Newton's step if it leads nearer, else by Gauss's, which leaves out the
+  // second derivatives, else along each parameter for itself.
+  Foot Descend(Vec3 point, const Start& start) const {
+    Foot foot = {start, surface_.Second(start.at.u, start.at.v), SquaredTo(point, start.point)};
+    for (int i = 0; i < kMostIterations; ++i) {
+      const SurfacePoint& at = foot.surface;
+      const Vec3 off = at.position - point;
+      const double gu = Dot(off, at.du), gv = Dot(off, at.dv);
+      const double a = Dot(at.du, at.du), b = Dot(at.du, at.dv), c = Dot(at.dv, at.dv);
+      const bool held_u = u_.Held(foot.at.at.u, gu), held_v = v_.Held(foot.at.at.v, gv);
+      const auto along = [](double slope, double bend) { return bend > 0 ? -slope / bend : 0; };
+      const Parameters apart = {held_u ? 0 : along(gu, a), held_v ? 0 : along(gv, c)};
+      const auto solved = [&](double aa, double bb, double cc) -> Parameters {
+        const double determinant = aa * cc - bb * bb;
+        if (held_u || held_v || !(aa > 0) || !(determinant > 0)) return apart;
+        return {(bb * gv - cc * gu) / determinant, (bb * gu - aa * gv) / determinant};
+      };
+      const bool timid = i < kTimidIterations;
+      const bool nearer =
+          Improve(point, solved(a + Dot(off, at.duu), b + Dot(off, at.duv), c + Dot(off, at.dvv)), timid,
+                  foot) ||
+          Improve(point, solved(a, b, c), timid, foot) || Improve(point, apart, timid, foot);
+      if (!nearer) break;
+    }
+    return foot;
+  }
+  // Goes by the step, or by a part of it, if that leads nearer.
+  bool Improve(Vec3 point, Parameters step, bool timid, Foot& foot) const {
+    const Parameters here = foot.at.at;
+    for (int halving = 0; halving <= kMostHalvings; ++halving, step = {step.u / 2, step.v / 2}) {
+      const Parameters next = {u_.Within(here.u, here.u + step.u, timid),
+                               v_.Within(here.v, here.v + step.v, timid)};
+      if (!u_.Differ(next.u, here.u) && !v_.Differ(next.v, here.v)) return false;
+      const SurfacePoint there = surface_.Second(next.u, next.v);
+      const double squared = SquaredTo(point, there.position);
+      if (!(squared < foot.squared)) continue;
+      foot = {{next, there.position}, there, squared};
+      return true;
+    }
+    return false;
+  }
+
+  SurfaceEval surface_;
+  double sign_;
+  Direction u_, v_;
+  std::vector<Start> starts_;
+};
+
+Vec3 Corner(const MeshPart& part, std::uint32_t vertex) {
+  const auto& p = part.positions[vertex];
+  return {p[0], p[1], p[2]};
+}
+
+// Of a part of the mesh, the prototype, and what leads to its coordinates: the mesh keeps its positions relative to a centre of its own,
+// which the node's placement has.
+struct Prototype {
+  Range faces;
+  Placement to;
+};
+
+Result<Prototype> PrototypeOf(const Model& model, const Mesh& mesh, std::size_t part) {
+  for (const MeshNode& node : mesh.nodes) {
+    if (node.part != part) continue;
+    const Instance* placed = nullptr;
+    for (const Instance& instance : model.instances) {
+      if (instance.first_placed_face == node.first_placed_face) placed = &instance;
+    }
+    if (placed == nullptr || placed->part >= model.parts.size()) break;
+    // The inverse of the instance's linear part has the cross products of its rows as columns.
+    const auto& m = placed->placement.m;
+    const Vec3 row[3] = {
+        {m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
+    const Vec3 column[3] = {Cross(row[1], row[2]), Cross(row[2], row[0]), Cross(row[0], row[1])};
+    const double determinant = Dot(row[0], column[0]);
+    const auto back = [&](Vec3 v) {
+      return (1 / determinant) * (v.x * column[0] + v.y * column[1] + v.z * column[2]);
+    };
+    const auto& n = node.placement.m;
+    Prototype prototype = {model.parts[placed->part].faces, {}};
+    for (int c = 0; c < 4; ++c) {
+      const Vec3 own = c == 3 ? Vec3{m[0][3], m[1][3], m[2][3]} : Vec3{};
+      const Vec3 v = back(Vec3{n[0][c], n[1][c], n[2][c]} - own);
+      prototype.to.m[0][c] = v.x;
+      prototype.to.m[1][c] = v.y;
+      prototype.to.m[2][c] = v.z;
+    }
+    return prototype;
+  }
+  return Error{ErrorCode::kInternal, "a part of the mesh belongs to no part of the model"};
+}
+
+float TriangleDeviation(const FaceSurface& surface, const MeshPart& part, const Placement& place,
+                        std::size_t triangle, Start& hint) {
+  const auto& t = part.triangles[triangle];
+  const Vec3 a = place.Point(Corner(part, t[0])), b = place.Point(Corner(part, t[1])),
+             c = place.Point(Corner(part, t[2]));
+  double largest = 0;
+  for (const Vec3 point : {(1.0 / 3) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
+    const double distance = surface.Distance(point, hint);
+    if (!(std::fabs(distance) <= std::fabs(largest))) largest = distance;
+  }
+  return static_cast<float>(largest);
+}
+
+// The triangles of one face, [begin, end).
+struct FaceRun {
+  std::size_t begin = 0, end = 0;
+};
+
+std::vector<FaceRun> FaceRuns(const MeshPart& part) {
+  std::vector<FaceRun> runs;
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    if (i == 0 || part.face_of_triangle[i] != part.face_of_triangle[i - 1]) runs.push_back({i, i});
+    runs.back().end = i + 1;
+  }
+  return runs;
+}
+
+void Append(std::string& bytes, const void* data, std::size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
+}
+
+}  // namespace
+
+Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
+                                           const std::atomic<bool>* cancel) {
+  if (!mesh.from_model)
+    return Error{ErrorCode::kBadUsage,
+                 "the deviation of triangles is measured on our own tessellation only: a mesh of yours names "
+                 "no faces"};
+  MeshDeviation deviation;
+  for (const MeshPart& part : mesh.parts) deviation.triangles += part.triangles.size();
+  if (deviation.triangles > kMostMeasuredTriangles)
+    return Error{ErrorCode::kLimitExceeded,
+                 "the mesh has " + std::to_string(deviation.triangles) + " triangles, and the deviation of " +
+                     std::to_string(kMostMeasuredTriangles) + " at most is measured; ask for a coarser mesh"};
+
+  std::vector<float> sizes;
+  sizes.reserve(deviation.triangles);
+  for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+    const MeshPart& part = mesh.parts[p];
+    std::vector<float> values(part.triangles.size());
+    const auto prototype = PrototypeOf(model, mesh, p);
+    if (!prototype) return prototype.error();
+    const Range faces = prototype.value().faces;
+    const std::vector<FaceRun> runs = FaceRuns(part);
+    ParallelFor(std::size_t{0}, runs.size(), [&](std::size_t r) {
+      if (cancel != nullptr && *cancel) return;
+      const FaceRun run = runs[r];
+      const std::uint32_t face = faces.first + part.face_of_triangle[run.begin];
+      const FaceSurface surface(model, model.faces[face]);
+      const std::size_t tasks = (run.end - run.begin + kTrianglesPerTask - 1) / kTrianglesPerTask;
+      ParallelFor(std::size_t{0}, tasks, [&](std::size_t task) {
+        Start hint = surface.first();
+        const std::size_t begin = run.begin + task * kTrianglesPerTask;
+        for (std::size_t i = begin; i < std::min(begin + kTrianglesPerTask, run.end); ++i) {
+          if (cancel != nullptr && *cancel) return;
+          values[i] = TriangleDeviation(surface, part, prototype.value().to, i, hint);
+        }
+      });
+    });
+    if (cancel != nullptr && *cancel) return Error{ErrorCode::kCancelled, "stopped"};
+    for (const float value : values) sizes.push_back(std::fabs(value));
+    deviation.parts.push_back(std::move(values));
+  }
+
+  if (sizes.empty()) return deviation;
+  deviation.largest_mm = *std::max_element(sizes.begin(), sizes.end());
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.99 * static_cast<double>(sizes.size()))) - 1;
+  std::nth_element(sizes.begin(), sizes.begin() + rank, sizes.end());
+  deviation.p99_mm = sizes[static_cast<std::size_t>(rank)];
+  return deviation;
+}
+
+std::string EncodeMeshDeviation(const Mesh& mesh, const MeshDeviation& deviation) {
+  std::string arrays;
+  nlohmann::json header = {{"parts", nlohmann::json::array()}, {"nodes", nlohmann::json::array()}};
+  for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+    const MeshPart& part = mesh.parts[p];
+    nlohmann::json entry = {{"triangles", part.triangles.size()}, {"positions", arrays.size()}};
+    for (const auto& triangle : part.triangles) {
+      for (const std::uint32_t vertex : triangle) Append(arrays, &part.positions[vertex], 3 * sizeof(float));
+    }
+    entry["deviations"] = arrays.size();
+    Append(arrays, deviation.parts[p].data(), deviation.parts[p].size() * sizeof(float));
+    entry["faces"] = arrays.size();
+    Append(arrays, part.face_of_triangle.data(), part.face_of_triangle.size() * sizeof(std::uint32_t));
+    header["parts"].push_back(std::move(entry));
+  }
+  for (const MeshNode& node : mesh.nodes) {
+    nlohmann::json matrix = nlohmann::json::array();
+    for (const auto& row : node.placement.m) {
+      for (const double value : row) matrix.push_back(value);
+    }
+    header["nodes"].push_back(
+        {{"part", node.part}, {"matrix", matrix}, {"first_placed_face", node.first_placed_face}});
+  }
+  std::string text = header.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto length = static_cast<std::uint32_t>(text.size());
+  std::string bytes;
+  bytes.reserve(sizeof length + text.size() + arrays.size());
+  Append(bytes, &length, sizeof length);
+  return bytes + text + arrays;
+}
+
+}  // namespace facetless

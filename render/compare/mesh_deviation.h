@@ -1,0 +1,44 @@
+// How far each triangle of our own tessellation lies off the surface of its face: what a view in three dimensions shows.
+//
+//  1. A triangle is measured at its centroid and at the middles of its edges (its corners lie on the surface). Its deviation is that
+//     of the four which is largest in size, in mm; positive: the mesh lies outside, by the face's orientation.
+//  2. The distance is to a foot point on the face's surface, trimmed or not, found by Newton's method within the grid of patches from the
+//     nearest of a raster of points. Every foot point lies on the surface, so no size is below the true distance to it. Where the
+//     iteration has not found the nearest point, it is above.
+//  3. One list per prototype; placements share it, as they share the triangles.
+//  4. A foreign mesh names no faces and cannot be measured so.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render/model/mesh.h"
+#include "render/model/model.h"
+#include "render/model/result.h"
+
+namespace facetless {
+
+struct MeshDeviation {
+  std::vector<std::vector<float>> parts;  // as Mesh::parts: one entry per triangle
+  std::uint64_t triangles = 0;            // of all prototypes
+  double largest_mm = 0;                  // in size
+  double p99_mm = 0;                      // nearest rank, of sizes over the triangles of all prototypes
+};
+
+// More are not measured: a browser would not show them.
+constexpr std::uint64_t kMostMeasuredTriangles = 500'000;
+
+// Errors: kBadUsage (a foreign mesh), kLimitExceeded (too many triangles), kCancelled.
+Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
+                                           const std::atomic<bool>* cancel);
+
+// For a browser, little-endian: the length of a JSON header in four bytes; the header, filled up with spaces to a multiple of four;
+// then arrays, at the offsets from its end that it names:
+//   {"parts": [{"triangles": n, "positions": offset, "deviations": offset, "faces": offset}],
+//    "nodes": [{"part": i, "matrix": [12 numbers, row by row], "first_placed_face": id}]}
+// positions are 9n float32 (mm, in the part's own coordinates), deviations n float32 (mm), faces n uint32 (within the part).
+std::string EncodeMeshDeviation(const Mesh& mesh, const MeshDeviation& deviation);
+
+}  // namespace facetless

@@ -1,0 +1,63 @@
+// The file, and what is asked about it. Defaults are those of the command line.
+import { bytes } from "./dom.js";
+
+const byId = (id) => document.getElementById(id);
+const text = (id) => byId(id).value.trim();
+const isMesh = (file) => /\.(glb|stl)$/i.test(file.name);
+
+export class Form {
+  // ready() is called with a file to compare at once.
+  constructor(ready) {
+    this.file = null; this.meshFile = null;
+    byId("file").addEventListener("change", (event) => this.take([...event.target.files], ready));
+    byId("mesh").addEventListener("change", (event) => { this.meshFile = event.target.files[0] || null; });
+    byId("deflection").addEventListener("change", () => this.adapt());
+    byId("kind").addEventListener("change", () => this.adapt());
+    byId("form").addEventListener("submit", (event) => { event.preventDefault(); if (this.file) ready(); });
+    for (const name of ["dragenter", "dragover"]) addEventListener(name, (event) => { event.preventDefault(); byId("drop").classList.add("over"); });
+    for (const name of ["dragleave", "drop"]) addEventListener(name, (event) => { event.preventDefault(); byId("drop").classList.remove("over"); });
+    addEventListener("drop", (event) => this.take([...event.dataTransfer.files], ready));
+    this.adapt();
+  }
+  // A CAD file is compared at once; a mesh beside it, or after it, is what it is compared with.
+  take(files, ready) {
+    const mesh = files.find(isMesh), model = files.find((file) => !isMesh(file));
+    if (mesh) { this.meshFile = mesh; byId("deflection").value = "own"; }
+    if (model) this.file = model;
+    this.adapt();
+    if (this.file && (model || mesh)) ready();
+  }
+  adapt() {
+    const own = byId("deflection").value === "own", trade = byId("kind").value === "trade";
+    byId("mesh-fields").hidden = !own || trade;
+    for (const field of document.querySelectorAll(".comparison-only")) field.hidden = trade;
+    byId("go").disabled = !this.file;
+    byId("go").textContent = trade ? "Measure" : "Compare";
+    byId("chosen").textContent = this.file ? this.file.name : "Drop a STEP, IGES or BREP file here";
+    byId("hint").textContent = this.file ? [bytes(this.file.size), own && this.meshFile && `compared with ${this.meshFile.name}`, "drop another one to compare that"].filter(Boolean).join(" · ") : "or choose one. It stays on the machine that serves this page.";
+    byId("drop").classList.toggle("taken", Boolean(this.file));
+  }
+  get kind() { return byId("kind").value; }
+  // The options of the interface; what has its default is left out, so that the same question is one question.
+  options() {
+    const options = {}, set = (name, value, usual) => { if (value !== "" && value !== usual) options[name] = value; };
+    const views = [...document.querySelectorAll("input[name=view]:checked")].map((box) => box.value);
+    options.view = views.length ? views : ["iso"];
+    set("projection", text("projection"), "orthographic");
+    set("size", text("size"), "1024x1024");
+    if (this.kind === "trade") return options;
+    set("samples", Number(text("samples")), 4);
+    set("precision", text("precision"), "standard");
+    set("edges", byId("edges").checked, false);
+    set("audit", byId("audit").checked, false);
+    if (text("deflection") === "own") {
+      set("mesh_unit", text("mesh-unit"), "");
+      set("mesh_up", text("mesh-up"), "");
+    } else {
+      set("deflection", Number(text("deflection")), 0.001);
+      set("angular", Number(text("angular")), 20);
+    }
+    return options;
+  }
+  get needsMesh() { return this.kind !== "trade" && text("deflection") === "own"; }
+}

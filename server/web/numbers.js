@@ -1,0 +1,26 @@
+// The numbers of a view, in the words of docs/comparison.md.
+import { element, given, number, share, table } from "./dom.js";
+
+export const differenceTables = (d) => {
+  const spread = (title, s) => [title, number(s.mean), number(s.p50), number(s.p95), number(s.p99), number(s.max)];
+  const silhouette = d.silhouette.max_distance_px === null ? "∞" : number(d.silhouette.max_distance_px);
+  return [
+    element("section", {}, element("h3", {}, "Difference"),
+      table("Difference in millimetres and degrees", ["", "mean", "p50", "p95", "p99", "max"], [spread("deviation, mm", d.deviation_mm), spread("depth, mm", d.depth_mm), spread("normal, °", d.normal_deg)]),
+      element("p", { class: "facts" }, `Positions of the mesh are known to ${number(d.noise_mm)} mm. ${share(d.border.share)} of the pixels that both hit are border pixels, which deviation and normal leave out.`)),
+    element("section", {}, element("h3", {}, "Picture"),
+      table("Difference of the pictures", null, [["FLIP, mean", number(d.color.flip_mean)], ["FLIP, p95", number(d.color.flip_p95)], ["SSIM", d.color.ssim.toFixed(4)],
+        ["PSNR", d.color.psnr === null ? "equal" : `${number(d.color.psnr)} dB`], ["Pixels that differ", share(d.color.share_over_threshold)],
+        ["Silhouette", `${number(d.silhouette.pixels)} px`], ["… farthest", `${silhouette} px`], d.other_face ? ["Other face shown", `${number(d.other_face.pixels)} px`] : null].filter(Boolean))),
+  ];
+};
+
+
+export const certaintyTable = (direct) =>
+  element("section", {}, element("h3", {}, "Certificates of the direct image"),
+    table("Certificates", null, [["certified", number(direct.certified)], ["converged, not proven", number(direct.converged)], ["unresolved", number(direct.unresolved)], ["Rays", number(direct.rays)], ["Hits", number(direct.hits)],
+      given(direct.odd_rays) && ["Odd rays", number(direct.odd_rays)], given(direct.reverse_mismatches) && ["Opposite view differs", number(direct.reverse_mismatches)],
+      direct.unseen_faces?.length > 0 && ["Faces that no ray sees", number(direct.unseen_face_count ?? direct.unseen_faces.length)]].filter(Boolean)));
+
+export const cameraText = (camera) =>
+  `${camera.projection}, ${camera.width} × ${camera.height_px} pixels, ` + (camera.fov_y_deg !== undefined ? `${number(camera.fov_y_deg)}° high` : `${number(camera.height)} mm high`);

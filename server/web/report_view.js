@@ -1,0 +1,42 @@
+// A whole report: what was lost, the views, the numbers. The page of the service and report.html both call showReport.
+import { choice, element, number } from "./dom.js";
+import { lossNotice, lostCount, modelFacts, truthReport, verdictNotice } from "./truth.js";
+import { tradeSection } from "./trade_view.js";
+import { ViewBench } from "./view.js";
+
+const sections = (report, source, address, holder) => {
+  if (report.trade) {
+    const trades = report.views.map((view) => tradeSection(view, report.trade, address));
+    holder.replaceChildren(...trades.map((trade) => trade.root));
+    return { follow: () => trades.forEach((trade) => trade.follow()), end: () => {} };
+  }
+  // One view at a time; all of them on paper.
+  let bench = null;
+  const names = report.views.map((view) => view.name);
+  const tabs = choice("Views", names, (name) => { address.set({ view: name === names[0] ? null : name, zoom: null, x: null, y: null }); show(); });
+  const place = element("div", { class: "on-screen" });
+  const named = () => report.views.find((view) => view.name === address.get("view")) || report.views[0];
+  const show = () => {
+    bench?.end();
+    bench = new ViewBench(report, named(), source, address, names.length > 1 ? tabs.root : null);
+    tabs.choose(bench.view.name);
+    place.replaceChildren(bench.root);
+  };
+  holder.replaceChildren(place);
+  show();
+  return {
+    follow: () => { if (named() !== bench.view) show(); else bench.follow(); },
+    end: () => bench.end(),
+  };
+};
+
+// `source` gives pictures: roles(view), blob(view, role). `tools` stand beside the title, `extra` after the views.
+export const showReport = (root, report, source, address, tools = null, extra = null) => {
+  const model = report.model, lost = lostCount(model), broken = (report.verdict?.broken || []).length > 0;
+  const holder = element("div", { class: "views-holder" });
+  root.replaceChildren(...[
+    element("div", { class: "bar title" }, element("h1", { tabindex: "-1" }, model.file || "Report"), element("span", { class: lost || broken ? "pill bad" : "pill" }, broken ? "thresholds broken" : lost ? `${number(lost)} lost` : "nothing lost"), tools),
+    modelFacts(model), lossNotice(model), verdictNotice(report.verdict), holder, extra, truthReport(model),
+    element("details", {}, element("summary", {}, "The whole report as JSON"), element("pre", { tabindex: "0" }, JSON.stringify(report, null, 2)))].filter(Boolean));
+  return sections(report, source, address, holder);
+};

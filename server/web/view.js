@@ -1,0 +1,218 @@
+// One view with everything that belongs to it: the pictures in step, the read-out, the heat map's legend, the faces and the numbers.
+// What a person sets is in the address.
+import { calm, choice, element, given } from "./dom.js";
+import { faceTable } from "./face_table.js";
+import { heatLegend, heatMap, usualRange } from "./heat_map.js";
+import { cameraText, certaintyTable, differenceTables } from "./numbers.js";
+import { Pane } from "./pane.js";
+import { Pixels, planeRoles } from "./pixels.js";
+import { readOut } from "./read_out.js";
+import { timing } from "./timing.js";
+import { Viewport } from "./viewport.js";
+
+const blinkSeconds = 0.7;
+const outlineColor = [214, 0, 110];
+const blends = ["Slider", "Blink", "Onion skin"];
+const captions = { direct: ["Direct", "exact surfaces"], baseline: ["Baseline", "triangle mesh"], difference: ["Difference", "deviation, mm"] };
+const ownRoles = ["direct", "baseline", "difference", ...planeRoles];
+const titleOf = (role) => captions[role]?.[0] || role.charAt(0).toUpperCase() + role.slice(1).replace("-", " ");
+
+export class ViewBench {
+  // `tabs` stands in the place of the view's name. `source`: roles(view) lists what there is, blob(view, role) gives it.
+  constructor(report, view, source, address, tabs = null) {
+    Object.assign(this, { report, view, source, address, tabs });
+    this.viewport = new Viewport(view.camera.width, view.camera.height_px);
+    this.pictures = {}; this.panes = []; this.outlines = new Map();
+    this.roles = source.roles(view);
+    const compared = this.roles.includes("direct") && this.roles.includes("baseline");
+    const others = this.roles.filter((role) => !ownRoles.includes(role));
+    this.modes = [...(compared ? ["Slider", "Side by side", "Blink", "Onion skin", "Direct", "Baseline", "Difference"] : ["Direct"]), ...others.map(titleOf)];
+    this.roleOf = (mode) => this.roles.find((role) => titleOf(role) === mode);
+    this.split = address.number("split", 0.5); this.onion = address.number("onion", 0.5);
+    this.build();
+    this.load();
+  }
+  get mode() { return this.modes.find((mode) => mode === this.address.get("mode")) || this.modes[0]; }
+  get range() { return this.address.number("range", this.usual); }
+
+  build() {
+    const { view } = this, { difference } = view;
+    this.usual = difference ? usualRange(difference) : 1;
+    this.modeChoice = choice("Pictures", this.modes, (mode) => { this.address.set({ mode: mode === this.modes[0] ? null : mode }); this.arrange(); });
+    this.stage = element("div", { class: "stage" });
+    this.tools = element("div", { class: "tools" });
+    this.faces = difference?.faces?.length ? faceTable(difference, (id) => this.choose(id, true), (id) => this.hover(id)) : null;
+    this.readOut = readOut((id) => this.faces?.name(id) ?? `face ${id}`, difference?.noise_mm ?? 0);
+    this.legend = difference ? heatLegend(this.usual, (range) => { this.address.set({ range: range === this.usual ? null : range }); this.recolor(); }) : null;
+    this.note = element("p", { class: "facts", role: "status" });
+    const zoomButton = (text, label, act) => element("button", { type: "button", class: "small", "aria-label": label, on: { click: act } }, text);
+    this.scaleText = element("span", { class: "facts", "aria-live": "off" });
+    const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Fit: show all of the view", () => this.viewport.fit()),
+      zoomButton("1:1", "1:1, one pixel on one of the screen", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
+    this.root = element("section", { class: "view" },
+      element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
+      element("div", { class: "bench" },
+        element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, this.legend?.root, this.faces?.root)),
+      element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference) : null, certaintyTable(view.direct)));
+    this.viewport.onChange((what) => this.moved(what));
+    this.viewport.chosen = (id) => this.choose(id === null ? null : this.faceAt(this.viewport.pointed), true);
+    this.restore();
+    this.arrange();
+  }
+  restore() {
+    const z = this.address.number("zoom", 1);
+    if (z > 1) this.viewport.look(z, this.address.number("x", this.viewport.x), this.address.number("y", this.viewport.y));
+    const face = this.address.number("face", null);
+    this.face = null;
+    this.choose(face, false);
+    this.legend?.show(this.range);
+  }
+  // The address changed under us: somebody went back.
+  follow() {
+    this.split = this.address.number("split", 0.5); this.onion = this.address.number("onion", 0.5);
+    this.restoring = true;
+    if (!this.address.get("zoom")) this.viewport.fit();
+    this.restore();
+    this.recolor();
+    this.arrange();
+    this.restoring = false;
+  }
+  end() {
+    clearInterval(this.blinking);
+    this.panes.forEach((pane) => pane.end());
+    this.ended = true;
+  }
+
+  async load() {
+    try {
+      const wanted = this.roles.filter((role) => !planeRoles.includes(role) && !(role === "difference" && this.view.pixel_data));
+      await Promise.all(wanted.map(async (role) => {
+        this.pictures[role] = await createImageBitmap(await this.source.blob(this.view, role));
+        this.redraw();
+      }));
+      this.root.dataset.pictures = "shown";
+      if (this.ended || !this.view.pixel_data || !this.roles.includes(planeRoles[0])) {
+        if (this.view.difference && !this.ended) this.note.textContent = "This view is too large for a read-out of its pixels; its numbers are below.";
+        return;
+      }
+      this.pixels = await Pixels.load(this.view, (role) => this.source.blob(this.view, role));
+      if (this.pixels.stride > 1) this.note.textContent = `Read-out, heat map and outlines here have one pixel of ${this.pixels.stride} × ${this.pixels.stride}; the files beside the report have all.`;
+      this.recolor();
+      this.outlined();
+      this.root.dataset.pixels = "read";
+    } catch (error) {
+      if (!this.ended) this.note.textContent = `Not all pictures could be loaded (${error.message}). Load the page again.`;
+    }
+  }
+
+  pane(label, layers, ...seam) {
+    const pane = new Pane(this.viewport, `${label} of view ${this.view.name}`, () => [...layers(), { picture: this.hovered ?? null }, { picture: this.outline ?? null }], ...seam);
+    this.panes.push(pane);
+    return pane;
+  }
+  figure(role) {
+    const [title, what] = captions[role] || [titleOf(role), ""];
+    return element("figure", {}, this.pane(title, () => [{ picture: this.pictures[role] }]).root, element("figcaption", {}, element("b", {}, title), element("span", {}, what)));
+  }
+  blend(mode) {
+    const { pictures } = this, caption = element("figcaption", {});
+    const layers = {
+      "Slider": () => [{ picture: pictures.baseline, from: this.split }, { picture: pictures.direct, to: this.split }],
+      "Blink": () => [{ picture: this.blinked ? pictures.baseline : pictures.direct }],
+      "Onion skin": () => [{ picture: pictures.direct }, { picture: pictures.baseline, alpha: this.onion }],
+    }[mode];
+    const pane = mode === "Slider" ? this.pane("Direct and baseline", layers, () => this.split, (to) => this.setSplit(to)) : this.pane("Direct and baseline", layers);
+    this.blendCaption = () => caption.replaceChildren(...(mode === "Blink" ? [element("b", {}, this.blinked ? "Baseline" : "Direct"), element("span", {}, this.blinked ? "triangle mesh" : "exact surfaces")]
+      : [element("b", {}, "Direct"), element("b", {}, "Baseline")]));
+    this.blendCaption();
+    return element("figure", {}, pane.root, caption);
+  }
+  setSplit(to) {
+    this.split = to;
+    if (this.slide) this.slide.value = to * 100;
+    this.address.set({ split: to === 0.5 ? null : Number(to.toFixed(3)) });
+    this.redraw();
+  }
+  arrange() {
+    const { mode } = this;
+    clearInterval(this.blinking);
+    this.panes.forEach((pane) => pane.end());
+    this.panes = []; this.slide = null; this.blinked = false;
+    this.modeChoice.choose(mode);
+    const roles = mode === "Side by side" ? ["direct", "baseline", "difference"] : blends.includes(mode) ? [] : [this.roleOf(mode)];
+    const shown = [...(blends.includes(mode) ? [this.blend(mode), this.figure("difference")] : []), ...roles.map((role) => this.figure(role))];
+    this.stage.className = `stage of-${shown.length}`;
+    this.stage.replaceChildren(...shown);
+    if (this.legend) this.legend.root.hidden = !(shown.length > 1 || mode === "Difference");
+    this.tools.replaceChildren(...this.toolsOf(mode));
+    this.redraw();
+  }
+  toolsOf(mode) {
+    const range = (label, value, input) => element("label", { class: "slide" }, label, element("input", { type: "range", min: "0", max: "100", step: "0.1", value: value * 100, on: { input: (event) => input(event.target.valueAsNumber / 100) } }));
+    if (mode === "Slider") {
+      const label = range("Seam", this.split, (to) => this.setSplit(to));
+      this.slide = label.querySelector("input");
+      return [label];
+    }
+    if (mode === "Onion skin") return [range("Baseline over direct", this.onion, (to) => { this.onion = to; this.address.set({ onion: to === 0.5 ? null : Number(to.toFixed(3)) }); this.redraw(); })];
+    if (mode !== "Blink") return [];
+    const flip = () => { this.blinked = !this.blinked; this.blendCaption(); this.redraw(); };
+    const button = element("button", { type: "button", class: "small" });
+    const run = (on) => {
+      clearInterval(this.blinking);
+      if (on) this.blinking = setInterval(flip, blinkSeconds * 1000);
+      button.textContent = on ? "Pause" : "Go on";
+      this.running = on;
+    };
+    button.addEventListener("click", () => run(!this.running));
+    run(!calm());
+    return [button, element("button", { type: "button", class: "small", on: { click: () => { run(false); flip(); } } }, "Switch")];
+  }
+
+  redraw() { this.panes.forEach((pane) => pane.ask()); }
+  recolor() {
+    if (this.pixels) this.pictures.difference = heatMap(this.pixels, this.range);
+    this.legend?.show(this.range);
+    this.redraw();
+  }
+  moved(what) {
+    const { viewport } = this;
+    if (what === "look") {
+      this.scaleText.textContent = viewport.scale > 1 ? `${viewport.scale.toFixed(viewport.scale < 10 ? 1 : 0)} ×` : "";
+      if (!this.restoring) this.address.set(viewport.scale > 1 ? { zoom: viewport.scale, x: viewport.x, y: viewport.y } : { zoom: null, x: null, y: null });
+    } else {
+      this.readOut.show(viewport.pointed, this.pixels, viewport.pointedBy === "keys");
+      this.faces?.mark(this.faceAt(viewport.pointed));
+    }
+    this.redraw();
+  }
+  faceAt(pointed) { return pointed && this.pixels ? this.pixels.faceAt(pointed.x, pointed.y) : null; }
+
+  // A face that is chosen again is let go.
+  choose(id, byHand) {
+    const face = id === this.face && byHand ? null : id;
+    this.face = face;
+    this.faces?.press(face);
+    if (!byHand && face !== null) requestAnimationFrame(() => this.faces?.reveal(face));
+    if (byHand) this.address.set({ face: given(face) ? String(face) : null });
+    this.outlined();
+  }
+  outlineOf(id) {
+    if (!this.pixels || !given(id)) return null;
+    if (!this.outlines.has(id)) {
+      if (this.outlines.size > 40) this.outlines.clear();
+      this.outlines.set(id, this.pixels.outline(id, outlineColor));
+    }
+    return this.outlines.get(id);
+  }
+  outlined() {
+    const outline = this.outlineOf(this.face);
+    this.outline = outline?.canvas;
+    this.root.dataset.face = outline?.box ? String(this.face) : "";
+    this.redraw();
+  }
+  hover(id) {
+    this.hovered = id === this.face ? null : this.outlineOf(id)?.canvas;
+    this.redraw();
+  }
+}

@@ -1,0 +1,42 @@
+// Where all pictures of a view look: one scale and one centre, so that they stay in step, and one pixel that is pointed at.
+// Coordinates are those of the picture, in pixels; scale 1 shows all of it.
+
+const mostPixel = 48;  // screen pixels that one pixel may cover
+
+export class Viewport {
+  constructor(width, height) {
+    this.width = width; this.height = height;
+    this.scale = 1; this.x = width / 2; this.y = height / 2;
+    this.pointed = null; this.chosen = () => {};
+    this.listeners = [];
+  }
+  onChange(listener) { this.listeners.push(listener); }
+  changed(what) { this.listeners.forEach((listener) => listener(what)); }
+  look(scale, x, y) {
+    const most = Math.max(1, this.width * mostPixel / 300);
+    this.scale = Math.min(most, Math.max(1, scale));
+    const halfX = this.width / this.scale / 2, halfY = this.height / this.scale / 2;
+    this.x = Math.min(this.width - halfX, Math.max(halfX, x));
+    this.y = Math.min(this.height - halfY, Math.max(halfY, y));
+    this.changed("look");
+  }
+  // The point (x, y) of the picture stays where it is on the screen.
+  zoom(factor, x = this.x, y = this.y) {
+    const before = this.scale;
+    const most = Math.max(1, this.width * mostPixel / 300), after = Math.min(most, Math.max(1, before * factor));
+    this.look(after, x - (x - this.x) * before / after, y - (y - this.y) * before / after);
+  }
+  fit() { this.look(1, this.width / 2, this.height / 2); }
+  // Shows a box of the picture with as much around it.
+  show([x0, y0, x1, y1]) {
+    const scale = Math.min(this.width / (3 * (x1 - x0)), this.height / (3 * (y1 - y0)), 12);
+    this.look(scale, (x0 + x1) / 2, (y0 + y1) / 2);
+  }
+  point(x, y, by) {
+    const inside = x !== null && x >= 0 && y >= 0 && x < this.width && y < this.height;
+    const now = inside ? { x: Math.floor(x), y: Math.floor(y) } : null;
+    if (now?.x === this.pointed?.x && now?.y === this.pointed?.y) return;
+    this.pointed = now; this.pointedBy = by;
+    this.changed("point");
+  }
+}
