@@ -153,7 +153,7 @@ const question = (report) => {
 export const meshSection = (report, service, address, nameOf) => {
   if (!report.views[0]?.baseline) return null;
   const place = element("div", {}), said = element("p", { class: "facts", role: "status" });
-  const foreign = !report.views[0].baseline.from_model;
+  const { from_model: named, deflection_mm: deflection } = report.views[0].baseline, foreign = !named || !deflection;
   const show = async () => {
     button.disabled = true;
     try {

@@ -1,0 +1,74 @@
+// What else can be asked: a mesh of one's own, speed against accuracy, several views.
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import path from "node:path";
+import { test } from "node:test";
+import { drop, folder, newTab, noFaults, noViolations, pixelsRead, sample, Server, shot, state, wellLaidOut } from "./support.mjs";
+
+// samples/sphere.step in triangles, as text.
+const sphereStl = (radius, n) => {
+  const at = (i, j) => {
+    const u = 2 * Math.PI * i / n, v = Math.PI * (j / n - 0.5);
+    return [Math.cos(u) * Math.cos(v), Math.sin(u) * Math.cos(v), Math.sin(v)].map((x) => radius * x);
+  };
+  const facet = (...corners) => `facet normal 0 0 0\nouter loop\n${corners.map((corner) => `vertex ${corner.join(" ")}`).join("\n")}\nendloop\nendfacet\n`;
+  let text = "solid sphere\n";
+  for (let i = 0; i < n; ++i) for (let j = 0; j < n; ++j) text += facet(at(i, j), at(i + 1, j), at(i + 1, j + 1)) + facet(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+  return `${text}endsolid sphere\n`;
+};
+
+test("a CAD file and a mesh dropped together are compared with each other", async () => {
+  const mesh = path.join(folder(), "coarse.stl");
+  writeFileSync(mesh, sphereStl(10, 24));
+  const server = await Server.start();
+  const page = await newTab();
+  await page.goto(server.address);
+  await drop(page, sample("sphere.step"), mesh);
+  await state(page, "shown");
+  await pixelsRead(page);
+  assert.match(await page.textContent("#hint"), /compared with coarse\.stl/);
+  assert.match(await page.textContent(".solid"), /names no faces/);
+  noFaults(page);
+});
+
+test("four views, one after the other, keep the mode and the face", async () => {
+  const server = await Server.start();
+  const page = await newTab({ width: 1600, height: 1000 });
+  await page.goto(server.address);
+  await page.click(".options summary");
+  await page.selectOption("#size", "512x512");
+  for (const view of ["front", "top"]) await page.check(`input[value=${view}]`);
+  await drop(page, sample("assembly.step"));
+  await state(page, "shown");
+  await pixelsRead(page);
+  await page.click('[aria-label=Pictures] >> text="Difference"');
+  await page.click(".faces tbody tr:first-child .face-name");
+  const face = await page.getAttribute(".view", "data-face");
+  await page.click('[aria-label=Views] >> text="front"');
+  await pixelsRead(page);
+  assert.equal(await page.textContent("[aria-label=Pictures] [aria-pressed=true]"), "Difference");
+  assert.equal(await page.getAttribute(".view", "data-face"), face, "the middle of the stack is seen from the front, too");
+  // The way back leads to a new start, not through every drag.
+  await page.waitForTimeout(300);
+  assert.match(page.url(), /view=front/);
+  noFaults(page);
+});
+
+test("speed against accuracy, on the page", async () => {
+  const server = await Server.start("--timeout", "60");
+  const page = await newTab({ width: 1600, height: 1000 });
+  await page.goto(server.address);
+  await page.click(".options summary");
+  await page.selectOption("#kind", "trade");
+  await page.selectOption("#size", "512x512");
+  assert.equal(await page.textContent("#go"), "Measure");
+  assert.equal(await page.isVisible("#samples"), false);
+  await drop(page, sample("cone.step"));
+  await state(page, "shown");
+  assert.equal(await page.locator(".plot svg").count(), 2);
+  assert.ok(await page.locator(".plot .mark").count() > 8);
+  await wellLaidOut(page, "trade");
+  await noViolations(page, "trade");
+  await shot(page, "page-trade");
+  noFaults(page);
+});
