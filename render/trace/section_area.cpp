@@ -132,7 +132,7 @@ class Measurement {
   Measurement(const Scene::Data& scene, std::span<const SectionPlane> planes, std::size_t index,
               const SectionAreaOptions& options, TileKernel kernel)
       : scene_(scene),
-        options_(options),
+
         solids_(*scene.model),
         rows_(scene, planes, index, solids_, options.max_bytes, options.cancel, kernel) {}
 
@@ -215,7 +215,7 @@ class Measurement {
   }
 
   const Scene::Data& scene_;
-  const SectionAreaOptions& options_;
+
   const SectionSolids solids_;
   const SectionRows rows_;
   std::vector<std::pair<double, double>> thin_;
