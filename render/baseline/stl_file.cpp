@@ -102,10 +102,9 @@ class AsciiReader {
  private:
   // From its first word, which is there already, to the last.
   Result<void> Facet(std::array<std::array<float, 3>, 3>& corners) {
-    std::array<float, 3> normal;
     if (!Is("facet")) return Expected("'facet' or 'endsolid'");
     if (!Next("normal")) return Expected("'normal'");
-    if (Result<void> numbers = Numbers(normal); !numbers.ok()) return numbers;
+    for (int k = 0; k < 3; ++k) Word();  // whatever it says: some programs write 1.#QNAN
     if (!Next("outer") || !Next("loop")) return Expected("'outer loop'");
     for (auto& corner : corners) {
       if (!Next("vertex")) return Expected("'vertex', three in each facet,");

@@ -106,7 +106,7 @@ const firstPicture = async (own, file, options) => {
   const body = new FormData();
   body.append("file", file, file.name);
   const quick = { view: options.view[0], samples: 1 };
-  for (const name of ["projection", "size", "precision", "edges"]) if (options[name] !== undefined) quick[name] = options[name];
+  for (const name of ["projection", "size", "precision", "edges", "shade", "lines", "section"]) if (options[name] !== undefined) quick[name] = options[name];
   body.append("options", JSON.stringify(quick));
   running.at("upload");
   const job = await own.post("v1/renders", body, (fraction) => running?.at("upload", fraction));

@@ -48,6 +48,10 @@ export class Form {
     if (this.kind === "trade") return options;
     set("samples", Number(text("samples")), 4);
     set("precision", text("precision"), "standard");
+    set("shade", text("shade"), "studio");
+    set("lines", text("lines"), "none");
+    const planes = text("section").split(/\s+/).filter(Boolean);
+    if (planes.length) options.section = planes;
     set("edges", byId("edges").checked, false);
     set("audit", byId("audit").checked, false);
     if (text("deflection") === "own") {

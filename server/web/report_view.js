@@ -1,5 +1,6 @@
 // A whole report: what was lost, the views, the numbers. The page of the service and report.html both call showReport.
 import { choice, element, number } from "./dom.js";
+import { continuityTables, sectionTables } from "./measures.js";
 import { lossNotice, lostCount, modelFacts, truthReport, verdictNotice } from "./truth.js";
 import { tradeSection } from "./trade_view.js";
 import { ViewBench } from "./view.js";
@@ -36,7 +37,7 @@ export const showReport = (root, report, source, address, tools = null, extra = 
   const holder = element("div", { class: "views-holder" });
   root.replaceChildren(...[
     element("div", { class: "bar title" }, element("h1", { tabindex: "-1" }, model.file || "Report"), element("span", { class: lost || broken ? "pill bad" : "pill" }, broken ? "thresholds broken" : lost ? `${number(lost)} lost` : "nothing lost"), tools),
-    modelFacts(model), lossNotice(model), verdictNotice(report.verdict), holder, extra, truthReport(model),
+    modelFacts(model), lossNotice(model), verdictNotice(report.verdict), holder, sectionTables(report.sections), continuityTables(report.continuity), extra, truthReport(model),
     element("details", {}, element("summary", {}, "The whole report as JSON"), element("pre", { tabindex: "0" }, JSON.stringify(report, null, 2)))].filter(Boolean));
   return sections(report, source, address, holder);
 };

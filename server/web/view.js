@@ -4,6 +4,7 @@ import { calm, choice, element, given } from "./dom.js";
 import { faceTable } from "./face_table.js";
 import { heatLegend, heatMap, usualRange } from "./heat_map.js";
 import { cameraText, certaintyTable, differenceTables } from "./numbers.js";
+import { inspectionLegend } from "./measures.js";
 import { Pane } from "./pane.js";
 import { Pixels, planeRoles } from "./pixels.js";
 import { readOut } from "./read_out.js";
@@ -14,7 +15,7 @@ const blinkSeconds = 0.7;
 const outlineColor = [214, 0, 110];
 const blends = ["Slider", "Blink", "Onion skin"];
 const captions = { direct: ["Direct", "exact surfaces"], baseline: ["Baseline", "triangle mesh"], difference: ["Difference", "deviation, mm"] };
-const ownRoles = ["direct", "baseline", "difference", ...planeRoles];
+const ownRoles = ["direct", "baseline", "difference", "legend", ...planeRoles];
 const titleOf = (role) => captions[role]?.[0] || role.charAt(0).toUpperCase() + role.slice(1).replace("-", " ");
 
 export class ViewBench {
@@ -52,7 +53,7 @@ export class ViewBench {
     this.root = element("section", { class: "view" },
       element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },
-        element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, this.legend?.root, this.faces?.root)),
+        element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, inspectionLegend(view, this.source), this.legend?.root, this.faces?.root)),
       element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference) : null, certaintyTable(view.direct)));
     this.viewport.onChange((what) => this.moved(what));
     this.viewport.chosen = (id) => this.choose(id === null ? null : this.faceAt(this.viewport.pointed), true);
@@ -85,7 +86,7 @@ export class ViewBench {
 
   async load() {
     try {
-      const wanted = this.roles.filter((role) => !planeRoles.includes(role) && !(role === "difference" && this.view.pixel_data));
+      const wanted = this.roles.filter((role) => role !== "legend" && !planeRoles.includes(role) && !(role === "difference" && this.view.pixel_data));
       await Promise.all(wanted.map(async (role) => {
         this.pictures[role] = await createImageBitmap(await this.source.blob(this.view, role));
         this.redraw();

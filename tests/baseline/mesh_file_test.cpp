@@ -301,7 +301,8 @@ TEST(Stl, BinaryAndTextAreMillimetresAndZUp) {
 
 TEST(Stl, TextMayHoldSeveralSolidsInAnyCaseAndSpacing) {
   const std::string facet =
-      "FACET NORMAL 0 0 1 OUTER LOOP VERTEX +1 0 0\r\n\tVertex 1E0 2.5e-1 0 vertex 0 1 1e-60 endLoop "
+      "FACET NORMAL 1.#QNAN 0 -nan OUTER LOOP VERTEX +1 0 0\r\n\tVertex 1E0 2.5e-1 0 vertex 0 1 1e-60 "
+      "endLoop "
       "endfacet\r\n";
   const Result<Mesh> mesh =
       Load("  solid first one\r\n" + facet + facet + "endsolid\nsolid\n" + facet + "endsolid second");

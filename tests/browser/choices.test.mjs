@@ -54,6 +54,30 @@ test("four views, one after the other, keep the mode and the face", async () => 
   noFaults(page);
 });
 
+test("zebra stripes on a model that is cut open, with its lines and the area of the cut", async () => {
+  const server = await Server.start();
+  const page = await newTab({ width: 1600, height: 1000 });
+  await page.goto(server.address);
+  await page.click(".options summary");
+  await page.selectOption("#size", "512x512");
+  await page.selectOption("#shade", "zebra");
+  await page.selectOption("#lines", "visible");
+  await page.fill("#section", "z=50%");
+  await drop(page, sample("sphere.step"));
+  await state(page, "shown");
+  await pixelsRead(page);
+  // The middle of the sphere: π r², and a polygon's on the mesh.
+  const [area, , meshArea] = await page.locator('[aria-label="Areas of the cuts"] tbody td').allTextContents();
+  assert.equal(area, (Math.PI * 100).toLocaleString("en", { maximumSignificantDigits: 4 }));
+  assert.ok(Number(meshArea) < Number(area) && Number(meshArea) > 300, meshArea);
+  assert.match(await page.textContent(".inspection figcaption"), /zebra.*light: .* pixels/);
+  assert.match(await page.textContent("#report"), /Breaks between faces/);
+  await noViolations(page);
+  await wellLaidOut(page);
+  await shot(page, "zebra-section");
+  noFaults(page);
+});
+
 test("speed against accuracy, on the page", async () => {
   const server = await Server.start("--timeout", "60");
   const page = await newTab({ width: 1600, height: 1000 });
