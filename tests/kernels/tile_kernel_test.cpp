@@ -58,7 +58,9 @@ TEST(TileKernel, EveryInstructionSetGivesTheSameBytes) {
       // 203 is no multiple of a packet or a tile.
       const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
       const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
-      const PreparedView view = PrepareView(scene.data(), camera, frame, {.precision = precision}).value();
+      DirectOptions options;
+      options.precision = precision;
+      const PreparedView view = PrepareView(scene.data(), camera, frame, options).value();
       const TraceShared shared(scene.data(), view, camera, frame);
       TileCounters expected_counters;
       const std::vector<unsigned char> expected = Bytes(shared, kernel_of(kernels[0]), &expected_counters);
