@@ -18,6 +18,7 @@
 // timeout         seconds for everything after the import, 0: none               0
 // audit, edges    true | false                                                   false
 // background      studio | transparent                                           studio
+// margin, up, …   how pictures are arranged and labelled: see picture_options.h
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
 // mesh_unit       mm | cm | m | in | ft                                          the format's own
@@ -53,6 +54,7 @@
 #include "render/trace/camera.h"
 #include "render/trace/direct.h"
 #include "server/importer/import_process.h"
+#include "server/picture_options.h"
 
 namespace facetless {
 
@@ -84,6 +86,7 @@ struct RunOptions {
   double timeout_s = 0;
   bool audit = false, edges = false;
   Background background = Background::kStudio;
+  PictureOptions picture;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
   TessellationOptions tessellation;
@@ -102,8 +105,8 @@ Result<RunOptions> ParseOptions(const nlohmann::json& json);
 const std::vector<std::string>& OptionNames();
 
 // One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up"
-// [0,0,1] ([0,1,0] if that is the view direction), "projection" that of the options, "height" (orthographic)
-// what shows `bounds` with 5 % of margin, "fov_y_deg" 40, "name" as given, "width" and "height_px" those of
+// the axis that is up (what `top` draws upwards if that is the view direction), "projection" that of the
+// options, "height" (orthographic) what shows `bounds` from every side with the margin, "fov_y_deg" 40, "name" as given, "width" and "height_px" those of
 // the options. So a camera of a report can be given back as it is. Error: kBadUsage.
 Result<Camera> ParseCamera(const nlohmann::json& json, const RunOptions& options, const Box3& bounds,
                            const std::string& default_name);

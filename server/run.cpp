@@ -14,7 +14,9 @@
 #include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/pictures.h"
 #include "server/report_html.h"
+#include "server/shown_model.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -29,6 +31,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::atomic<bool>* ca
   view.threads = options.threads;
   view.edges = options.edges;
   view.background = options.background;
+  view.coloring = options.picture.coloring;
   view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
   view.depth_error = options.WantsAov("certificate");
@@ -124,6 +127,24 @@ class Run {
     return scene;
   }
   const std::string& directory() const { return directory_; }
+  // Says under `key` of the report what is not of one view; null says nothing.
+  void Note(const std::string& key, Json value) {
+    if (!value.is_null()) notes_[key] = std::move(value);
+  }
+  // The report's "files": what is not of one view.
+  Json& files() { return notes_["files"]; }
+
+  // All frames around the first view.
+  Result<void> Turntable(const Scene& scene, const ViewOptions& view) {
+    if (options_.picture.turntable == 0) return {};
+    const auto progress = [this](double fraction) {
+      if (context_.progress) context_.progress("turntable", fraction);
+    };
+    auto turntable = RenderTurntable({scene, options_, view, directory_, progress}, files());
+    if (!turntable) return Explained(turntable.error());
+    Note("turntable", std::move(turntable).value());
+    return {};
+  }
 
   // Calls `one` for each camera; it returns the view's entry of the report.
   template <typename One>
@@ -159,6 +180,8 @@ class Run {
                      {"scene", scene_ms_},
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
                    {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+    for (const auto& [key, value] : notes_.items())
+      if (!value.is_null()) report[key] = value;
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -184,6 +207,7 @@ class Run {
   const char* command_;
   const Clock::time_point start_;
   double scene_ms_ = 0;
+  Json notes_ = Json::object();
   Deadline deadline_;
 };
 
@@ -257,11 +281,17 @@ Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<
 
 Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
                        const RunContext& context) {
-  Run run(imported, options, directory, context, "render");
+  auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
+  if (!shown) return shown.error();
+  Run run(shown.value().imported(), options, directory, context, "render");
+  run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
+  ContactSheet sheet(options.picture.sheet, 0);
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
     auto view = RenderView(scene, camera, ToViewOptions(options, run.cancel()));
     if (!view) return view.error();
+    Decorate(view.value().image, camera, view.value().frame, options.picture);
+    if (auto added = sheet.Add(view.value().image, camera, camera.name); !added) return added.error();
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.value().image);
     files.Depth("depth", view.value().samples);
@@ -271,20 +301,34 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
     return json;
   });
   if (!views) return views.error();
+  if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
+  if (auto turned = run.Turntable(scene, ToViewOptions(options, run.cancel())); !turned)
+    return turned.error();
   return run.Finish(std::move(views).value(), {});
 }
 
 Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
                         const std::string& directory, const RunContext& context) {
-  Run run(imported, options, directory, context, "compare");
+  auto shown = ShownModel::Of(imported, &mesh, options.picture.arrangement);
+  if (!shown) return shown.error();
+  Run run(shown.value().imported(), options, directory, context, "compare");
+  run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
-  const auto baseline = BaselineScene::Build(mesh, options.threads);
+  const auto baseline = BaselineScene::Build(shown.value().mesh(), options.threads);
   if (!baseline) return baseline.error();
+  ContactSheet sheet(options.picture.sheet, 3);
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
     auto compared = CompareView(scene, baseline.value(), camera, ToViewOptions(options, run.cancel()));
     if (!compared) return compared.error();
-    const ViewComparison& view = compared.value();
+    ViewComparison& view = compared.value();
+    // The pictures are compared: now they may be drawn into.
+    for (const auto& [image, what] : {std::pair{&view.direct.image, "exact"},
+                                      {&view.baseline.image, "mesh"},
+                                      {&view.picture.image, "difference"}}) {
+      Decorate(*image, camera, view.direct.frame, options.picture);
+      if (auto added = sheet.Add(*image, camera, camera.name + ": " + what); !added) return added.error();
+    }
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.direct.image);
     files.Png("baseline", view.baseline.image);
@@ -300,6 +344,7 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     return json;
   });
   if (!views) return views.error();
+  if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
   return run.Finish(std::move(views).value(), values);
 }
 

@@ -5,6 +5,7 @@
 //  2. For each view, DIR receives NAME.direct.png, NAME.depth.tif, NAME.aov.exr if AOVs were asked for that
 //     need it, and for a comparison NAME.baseline.png, NAME.baseline-depth.tif and NAME.difference.png; for
 //     the run, report.json and report.html, these last. Each file is replaced as a whole.
+//     With --sheet there is sheet.png, with --turntable turntable.001.png, … and turntable.webp.
 //  3. The report is what docs/api.md says; its "views" entries carry "files", from a role ("direct", "depth",
 //     …) to a name in DIR.
 #pragma once

@@ -206,16 +206,11 @@ SampleGrid GridOf(int samples) {
   return grid;
 }
 
-std::vector<Color> FaceColors(const Model& model) {
-  std::vector<Color> colors(model.PlacedFaceCount());
-  for (std::uint32_t id = 0; id < colors.size(); ++id) colors[id] = model.PlacedFaceColor(id);
-  return colors;
-}
-
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   try {
-    Result<DirectPasses> passes = RunDirect(scene, camera, FaceColors(scene.model()), options);
+    Result<DirectPasses> passes =
+        RunDirect(scene, camera, FaceColors(scene.model(), options.coloring), options);
     if (!passes.ok()) return passes.error();
     return std::move(passes).value().view;
   } catch (const std::bad_alloc&) {
@@ -229,7 +224,7 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
   if (!baseline.mesh().from_model)
     return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
   try {
-    return RunBaseline(baseline, camera, nullptr, FaceColors(model), options);
+    return RunBaseline(baseline, camera, nullptr, FaceColors(model, options.coloring), options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -242,7 +237,7 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     // Trace both.
     ViewComparison comparison;
     comparison.camera = camera;
-    const std::vector<Color> colors = FaceColors(scene.model());
+    const std::vector<Color> colors = FaceColors(scene.model(), options.coloring);
     Result<DirectPasses> direct = RunDirect(scene, camera, colors, options);
     if (!direct.ok()) return direct.error();
     Result<BaselineView> meshed = RunBaseline(

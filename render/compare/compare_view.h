@@ -19,6 +19,7 @@
 #include "render/baseline/tracer.h"
 #include "render/compare/difference.h"
 #include "render/compare/difference_picture.h"
+#include "render/compare/face_colors.h"
 #include "render/image/film.h"
 #include "render/image/metrics.h"
 #include "render/model/model.h"
@@ -35,6 +36,7 @@ struct ViewOptions {
   int threads = 0;                                      // 0: all cores
   bool edges = false;
   Background background = Background::kStudio;
+  Coloring coloring;
   double newton_tolerance = 0;  // as DirectOptions
   bool uv = false;              // fill the direct samples' uv
   bool depth_error = false;     // fill the direct samples' depth_error
@@ -90,8 +92,5 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
 // Errors: those of RenderView, TraceBaseline, ComputeDifference and DrawDifference.
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
                                    const ViewOptions& options);
-
-// One colour per placed face.
-std::vector<Color> FaceColors(const Model& model);
 
 }  // namespace facetless

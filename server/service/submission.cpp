@@ -83,7 +83,8 @@ Result<void> CheckOptions(const Submission& submission) {
   }
   auto options = ParseOptions(submission.options);
   if (!options) return options.error();
-  return {};
+  return CheckPictureOptions(options.value().picture,
+                             submission.kind == "comparison" ? "compare" : submission.kind);
 }
 
 }  // namespace
