@@ -1,4 +1,4 @@
-// Boxes of trimmed faces.
+// Boxes of trimmed faces, for a model in the making: render/model/bounds.h with the importer's parameters.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,10 @@
 
 namespace facetless {
 
-// A box that holds the trimmed face, in its part's frame. Developable faces are bounded by their edges, others by the hulls of the finely
-// divided patches over their loops' box. Conservative up to the gaps of the face's edges, which are added.
+// A box that holds the trimmed face, in its part's frame.
 Box3 FaceBounds(const Model& model, std::uint32_t face);
 
-// The box of all placed faces: part boxes are not turned, their faces' control hulls are.
+// The box of all placed faces.
 Box3 PlacedBounds(const Model& model);
 
 }  // namespace facetless

@@ -39,6 +39,8 @@ constexpr const char* kRenderFooter = R"(Examples:
   facetless render part.step --out images --camera '{"eye":[200,-300,150],"target":[0,0,0],"height":120}'
   facetless render part.step --out images --camera @cameras.json --aov depth,normal,face
   facetless render part.step --out images --shade curvature:kind=gaussian
+  facetless render car.step --out images --parts wheel --hide "*bolt*" --explode 0.5 --color part --axes --scale-bar
+  facetless render part.step --out images --view front --view top --view iso --sheet --turntable 36
 
 --out receives NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html;
 standard output gets the path of report.json.)";
@@ -143,13 +145,11 @@ class OptionCollector {
          "Camera instead of a named view: JSON object, list of them, or @FILE (docs/cameras.md)", "JSON");
   }
 
-  void Sections(CLI::App* app) {
+  // May be given several times.
+  void List(CLI::App* app, const std::string& flag, const std::string& help, const std::string& type) {
     app->add_option_function<std::vector<std::string>>(
-           "--section", [this](const std::vector<std::string>& v) { json_["section"] = v; },
-           "Cut away what lies on the side of a plane that its normal points to; repeatable. A point and a "
-           "normal, or "
-           "a plane across an axis: x=12.5, z=50%, -z=50% (docs/sections.md)")
-        ->type_name("X,Y,Z,NX,NY,NZ")
+           "--" + flag, [=, this](const std::vector<std::string>& v) { json_[flag] = v; }, help)
+        ->type_name(type)
         ->expected(1)
         ->take_all();
   }
@@ -179,6 +179,8 @@ void AddCameraOptions(CLI::App* app, OptionCollector& options) {
   options.Views(app);
   options.Text(app, "size", "Picture size in pixels (default 1024x1024)", "WxH");
   options.Text(app, "projection", "orthographic (default) or perspective, of named views", "NAME");
+  options.Number(app, "margin", "Free share of the picture on each side, 0 … 0.45 (default 0.05)", "SHARE");
+  options.Text(app, "up", "The model's axis that named views draw upwards: x, y or z (default)", "AXIS");
   options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
   options.Number(app, "timeout", "Seconds that everything after the import may take; 0 (default) is no limit",
                  "S");
@@ -197,7 +199,11 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
                "Draw the exact edges and silhouettes: none (default), visible or hidden (too, dashed)",
                "NAME");
   options.Switch(app, "svg", "Write the view's lines as NAME.lines.svg");
-  options.Sections(app);
+  options.List(app, "section",
+               "Cut away what lies on the side of a plane that its normal points to; repeatable. A point and "
+               "a normal, or "
+               "a plane across an axis: x=12.5, z=50%, -z=50% (docs/sections.md)",
+               "X,Y,Z,NX,NY,NZ");
   options.Text(app, "background", "studio (default) or transparent", "NAME");
   options.Text(
       app, "shade",
@@ -205,6 +211,26 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
       "faces, unseen, back; with settings as in zebra:stripes=24,axis=z (docs/inspection.md)",
       "NAME[:...]");
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
+}
+
+void AddPictureOptions(CLI::App* app, OptionCollector& options) {
+  options.Text(app, "color", "face (default: what the file says), part (a colour for each) or #rrggbb",
+               "NAME");
+  options.List(app, "parts",
+               "Show only occurrences whose path has this in it, or matches it (* and ?); repeatable",
+               "NAME");
+  options.List(app, "hide", "Leave such occurrences out; repeatable", "NAME");
+  options.Number(app, "explode", "Move occurrences apart: 1 doubles their distance from the centre",
+                 "FACTOR");
+  options.Switch(app, "scale-bar", "Draw a scale bar into the pictures (orthographic views)");
+  options.Switch(app, "axes", "Draw the model's axes into the pictures");
+  options.Switch(app, "sheet", "Write sheet.png: all views on one picture");
+}
+
+void AddTurntableOptions(CLI::App* app, OptionCollector& options) {
+  options.Number(app, "turntable",
+                 "Write N frames, 2 … 360, around the first view, and turntable.webp, which plays them", "N");
+  options.Number(app, "turntable-seconds", "Duration of one turn (default 6)", "S");
 }
 
 void AddTessellationOptions(CLI::App* app, OptionCollector& options) {
@@ -370,7 +396,9 @@ int RunCommandLine(int argc, char** argv) {
         ->required()
         ->type_name("DIR");
     AddViewOptions(command, options);
+    AddPictureOptions(command, options);
   }
+  AddTurntableOptions(render, options);
   trade->add_option("--out", arguments.out, "Directory for the results; made if absent")
       ->required()
       ->type_name("DIR");

@@ -9,118 +9,13 @@
 #include <utility>
 
 #include "render/compare/compare_view.h"
+#include "server/option_values.h"
 #include "server/shade_option.h"
 
 namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
-
-Error BadUsage(std::string message) {
-  return {ErrorCode::kBadUsage, std::move(message)};
-}
-
-// A value as the caller wrote it; bytes that are no UTF-8 are replaced.
-std::string Quoted(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-std::string Plain(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", number);
-  return text;
-}
-
-Result<double> ParseNumber(const Json& json, const std::string& name, double low, double high) {
-  const double value = json.is_number() ? json.get<double>() : NAN;
-  if (value >= low && value <= high) return value;
-  const std::string range = std::isfinite(high) ? "a number from " + Plain(low) + " to " + Plain(high)
-                                                : "a number of at least " + Plain(low);
-  return BadUsage(name + " is " + Quoted(json) + ", but must be " + range);
-}
-
-Result<int> ParseInteger(const Json& json, const std::string& name, int low, int high) {
-  auto number = ParseNumber(json, name, low, high);
-  if (!number) return number.error();
-  if (number.value() != std::floor(number.value()))
-    return BadUsage(name + " is " + Quoted(json) + ", but must be a whole number");
-  return static_cast<int>(number.value());
-}
-
-Result<bool> ParseBool(const Json& json, const std::string& name) {
-  if (!json.is_boolean()) return BadUsage(name + " is " + Quoted(json) + ", but must be true or false");
-  return json.get<bool>();
-}
-
-Result<std::string> ParseText(const Json& json, const std::string& name) {
-  if (!json.is_string()) return BadUsage(name + " is " + Quoted(json) + ", but must be a string");
-  return json.get<std::string>();
-}
-
-// The index of the given word in `words`.
-Result<int> ParseWord(const Json& json, const std::string& name, const std::vector<std::string>& words) {
-  if (json.is_string()) {
-    const auto found = std::find(words.begin(), words.end(), json.get<std::string>());
-    if (found != words.end()) return static_cast<int>(found - words.begin());
-  }
-  return BadUsage(name + " is " + Quoted(json) + ", but must be one of " + Joined(words));
-}
-
-// A list of strings, or one string with commas.
-Result<std::vector<std::string>> ParseWords(const Json& json, const std::string& name) {
-  std::vector<std::string> words;
-  if (json.is_string()) {
-    const std::string text = json.get<std::string>();
-    for (std::size_t begin = 0; begin <= text.size();) {
-      const std::size_t end = std::min(text.find(',', begin), text.size());
-      words.push_back(text.substr(begin, end - begin));
-      begin = end + 1;
-    }
-    return words;
-  }
-  if (!json.is_array())
-    return BadUsage(name + " is " + Quoted(json) + ", but must be a name or a list of names");
-  for (const Json& word : json) {
-    if (!word.is_string()) return BadUsage(name + " lists " + Quoted(word) + ", which is not a name");
-    words.push_back(word.get<std::string>());
-  }
-  return words;
-}
-
-// A list of numbers, or one string with commas; not empty.
-Result<std::vector<double>> ParseNumbers(const Json& json, const std::string& name, double low, double high) {
-  std::vector<double> numbers;
-  const auto add = [&](const Json& entry) -> Result<void> {
-    auto number = ParseNumber(entry, name, low, high);
-    if (!number) return number.error();
-    numbers.push_back(number.value());
-    return {};
-  };
-  if (json.is_string()) {
-    auto words = ParseWords(json, name);
-    if (!words) return words.error();
-    for (const std::string& word : words.value()) {
-      // A word that is no number is shown as it was written.
-      double number = 0;
-      const auto parsed = std::from_chars(word.data(), word.data() + word.size(), number);
-      const bool whole = parsed.ec == std::errc{} && parsed.ptr == word.data() + word.size();
-      if (auto added = add(whole ? Json(number) : Json(word)); !added) return added.error();
-    }
-  } else if (json.is_array()) {
-    for (const Json& entry : json)
-      if (auto added = add(entry); !added) return added.error();
-  } else if (auto added = add(json); !added) {
-    return added.error();
-  }
-  if (numbers.empty()) return BadUsage(name + " is an empty list");
-  return numbers;
-}
 
 Result<void> ParseSize(const Json& json, RunOptions& options) {
   constexpr int kMaxPixels = 65536;
@@ -243,8 +138,8 @@ Result<void> ParseAovs(const Json& json, RunOptions& options) {
   return {};
 }
 
-const std::vector<std::pair<std::string, Parser>>& Parsers() {
-  static const std::vector<std::pair<std::string, Parser>> parsers = {
+std::vector<std::pair<std::string, Parser>> MakeParsers() {
+  std::vector<std::pair<std::string, Parser>> parsers = {
       {"view", ParseViews},
       {"camera", ParseCameras},
       {"size", ParseSize},
@@ -309,6 +204,15 @@ const std::vector<std::pair<std::string, Parser>>& Parsers() {
       {"fail_flip", LimitParser("fail_flip", &Thresholds::flip)},
       {"fail_share", LimitParser("fail_share", &Thresholds::share)},
   };
+  for (const std::string& name : PictureOptionNames())
+    parsers.emplace_back(name, [name](const Json& json, RunOptions& options) {
+      return ParsePictureOption(name, json, options.picture);
+    });
+  return parsers;
+}
+
+const std::vector<std::pair<std::string, Parser>>& Parsers() {
+  static const std::vector<std::pair<std::string, Parser>> parsers = MakeParsers();
   return parsers;
 }
 
@@ -321,6 +225,15 @@ Result<Vec3> ParsePoint(const Json& json, const std::string& name) {
     xyz[i] = json[i].get<double>();
   }
   return Vec3{xyz[0], xyz[1], xyz[2]};
+}
+
+// Whether a view of the options is one in perspective.
+bool HasPerspective(const RunOptions& options) {
+  const bool usual = options.projection == Projection::kPerspective;
+  if (!options.cameras.is_array()) return usual;
+  return std::any_of(options.cameras.begin(), options.cameras.end(), [usual](const Json& camera) {
+    return camera.contains("projection") ? camera["projection"] == "perspective" : usual;
+  });
 }
 
 bool IsFileStem(const std::string& name) {
@@ -359,6 +272,8 @@ Result<RunOptions> ParseOptions(const Json& json) {
   for (const auto& [a, b] : exclusive) {
     if (given.contains(a) && given.contains(b)) return BadUsage(std::string("give either ") + a + " or " + b);
   }
+  if (options.picture.scale_bar && HasPerspective(options))
+    return BadUsage("scale_bar needs an orthographic view: in perspective no length has one size");
   return options;
 }
 
@@ -412,7 +327,8 @@ Result<Camera> ParseCamera(const Json& json, const RunOptions& options, const Bo
     const Vec3 forward = Normalized(camera.target - camera.eye);
     // Within 0.06 degrees of the vertical, a rounded direction would roll the picture visibly.
     constexpr double kSineOfVertical = 1e-3;
-    camera.up = Length(Cross(forward, {0, 0, 1})) > kSineOfVertical ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
+    const Vec3 up = TurnedTo(options.picture.up, {0, 0, 1});
+    camera.up = Length(Cross(forward, up)) > kSineOfVertical ? up : TurnedTo(options.picture.up, {0, 1, 0});
   }
 
   // What it sees.
@@ -426,7 +342,7 @@ Result<Camera> ParseCamera(const Json& json, const RunOptions& options, const Bo
       return stored.error();
   }
   const double aspect = static_cast<double>(camera.width_px) / camera.height_px;
-  camera.height = 1.05 * bounds.diagonal() / std::min(1.0, aspect);
+  camera.height = (1 + options.picture.margin) * bounds.diagonal() / std::min(1.0, aspect);
   if (json.contains("height")) {
     auto height = ParseNumber(json["height"], "camera.height", std::numeric_limits<double>::min(), 1e15);
     if (auto stored = Store(std::move(height), camera.height); !stored) return stored.error();
@@ -450,7 +366,8 @@ Result<std::vector<Camera>> ResolveCameras(const RunOptions& options, const Box3
     }
   } else {
     for (const std::string& view : options.views) {
-      auto camera = NamedView(view, bounds, options.projection, options.width, options.height);
+      auto camera = NamedView(view, bounds, options.projection, options.width, options.height,
+                              {options.picture.margin, options.picture.up});
       if (!camera) return camera.error();
       cameras.push_back(std::move(camera).value());
     }

@@ -23,6 +23,7 @@
 // lines           none | visible | hidden: exact edges and silhouettes over the pictures   none
 // svg             true: the view's lines as NAME.lines.svg                       false
 // section         one or a list: "x,y,z,nx,ny,nz", "z=12.5", "-z=50%", … (section_options.h)
+// margin, up, …   how pictures are arranged and labelled: see picture_options.h
 // aov             list, or one string with commas: depth, normal, face, uv, certificate
 // mesh            path of a mesh to compare with instead of our tessellation
 // mesh_unit       mm | cm | m | in | ft                                          the format's own
@@ -60,6 +61,7 @@
 #include "render/trace/camera.h"
 #include "render/trace/direct.h"
 #include "server/importer/import_process.h"
+#include "server/picture_options.h"
 #include "server/section_options.h"
 
 namespace facetless {
@@ -96,6 +98,7 @@ struct RunOptions {
   LineMode lines = LineMode::kNone;
   bool svg = false;
   std::vector<SectionRequest> sections;
+  PictureOptions picture;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
   TessellationOptions tessellation;
@@ -114,8 +117,8 @@ Result<RunOptions> ParseOptions(const nlohmann::json& json);
 const std::vector<std::string>& OptionNames();
 
 // One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up"
-// [0,0,1] ([0,1,0] if that is the view direction), "projection" that of the options, "height" (orthographic)
-// what shows `bounds` with 5 % of margin, "fov_y_deg" 40, "name" as given, "width" and "height_px" those of
+// the axis that is up (what `top` draws upwards if that is the view direction), "projection" that of the
+// options, "height" (orthographic) what shows `bounds` from every side with the margin, "fov_y_deg" 40, "name" as given, "width" and "height_px" those of
 // the options. So a camera of a report can be given back as it is. Error: kBadUsage.
 Result<Camera> ParseCamera(const nlohmann::json& json, const RunOptions& options, const Box3& bounds,
                            const std::string& default_name);

@@ -95,6 +95,8 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
   }
   auto options = ParseOptions(json);
   if (!options) return BadManifest(options.error().message);
+  if (auto can = CheckPictureOptions(options.value().picture, "regress"); !can)
+    return BadManifest(can.error().message);
   entry.options = std::move(options).value();
   entry.options.threads = request.threads;
   if (!json.contains("import_timeout"))

@@ -19,8 +19,10 @@
 #include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/pictures.h"
 #include "server/report_html.h"
 #include "server/shade_option.h"
+#include "server/shown_model.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -40,6 +42,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.find_lines = options.svg;
   view.background = options.background;
   view.inspection = options.inspection;
+  view.coloring = options.picture.coloring;
   view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
   view.depth_error = options.WantsAov("certificate");
@@ -175,6 +178,24 @@ class Run {
     return scene;
   }
   const std::string& directory() const { return directory_; }
+  // Says under `key` of the report what is not of one view; null says nothing.
+  void Note(const std::string& key, Json value) {
+    if (!value.is_null()) notes_[key] = std::move(value);
+  }
+  // The report's "files": what is not of one view.
+  Json& files() { return notes_["files"]; }
+
+  // All frames around the first view.
+  Result<void> Turntable(const Scene& scene, const ViewOptions& view) {
+    if (options_.picture.turntable == 0) return {};
+    const auto progress = [this](double fraction) {
+      if (context_.progress) context_.progress("turntable", fraction);
+    };
+    auto turntable = RenderTurntable({scene, options_, view, directory_, progress}, files());
+    if (!turntable) return Explained(turntable.error());
+    Note("turntable", std::move(turntable).value());
+    return {};
+  }
 
   // Resolves the section planes and measures their cuts, through the mesh too where there is one.
   Result<std::vector<SectionPlane>> Sections(const Scene& scene, const Mesh* mesh) {
@@ -185,7 +206,7 @@ class Run {
     area.cancel = cancel();
     auto measured = SectionsJson(scene, mesh, planes.value(), area);
     if (!measured) return Explained(measured.error());
-    sections_ = std::move(measured).value();
+    Note("sections", std::move(measured).value());
     return planes;
   }
 
@@ -207,7 +228,7 @@ class Run {
   }
 
   // Completes the report and writes it.
-  Result<Json> Finish(Json views, const std::vector<ViewValues>& values, const Json& more = Json::object()) {
+  Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
@@ -227,8 +248,8 @@ class Run {
     if (ShowsSmoothness(options_.inspection.kind))
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
-    if (!sections_.is_null()) report["sections"] = std::move(sections_);
-    report.update(more);
+    for (const auto& [key, value] : notes_.items())
+      if (!value.is_null()) report[key] = value;
     if (auto written = WriteReport(report, directory_); !written) return written.error();
     return report;
   }
@@ -254,8 +275,8 @@ class Run {
   const char* command_;
   const Clock::time_point start_;
   double scene_ms_ = 0;
+  Json notes_ = Json::object();
   Deadline deadline_;
-  Json sections_;
 };
 
 }  // namespace
@@ -326,15 +347,22 @@ Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<
                                    : 0}};
 }
 
-Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
+Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
                        const RunContext& context) {
+  const auto shown = ShownModel::Of(whole, nullptr, options.picture.arrangement);
+  if (!shown) return shown.error();
+  const ImportedModel& imported = shown.value().imported();
   Run run(imported, options, directory, context, "render");
+  run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
   const auto sections = run.Sections(scene, nullptr);
   if (!sections) return sections.error();
+  ContactSheet sheet(options.picture.sheet, 0);
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
     auto view = RenderView(scene, camera, ToViewOptions(options, sections.value(), run.cancel()));
     if (!view) return view.error();
+    Decorate(view.value().image, camera, view.value().frame, options.picture);
+    if (auto added = sheet.Add(view.value().image, camera, camera.name); !added) return added.error();
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.value().image);
     if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.value()));
@@ -348,23 +376,39 @@ Result<Json> RunRender(const ImportedModel& imported, const RunOptions& options,
     return json;
   });
   if (!views) return views.error();
+  if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
+  if (auto turned = run.Turntable(scene, ToViewOptions(options, sections.value(), run.cancel())); !turned)
+    return turned.error();
   return run.Finish(std::move(views).value(), {});
 }
 
-Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
+Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, const RunOptions& options,
                         const std::string& directory, const RunContext& context) {
+  const auto shown = ShownModel::Of(whole, &whole_mesh, options.picture.arrangement);
+  if (!shown) return shown.error();
+  const ImportedModel& imported = shown.value().imported();
+  const Mesh& mesh = shown.value().mesh();
   Run run(imported, options, directory, context, "compare");
+  run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
   const auto baseline = BaselineScene::Build(mesh, options.threads, !options.sections.empty());
   if (!baseline) return baseline.error();
   const auto sections = run.Sections(scene, &mesh);
   if (!sections) return sections.error();
+  ContactSheet sheet(options.picture.sheet, 3);
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
     auto compared =
         CompareView(scene, baseline.value(), camera, ToViewOptions(options, sections.value(), run.cancel()));
     if (!compared) return compared.error();
-    const ViewComparison& view = compared.value();
+    ViewComparison& view = compared.value();
+    // The pictures are compared: now they may be drawn into.
+    for (const auto& [image, what] : {std::pair{&view.direct.image, "exact"},
+                                      {&view.baseline.image, "mesh"},
+                                      {&view.picture.image, "difference"}}) {
+      Decorate(*image, camera, view.direct.frame, options.picture);
+      if (auto added = sheet.Add(*image, camera, camera.name + ": " + what); !added) return added.error();
+    }
     ViewFiles files(run.directory(), camera.name);
     files.Png("direct", view.direct.image);
     files.Png("baseline", view.baseline.image);
@@ -394,13 +438,14 @@ Result<Json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const R
     return json;
   });
   if (!views) return views.error();
-  Json more = Json::object();
+  if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
   if (options.mesh_deviation) {
     auto measured = WriteMeshDeviation(*imported.model, mesh, directory, run.cancel());
     if (!measured) return run.Explained(measured.error());
-    more = {{"mesh_deviation", std::move(measured).value()}, {"files", {{"mesh", "mesh.bin"}}}};
+    run.Note("mesh_deviation", std::move(measured).value());
+    run.files()["mesh"] = "mesh.bin";
   }
-  return run.Finish(std::move(views).value(), values, more);
+  return run.Finish(std::move(views).value(), values);
 }
 
 }  // namespace facetless

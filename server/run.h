@@ -8,6 +8,7 @@
 //     (render/compare/pixel_data.h; of views up to kMostPixelData pixels); with mesh_deviation mesh.bin
 //     (render/compare/mesh_deviation.h); for the run, report.json and report.html, these last. Each file is replaced as a
 //     whole.
+//     With --sheet there is sheet.png, with --turntable turntable.001.png, … and turntable.webp.
 //  3. The report is what docs/api.md says; its "views" entries carry "files", from a role ("direct", "depth",
 //     …) to a name in DIR.
 #pragma once

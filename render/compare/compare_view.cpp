@@ -44,12 +44,20 @@ Result<void> CheckOptions(const ViewOptions& options) {
 
 // What pictures are made of, whoever traces it.
 struct Subject {
-  Subject(const Model& m, const ViewOptions& options)
-      : model(m), colors(FaceColors(m, options.sections.size())) {
-    if (!options.sections.empty()) solids.emplace(m);
+  Subject(const Model& m, const ViewOptions& options) : model(m), colors(FaceColors(m, options.coloring)) {
+    if (options.sections.empty()) return;
+    solids.emplace(m);
+    // A cap has its solid's commonest colour in the file, else that of one of its faces.
+    std::vector<Color> caps;
+    for (std::uint32_t solid = 0; solid < solids->stride(); ++solid) caps.push_back(solids->ColorOf(solid));
+    if (options.coloring.source != ColorSource::kFile)
+      for (std::uint32_t face = 0; face < colors.size(); ++face)
+        if (const std::uint32_t solid = solids->SolidOf(face); solid != kNoIndex) caps[solid] = colors[face];
+    for (std::size_t plane = 0; plane < options.sections.size(); ++plane)
+      colors.insert(colors.end(), caps.begin(), caps.end());
   }
   const Model& model;
-  const std::vector<Color> colors;      // by placed face, then by cap
+  std::vector<Color> colors;            // by placed face, then by cap
   std::optional<SectionSolids> solids;  // whose caps are shown; none where nothing is cut
 };
 
@@ -285,18 +293,6 @@ SampleGrid GridOf(int samples) {
   for (int y = 1; y * y <= samples; ++y)
     if (samples % y == 0) grid = {samples / y, y};
   return grid;
-}
-
-std::vector<Color> FaceColors(const Model& model, std::size_t section_planes) {
-  std::vector<Color> colors(model.PlacedFaceCount());
-  for (std::uint32_t id = 0; id < colors.size(); ++id) colors[id] = model.PlacedFaceColor(id);
-  if (section_planes == 0) return colors;
-  const SectionSolids solids(model);
-  std::vector<Color> caps;
-  for (std::uint32_t solid = 0; solid < solids.stride(); ++solid) caps.push_back(solids.ColorOf(solid));
-  for (std::size_t plane = 0; plane < section_planes; ++plane)
-    colors.insert(colors.end(), caps.begin(), caps.end());
-  return colors;
 }
 
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {

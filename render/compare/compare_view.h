@@ -22,6 +22,7 @@
 #include "render/baseline/tracer.h"
 #include "render/compare/difference.h"
 #include "render/compare/difference_picture.h"
+#include "render/compare/face_colors.h"
 #include "render/image/film.h"
 #include "render/image/metrics.h"
 #include "render/inspect/picture.h"
@@ -42,6 +43,7 @@ struct ViewOptions {
   LineMode lines = LineMode::kNone;  // drawn over both pictures, from the exact model
   bool find_lines = false;           // fill DirectView::lines, whatever is drawn
   Background background = Background::kStudio;
+  Coloring coloring;
   Inspection inspection;               // what both pictures show; the difference is measured all the same
   double newton_tolerance = 0;         // as DirectOptions
   bool uv = false;                     // fill the direct samples' uv
@@ -102,8 +104,5 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
 // Errors: those of RenderView, TraceBaseline, CheckMeshCanShow, ComputeDifference and DrawDifference.
 Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
                                    const ViewOptions& options);
-
-// One colour per placed face, and behind them those of the caps of so many section planes.
-std::vector<Color> FaceColors(const Model& model, std::size_t section_planes = 0);
 
 }  // namespace facetless

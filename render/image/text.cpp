@@ -8,13 +8,14 @@
 #include <numbers>
 #include <vector>
 
+#include "render/image/paint.h"
 #include "render/model/vec.h"
 #include "render/nurbs/angle_map.h"
 
 namespace facetless {
 namespace {
 
-// Glyphs on a grid where a digit is 6 high, a small letter 3.8, and the baseline 0. "M x y" begins a
+// Glyphs on a grid where a digit and a capital are 6 high, a small letter 3.8, and the baseline 0. "M x y" begins a
 // stroke, "L x y" continues it, "A cx cy rx ry from to" is a stroke along an ellipse (angles in eighths of
 // a turn, from the right, upwards).
 struct GlyphSource {
@@ -61,6 +62,34 @@ constexpr GlyphSource kGlyphs[] = {
     {U'x', 3.0, "M 0 3.8 L 3 0 M 3 3.8 L 0 0"},
     {U'y', 3.2, "M 0 3.8 L 1.6 0 M 3.2 3.8 L 1.2 -1.2 L 0.2 -1.9"},
     {U'z', 2.9, "M 0 3.8 L 2.9 3.8 L 0 0 L 2.9 0"},
+    {U'µ', 3.2, "M 0 3.8 L 0 -2 M 0 1.6 A 1.6 1.6 1.6 1.6 4 8 M 3.2 3.8 L 3.2 0"},
+    {U'A', 4.2, "M 0 0 L 2.1 6 L 4.2 0 M 0.8 2.2 L 3.4 2.2"},
+    {U'B', 3.7, "M 0 0 L 0 6 L 2 6 A 2 4.55 1.5 1.45 2 -2 L 0 3.1 M 2 3.1 A 2 1.55 1.7 1.55 2 -2 L 0 0"},
+    {U'C', 4.0, "A 2.4 3 2.4 3 1.2 6.8"},
+    {U'D', 4.0, "M 1.6 6 L 0 6 L 0 0 L 1.6 0 A 1.6 3 2.4 3 -2 2"},
+    {U'E', 3.4, "M 3.4 6 L 0 6 L 0 0 L 3.4 0 M 0 3.1 L 2.9 3.1"},
+    {U'F', 3.4, "M 3.4 6 L 0 6 L 0 0 M 0 3.1 L 2.9 3.1"},
+    {U'G', 4.3, "A 2.4 3 2.4 3 1.2 7 M 2.6 2.8 L 4.3 2.8 L 4.3 0.9"},
+    {U'H', 4.0, "M 0 6 L 0 0 M 4 6 L 4 0 M 0 3.1 L 4 3.1"},
+    {U'I', 1.6, "M 0 6 L 1.6 6 M 0 0 L 1.6 0 M 0.8 0 L 0.8 6"},
+    {U'J', 2.6, "M 2.6 6 L 2.6 1.7 A 1.3 1.7 1.3 1.7 0 -4"},
+    {U'K', 3.9, "M 0 6 L 0 0 M 3.7 6 L 0 2.3 M 1.3 3.6 L 3.9 0"},
+    {U'L', 3.2, "M 0 6 L 0 0 L 3.2 0"},
+    {U'M', 4.8, "M 0 0 L 0 6 L 2.4 1.5 L 4.8 6 L 4.8 0"},
+    {U'N', 4.0, "M 0 0 L 0 6 L 4 0 L 4 6"},
+    {U'O', 4.8, "A 2.4 3 2.4 3 0 8"},
+    {U'P', 3.6, "M 0 0 L 0 6 L 1.9 6 A 1.9 4.4 1.7 1.6 2 -2 L 0 2.8"},
+    {U'Q', 4.8, "A 2.4 3 2.4 3 0 8 M 2.8 1.6 L 4.7 -0.4"},
+    {U'R', 3.7, "M 0 0 L 0 6 L 1.9 6 A 1.9 4.4 1.7 1.6 2 -2 L 0 2.8 M 1.7 2.8 L 3.7 0"},
+    {U'S', 3.7, "A 1.8 4.5 1.7 1.5 0.9 6 A 1.8 1.5 1.9 1.5 2 -3.2"},
+    {U'T', 4.0, "M 0 6 L 4 6 M 2 6 L 2 0"},
+    {U'U', 4.0, "M 0 6 L 0 2 A 2 2 2 2 4 8 M 4 6 L 4 2"},
+    {U'V', 4.2, "M 0 6 L 2.1 0 L 4.2 6"},
+    {U'W', 6.0, "M 0 6 L 1.5 0 L 3 5.4 L 4.5 0 L 6 6"},
+    {U'X', 4.0, "M 0 6 L 4 0 M 4 6 L 0 0"},
+    {U'Y', 4.0, "M 0 6 L 2 3 L 4 6 M 2 3 L 2 0"},
+    {U'Z', 3.8, "M 0 6 L 3.8 6 L 0 0 L 3.8 0"},
+    {U'_', 3.4, "M 0 -0.8 L 3.4 -0.8"},
     {U'.', 0.0, "M 0 0 L 0 0"},
     {U',', 0.3, "M 0.3 0.1 L 0 -1.1"},
     {U':', 0.0, "M 0 3.5 L 0 3.5 M 0 0.1 L 0 0.1"},
@@ -148,23 +177,10 @@ char32_t Next(std::string_view& text) {
   return code;
 }
 
-double DistanceTo(const Segment& segment, Vec2 p) {
-  const Vec2 along = segment.to - segment.from, offset = p - segment.from;
-  const double length2 = Dot(along, along);
-  const double t = length2 > 0 ? std::clamp(Dot(offset, along) / length2, 0.0, 1.0) : 0.0;
-  return Length(offset - t * along);
-}
-
-void Blend(std::uint8_t* pixel, const std::uint8_t (&color)[3], double cover) {
-  for (int c = 0; c < 3; ++c) {
-    const double below = SrgbToLinear(pixel[c] / 255.0), above = SrgbToLinear(color[c] / 255.0);
-    pixel[c] = EncodeByte(static_cast<float>(below + cover * (above - below)));
-  }
-}
-
 void DrawGlyph(Image8& image, double x, double y, const Glyph& glyph, const TextStyle& style) {
   const double scale = style.size_px / kUnitsPerSize, half = 0.5 * style.weight * style.size_px;
   const double reach = half + 1;
+  const Rgb8 color = {style.color[0], style.color[1], style.color[2]};
   const int x0 = std::max(0, static_cast<int>(std::floor(x - reach - scale)));
   const int x1 =
       std::min(image.width - 1, static_cast<int>(std::ceil(x + scale * (glyph.width + 1) + reach)));
@@ -174,9 +190,10 @@ void DrawGlyph(Image8& image, double x, double y, const Glyph& glyph, const Text
     for (int px = x0; px <= x1; ++px) {
       const Vec2 p{(px + 0.5 - x) / scale, (y - py - 0.5) / scale};
       double nearest = INFINITY;
-      for (const Segment& segment : glyph.segments) nearest = std::min(nearest, DistanceTo(segment, p));
+      for (const Segment& segment : glyph.segments)
+        nearest = std::min(nearest, DistanceToSegment(segment.from, segment.to, p));
       const double cover = std::clamp(half + 0.5 - nearest * scale, 0.0, 1.0);
-      if (cover > 0) Blend(image.at(px, py), style.color, cover);
+      if (cover > 0) CoverPixel(image.at(px, py), image.channels, color, cover);
     }
 }
 

@@ -2,7 +2,7 @@
 //
 //  1. Glyphs are strokes of one width: lines and arcs of ellipses, antialiased by their distance to a
 //     pixel's centre.
-//  2. There are the digits, the small Latin letters, and . , : - − + ± × / % ( ). Other characters are left
+//  2. There are the digits, the Latin letters, µ, and . , : - _ − + ± × / % ( ). Other characters are left
 //     out: CanDraw tells.
 //  3. The same bytes on every machine: no libm function is used.
 #pragma once
@@ -25,7 +25,7 @@ bool CanDraw(std::string_view utf8);
 // The width that DrawText takes, px.
 double TextWidth(std::string_view utf8, const TextStyle& style);
 
-// Draws over `image` (3 channels) with the left end of the baseline at (x, y). What lies outside is cut off.
+// Draws over `image` with the left end of the baseline at (x, y). What lies outside is cut off.
 void DrawText(Image8& image, double x, double y, std::string_view utf8, const TextStyle& style);
 
 }  // namespace facetless

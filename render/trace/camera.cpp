@@ -19,8 +19,6 @@ constexpr double kMinUpSine = 1e-6;
 constexpr double kLeastLength = 1e-30, kGreatestLength = 1e30;
 // nearest depth that a perspective view shows, of the model's diagonal
 constexpr double kNearShare = 1e-9;
-// free border of a named view, of the image's width and height, on each side
-constexpr double kMargin = 0.05;
 constexpr double kNamedFovDeg = 40;
 // A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner of
 // the box.
@@ -164,8 +162,39 @@ const std::vector<std::string>& ViewNames() {
   return names;
 }
 
+Vec3 TurnedTo(UpAxis up, Vec3 direction) {
+  const auto [x, y, z] = direction;
+  if (up == UpAxis::kX) return {z, x, y};
+  if (up == UpAxis::kY) return {x, z, 0 - y};  // no -0 in reports
+  return direction;
+}
+
+Result<BoxFit> FitBox(const Camera& camera, const Box3& bounds, double margin) {
+  if (bounds.empty() || !Finite(bounds.low) || !Finite(bounds.high))
+    return Bad(camera, "there is nothing to look at, the bounds are empty");
+  const double size = bounds.diagonal() > 0 ? bounds.diagonal() : 1.0;
+  const Result<CameraFrame> frame = MakeFrame(camera, size);
+  if (!frame.ok()) return frame.error();
+
+  // Fit the corners of the box into the window, less its margin.
+  const double used = 1 - 2 * margin;
+  const double aspect = static_cast<double>(camera.width_px) / camera.height_px;
+  const double tan_y = TanOfHalf(camera.fov_y_deg) * used;
+  BoxFit fit;
+  for (const Vec3 corner : Corners(bounds)) {
+    const Vec3 d = corner - bounds.center();
+    const double x = std::fabs(Dot(d, frame.value().right));
+    const double y = std::fabs(Dot(d, frame.value().down));
+    const double z = Dot(d, frame.value().forward);
+    fit.height_mm = std::max({fit.height_mm, 2 * y / used, 2 * x / (aspect * used)});
+    fit.distance_mm =
+        std::max({fit.distance_mm, y / tan_y - z, x / (aspect * tan_y) - z, kStandOff * size - z});
+  }
+  return fit;
+}
+
 Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection projection, int width_px,
-                         int height_px) {
+                         int height_px, const NamedViewOptions& options) {
   const auto view =
       std::find_if(kViews.begin(), kViews.end(), [&](const ViewDirection& v) { return name == v.name; });
   if (view == kViews.end()) {
@@ -177,6 +206,9 @@ Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection
     return Error{ErrorCode::kBadUsage,
                  "view '" + name + "': there is nothing to look at, the bounds are empty"};
 
+  if (!(options.margin >= 0 && options.margin <= kMostMargin))
+    return Error{ErrorCode::kBadUsage, "view '" + name + "': the margin must lie between 0 and 0.45"};
+
   // Look at the centre; a model that is a point gets a window of 1 mm.
   const double size = bounds.diagonal() > 0 ? bounds.diagonal() : 1.0;
   Camera camera;
@@ -185,32 +217,18 @@ Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection
   camera.width_px = width_px;
   camera.height_px = height_px;
   camera.target = bounds.center();
-  camera.up = view->up;
+  camera.up = TurnedTo(options.up, view->up);
   camera.fov_y_deg = kNamedFovDeg;
   camera.height = size;
-  const Vec3 toward_eye = Normalized(view->toward_eye);
+  const Vec3 toward_eye = Normalized(TurnedTo(options.up, view->toward_eye));
   camera.eye = camera.target + size * toward_eye;
-  const Result<CameraFrame> frame = MakeFrame(camera, size);
-  if (!frame.ok()) return frame.error();
-
-  // Fit the corners of the box into the window, less its margin.
-  const double used = 1 - 2 * kMargin;
-  const double aspect = static_cast<double>(width_px) / height_px;
-  const double tan_y = TanOfHalf(camera.fov_y_deg) * used;
-  double height = 0, distance = 0;
-  for (const Vec3 corner : Corners(bounds)) {
-    const Vec3 d = corner - camera.target;
-    const double x = std::fabs(Dot(d, frame.value().right));
-    const double y = std::fabs(Dot(d, frame.value().down));
-    const double z = Dot(d, frame.value().forward);
-    height = std::max({height, 2 * y / used, 2 * x / (aspect * used)});
-    distance = std::max({distance, y / tan_y - z, x / (aspect * tan_y) - z, kStandOff * size - z});
-  }
+  const Result<BoxFit> fit = FitBox(camera, bounds, options.margin);
+  if (!fit.ok()) return fit.error();
   if (projection == Projection::kOrthographic) {
-    if (height > 0) camera.height = height;  // else: the box is a line along the view
+    if (fit.value().height_mm > 0) camera.height = fit.value().height_mm;  // else: a line along the view
   } else {
     camera.height = 0;
-    camera.eye = camera.target + distance * toward_eye;
+    camera.eye = camera.target + fit.value().distance_mm * toward_eye;
   }
   return camera;
 }

@@ -61,10 +61,44 @@ PixelPoint Project(const CameraFrame& frame, Vec3 point);
 // Names of NamedView, in order: front back left right top bottom iso iso-left iso-back iso-right iso-below.
 const std::vector<std::string>& ViewNames();
 
-// A camera that looks at `bounds` and fits it with 5 % of margin: `front` looks along +Y, `right` along −X,
-// `top` along −Z (+Y up), `iso` from (1, −1, 1)/√3; see the table in docs/cameras.md. Error: kBadUsage names
-// the valid names.
+// The axis of the model that named views draw upwards. What `front`, `top` and so on show turns with it:
+// kY as in glTF (`front` looks along −Z, +X to the right), kX by exchanging the axes in a circle (`front`
+// looks along +Z, +Y to the right).
+enum class UpAxis : std::uint8_t { kX, kY, kZ };
+
+// A direction that is (x, y, z) where Z is up, in a model whose `up` is up: a rotation of the axes.
+Vec3 TurnedTo(UpAxis up, Vec3 direction);
+
+struct NamedViewOptions {
+  double margin = 0.05;  // free border, of the image's width and height, on each side: 0 … kMostMargin
+  UpAxis up = UpAxis::kZ;
+};
+// Beyond it next to nothing is left for the model.
+inline constexpr double kMostMargin = 0.45;
+
+// What a camera that looks at the centre of `bounds` needs to show all of it: the height of an orthographic
+// window, or the distance of a perspective eye from the centre. Only the camera's direction, field of view and
+// size in pixels count. Errors: kBadUsage (those of MakeFrame; bounds that are empty).
+struct BoxFit {
+  double height_mm = 0, distance_mm = 0;
+};
+Result<BoxFit> FitBox(const Camera& camera, const Box3& bounds, double margin);
+
+// A camera that looks at `bounds` and fits it into the window less its margin: with Z up, `front` looks
+// along +Y, `right` along −X, `top` along −Z (+Y up), `iso` from (1, −1, 1)/√3; see the table in
+// docs/cameras.md. Error: kBadUsage (no such name: names the valid ones; margin).
 Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection projection, int width_px,
-                         int height_px);
+                         int height_px, const NamedViewOptions& options = {});
+
+// `count` cameras around `first`'s target, beginning where it stands: each is turned about the axis that is up
+// by a further 1/count of a turn, eye to the right, so that the model turns to the left. Where `fit` is given,
+// all get the one window or distance that shows it from each of them; else they keep `first`'s. Names are
+// `first`'s with the frame's number. Errors: those of FitBox.
+struct TurntableFit {
+  Box3 bounds;
+  double margin = 0;
+};
+Result<std::vector<Camera>> TurntableCameras(const Camera& first, UpAxis up, int count,
+                                             const TurntableFit* fit);
 
 }  // namespace facetless

@@ -210,11 +210,14 @@ class JobRun {
     // How much work is asked for.
     auto cameras = ResolveCameras(request_.options, imported.model->bounds);
     if (!cameras) return cameras.error();
-    const std::uint64_t samples = SamplesOf(cameras.value(), request_.options.samples);
+    const std::uint64_t frames = static_cast<std::uint64_t>(request_.options.picture.turntable);
+    const std::uint64_t samples = SamplesOf(cameras.value(), request_.options.samples) +
+                                  frames * SamplesOf({cameras.value().front()}, request_.options.samples);
     if (samples > limits_.max_samples)
-      return Error{ErrorCode::kLimitExceeded, "the request asks for " + std::to_string(samples) +
-                                                  " samples (pixels × samples per pixel × views), and " +
-                                                  std::to_string(limits_.max_samples) + " are allowed"};
+      return Error{ErrorCode::kLimitExceeded,
+                   "the request asks for " + std::to_string(samples) +
+                       " samples (pixels × samples per pixel × views and frames), and " +
+                       std::to_string(limits_.max_samples) + " are allowed"};
 
     // Run into a directory of its own, then move its files into the store.
     auto scratch = store_.Scratch();
@@ -263,6 +266,15 @@ class JobRun {
         }
       }
       view["links"] = std::move(links);
+    }
+    if (report.contains("turntable")) {
+      Json& turntable = report["turntable"];
+      turntable["links"] = Json::array();
+      for (const Json& frame : turntable["frames"]) {
+        auto address = publication.Add(frame.get<std::string>());
+        if (!address) return address.error();
+        turntable["links"].push_back(std::move(address).value());
+      }
     }
     Json links = {{"model", "/v1/models/" + model_->id}, {"self", "/v1/answers/" + job_.question}};
     const Json files = report.value("files", Json::object());

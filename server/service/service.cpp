@@ -41,9 +41,9 @@ constexpr const char* kArtifactPolicy =
 
 const char* ContentTypeOf(const std::string& extension) {
   static const std::pair<const char*, const char*> kTypes[] = {
-      {"png", "image/png"},        {"tif", "image/tiff"},        {"exr", "image/x-exr"},
-      {"svg", "image/svg+xml"},    {"json", "application/json"}, {"html", "text/html; charset=utf-8"},
-      {"glb", "model/gltf-binary"}};
+      {"png", "image/png"},         {"tif", "image/tiff"},        {"exr", "image/x-exr"},
+      {"svg", "image/svg+xml"},     {"json", "application/json"}, {"html", "text/html; charset=utf-8"},
+      {"glb", "model/gltf-binary"}, {"webp", "image/webp"}};
   for (const auto& [known, type] : kTypes) {
     if (extension == known) return type;
   }

@@ -85,7 +85,8 @@ Result<void> CheckOptions(const Submission& submission) {
   if (!options) return options.error();
   if (submission.kind == "comparison")
     if (auto can = CheckMeshCanShow(options.value().inspection, true); !can) return can.error();
-  return {};
+  return CheckPictureOptions(options.value().picture,
+                             submission.kind == "comparison" ? "compare" : submission.kind);
 }
 
 }  // namespace

@@ -69,6 +69,34 @@ TEST(HttpRealFiles, ComparesWithAMeshThatWasPosted) {
   EXPECT_EQ(scaled.Problem(), "unit-mismatch") << scaled.body;
 }
 
+TEST(HttpRealFiles, LinksSheetAndTurntable) {
+  LiveServer server;
+  const std::string file = ReadText(Sample("assembly.step"));
+  const Reply reply = server.PostForm(
+      "/v1/renders",
+      {{"file", "assembly.step", file},
+       {"options", "", R"({"size":"96x96","view":["iso","top"],"hide":"bolt","sheet":true,"turntable":3})"}});
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const Json report = reply.Json();
+  EXPECT_EQ(report.at("arrangement").at("left_out").at("placements"), 8);
+  const Reply sheet = server.Get(report.at("links").at("sheet"));
+  EXPECT_EQ(sheet.status, 200);
+  EXPECT_EQ(sheet.headers.at("content-type"), "image/png");
+  const Reply turntable = server.Get(report.at("links").at("turntable"));
+  EXPECT_EQ(turntable.headers.at("content-type"), "image/webp");
+  EXPECT_EQ(turntable.body.substr(8, 4), "WEBP");
+  ASSERT_EQ(report.at("turntable").at("links").size(), 3u);
+  for (const Json& frame : report.at("turntable").at("links")) EXPECT_EQ(server.Get(frame).status, 200);
+  // What the service refuses before it begins.
+  const Reply refused = server.PostForm(
+      "/v1/comparisons", {{"file", "assembly.step", file}, {"options", "", R"({"turntable":3})"}});
+  EXPECT_EQ(refused.status, 422) << refused.body;
+  const Reply nobody = server.PostForm(
+      "/v1/renders", {{"file", "assembly.step", file}, {"options", "", R"({"parts":"whel"})"}});
+  EXPECT_EQ(nobody.Problem(), "bad-usage") << nobody.body;
+  EXPECT_NE(nobody.body.find("bolt"), std::string::npos) << "it says what there is";
+}
+
 TEST(HttpRealFiles, TradesSpeedForAccuracy) {
   LiveServer server;
   const Reply reply = server.PostForm(

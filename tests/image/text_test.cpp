@@ -18,16 +18,17 @@ int InkCount(const Image8& image) {
 }
 
 TEST(Text, KnowsWhatItCanDraw) {
-  EXPECT_TRUE(CanDraw("0123456789 abcdefghijklmnopqrstuvwxyz .,:-−+±×/%()"));
+  EXPECT_TRUE(CanDraw("0123456789 abcdefghijklmnopqrstuvwxyz ABCDEFGHIJKLMNOPQRSTUVWXYZ µ.,:-_−+±×/%()"));
   EXPECT_FALSE(CanDraw("Größe"));
   EXPECT_FALSE(CanDraw("\xff\xfe"));
 }
 
 TEST(Text, EveryGlyphLeavesInkAndNoTwoLookAlike) {
-  const std::string glyphs[] = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "a", "b",
-                                "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n",
-                                "o", "p", "q", "r", "s", "t", "u", "v", "w", "x", "y", "z",
-                                ".", ",", ":", "-", "−", "+", "±", "×", "/", "%", "(", ")"};
+  const std::string glyphs[] = {
+      "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "a", "b", "c", "d", "e", "f", "g", "h", "i",
+      "j", "k", "l", "m", "n", "o", "p", "q", "r", "s", "t", "u", "v", "w", "x", "y", "z", "A", "B",
+      "C", "D", "E", "F", "G", "H", "I", "J", "K", "L", "M", "N", "O", "P", "Q", "R", "S", "T", "U",
+      "V", "W", "X", "Y", "Z", "µ", "_", ".", ",", ":", "-", "−", "+", "±", "×", "/", "%", "(", ")"};
   std::vector<Image8> drawn;
   for (const std::string& glyph : glyphs) {
     Image8 image = Paper(40, 60);
@@ -52,6 +53,22 @@ TEST(Text, WidthIsWhereTheInkEnds) {
       }
   EXPECT_NEAR(left, 20, 4);
   EXPECT_NEAR(right, 20 + TextWidth(words, style), 4);
+}
+
+TEST(Text, CoversWhatIsTransparent) {
+  Image8 image{40, 60, 4, std::vector<std::uint8_t>(40 * 60 * 4, 0)};
+  DrawText(image, 8, 40, "I", {.size_px = 30, .weight = 0.2});
+  int opaque = 0, between = 0;
+  for (int i = 0; i < 40 * 60; ++i) {
+    const std::uint8_t* pixel = &image.bytes[static_cast<std::size_t>(i) * 4];
+    opaque += pixel[3] == 255;
+    between += pixel[3] > 0 && pixel[3] < 255;
+    if (pixel[3] > 0) {
+      EXPECT_NEAR(pixel[0], 40, 1) << "nothing of what is transparent shines through";
+    }
+  }
+  EXPECT_GT(opaque, 100);
+  EXPECT_GT(between, 20);
 }
 
 TEST(Text, IsCutAtTheBorder) {

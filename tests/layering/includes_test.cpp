@@ -166,6 +166,7 @@ TEST(Layering, EachLibraryHasOneHome) {
   EXPECT_THAT(IncludersOf("(png|tiffio|ImfOutputFile)\\.h"),
               testing::UnorderedElementsAre("render/image/png_file.cpp", "render/image/depth_file.cpp",
                                             "render/image/aov_file.cpp"));
+  EXPECT_THAT(IncludersOf("webp/.*"), testing::UnorderedElementsAre("render/image/webp_file.cpp"));
   EXPECT_THAT(IncludersOutside("OpenImageIO/.*", {"tests/image/"}), IsEmpty())
       << "it loads two hundred libraries before a program begins";
   EXPECT_THAT(IncludersOutside("(.*/)?tiny_gltf\\.h", {"import/", "render/baseline/", "tests/import/"}),

@@ -212,6 +212,45 @@ TEST(NamedView, FitsTheBoxAndLeavesTheMargin) {
       }
 }
 
+TEST(NamedView, KeepsTheMarginThatIsAskedForAndRefusesOneThatLeavesNothing) {
+  for (Projection projection : {Projection::kOrthographic, Projection::kPerspective})
+    for (double margin : {0.0, 0.2, 0.45}) {
+      const Camera camera = NamedView("iso", UnitBox(), projection, 300, 200, {.margin = margin}).value();
+      const CameraFrame frame = FrameOf(camera);
+      double border = INFINITY;
+      for (int i = 0; i < 8; ++i) {
+        const PixelPoint p = Project(frame, {i & 1 ? 1.0 : -1.0, i & 2 ? 2.0 : -2.0, i & 4 ? 3.0 : -3.0});
+        border = std::min({border, p.x / 300, 1 - p.x / 300, p.y / 200, 1 - p.y / 200});
+      }
+      EXPECT_NEAR(border, margin, 1e-12);
+    }
+  for (double margin : {-0.01, 0.46, static_cast<double>(NAN)})
+    EXPECT_FALSE(NamedView("iso", UnitBox(), Projection::kOrthographic, 64, 64, {.margin = margin}).ok());
+}
+
+TEST(NamedView, TurnsWithTheAxisThatIsUp) {
+  const struct {
+    UpAxis axis;
+    Vec3 up, front_forward, front_right, top_up, iso_eye;
+  } table[] = {{UpAxis::kZ, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, -1, 1}},
+               {UpAxis::kY, {0, 1, 0}, {0, 0, -1}, {1, 0, 0}, {0, 0, -1}, {1, 1, 1}},
+               {UpAxis::kX, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 1, -1}}};
+  for (const auto& [axis, up, front_forward, front_right, top_up, iso_eye] : table) {
+    const auto frame = [axis = axis](const char* name) {
+      return FrameOf(NamedView(name, UnitBox(), Projection::kOrthographic, 64, 64, {.up = axis}).value());
+    };
+    ExpectNear(frame("front").forward, front_forward, 1e-15);
+    ExpectNear(frame("front").right, front_right, 1e-15);
+    ExpectNear(-frame("front").down, up, 1e-15);
+    ExpectNear(frame("top").forward, -up, 1e-15);
+    ExpectNear(-frame("top").down, top_up, 1e-15);
+    ExpectNear(-frame("iso").forward, Normalized(iso_eye), 1e-15);
+    // A rotation: what is right of the front is seen from the right.
+    ExpectNear(-frame("right").forward, front_right, 1e-15);
+    ExpectNear(frame("back").right, -front_right, 1e-15);
+  }
+}
+
 TEST(NamedView, WorksFarFromTheOriginAndForFlatAndPointLikeBoxes) {
   Box3 far;
   far.Add({1e7, 1e7, 1e7});
