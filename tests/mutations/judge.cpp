@@ -129,6 +129,9 @@ Verdict JudgeFile(const std::string& path, const JudgeLimits& limits) {
   return extension == ".glb" || extension == ".stl" ? JudgeMesh(path) : JudgeImport(path, limits);
 }
 
+// A service that stops a job at its limit says so a little later.
+constexpr double kAnswerSeconds = 10;
+
 Verdict JudgePost(const std::string& host, int port, const std::string& file_name, const std::string& bytes,
                   const JudgeLimits& limits) {
   const auto start = Clock::now();
@@ -141,7 +144,7 @@ Verdict JudgePost(const std::string& host, int port, const std::string& file_nam
       "POST /v1/models HTTP/1.1\r\nHost: " + host +
           "\r\nPrefer: wait=60\r\nConnection: close\r\nContent-Type: multipart/form-data; boundary=" +
           boundary + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body,
-      limits.timeout_s);
+      limits.timeout_s + kAnswerSeconds);
   Verdict verdict;
   verdict.wall_ms = MillisecondsSince(start);
   const std::size_t head = answer.find("\r\n\r\n");
