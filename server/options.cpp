@@ -67,7 +67,7 @@ Result<void> Store(Parsed parsed, Target& target) {
 }
 
 Parser NumberParser(const char* name, double low, double high,
-                    std::function<void(RunOptions&, double)> store) {
+                    const std::function<void(RunOptions&, double)>& store) {
   return [=](const Json& json, RunOptions& options) -> Result<void> {
     auto number = ParseNumber(json, name, low, high);
     if (!number) return number.error();
@@ -77,7 +77,7 @@ Parser NumberParser(const char* name, double low, double high,
 }
 
 template <typename Enum>
-Parser WordParser(const char* name, std::vector<std::string> words, Enum RunOptions::*member) {
+Parser WordParser(const char* name, const std::vector<std::string>& words, Enum RunOptions::*member) {
   return [=](const Json& json, RunOptions& options) -> Result<void> {
     auto index = ParseWord(json, name, words);
     if (!index) return index.error();

@@ -23,7 +23,7 @@ void CoverPixel(std::uint8_t* pixel, int channels, const Rgb8& color, double cov
   for (int c = 0; c < 3; ++c)
     pixel[c] = EncodeByte(static_cast<float>(
         (below * SrgbToLinear(pixel[c] / 255.0) + cover * SrgbToLinear(color[c] / 255.0)) / alpha));
-  if (channels == 4) pixel[3] = static_cast<std::uint8_t>(alpha * 255 + 0.5);
+  if (channels == 4) pixel[3] = static_cast<std::uint8_t>(std::lround(alpha * 255));
 }
 
 double DistanceToSegment(Vec2 from, Vec2 to, Vec2 p) {
