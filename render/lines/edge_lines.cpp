@@ -134,8 +134,12 @@ class Projector {
       const double off_x = p.x - a.x - share * dx, off_y = p.y - a.y - share * dy;
       if (!(off_x * off_x + off_y * off_y <= kFlatness * kFlatness)) return false;
       const double pixel = frame_.projection == Projection::kPerspective ? scale * p.depth : scale;
-      const double low = std::min(a.depth, b.depth), high = std::max(a.depth, b.depth);
-      if (!(p.depth >= low - 0.5 * pixel && p.depth <= high + 0.5 * pixel)) return false;
+      // A chord that is a point on the screen has no depth at a share.
+      const double chord_depth =
+          square > kFlatness * kFlatness
+              ? a.depth + share * (b.depth - a.depth)
+              : std::clamp(p.depth, std::min(a.depth, b.depth), std::max(a.depth, b.depth));
+      if (!(std::fabs(p.depth - chord_depth) <= kDepthFlatness * pixel)) return false;
     }
     return true;
   }

@@ -241,7 +241,11 @@ class FaceTracer {
     const double share =
         square > 0 ? std::clamp(((m.x - p.x) * dx + (m.y - p.y) * dy) / square, 0.0, 1.0) : 0;
     const double off_x = m.x - p.x - share * dx, off_y = m.y - p.y - share * dy;
-    const bool flat = off_x * off_x + off_y * off_y <= kFlatness * kFlatness;
+    const double off_depth = m.depth - p.depth - share * (q.depth - p.depth);
+    const double pixel = std::max(frame_.pixel_x, frame_.pixel_y) *
+                         (frame_.projection == Projection::kPerspective ? m.depth : 1);
+    const bool flat = off_x * off_x + off_y * off_y <= kFlatness * kFlatness &&
+                      (square <= kFlatness * kFlatness || std::fabs(off_depth) <= kDepthFlatness * pixel);
     if (flat && depth > 0) return;
     Refine(a, *middle, depth + 1, out);
     out->push_back(*middle);

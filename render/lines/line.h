@@ -1,7 +1,8 @@
 // Lines of a view: what a drawing shows of a model, in pixels.
 //
 //  1. Points are pixel coordinates of the view's camera and the depth there; between two of them runs a straight line
-//     that is off the exact curve by at most kFlatness.
+//     that is off the exact curve by at most kFlatness, and by kDepthFlatness in depth: a rim that is seen edge-on is a
+//     straight line on the screen, and must not run through the inside of what hides its far side.
 //  2. Classes, in the order in which they are drawn: what comes later lies on top.
 #pragma once
 
@@ -15,7 +16,7 @@
 
 namespace facetless {
 
-inline constexpr double kFlatness = 0.03;  // pixels
+inline constexpr double kFlatness = 0.03, kDepthFlatness = 0.5;  // pixels
 
 enum class LineClass : std::uint8_t {
   kSeam,        // both sides are the same face

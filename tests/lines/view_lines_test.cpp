@@ -126,6 +126,33 @@ TEST(ViewLines, OfACutAreItsOutline) {
   EXPECT_EQ(LengthOf(LinesOf(model, camera, {{{0, 0, -1}, {0, 0, 1}}}), LineClass::kSilhouette, true), 0);
 }
 
+TEST(ViewLines, SeenEdgeOnKeepTheirDepth) {
+  // The outline of a cut from the front is a straight line, whose points lie on a circle all the same.
+  const Camera camera = ViewOf(ModelOf({Sphere({0, 0, 0}, 10)}), "front", Projection::kOrthographic);
+  const double pixel = camera.height / 300;
+  const auto expect_circle = [&](const std::vector<ViewLine>& lines, LineClass kind, double radius) {
+    double nearest = INFINITY, farthest = 0;
+    for (const ViewLine& line : lines)
+      for (std::size_t i = 0; i < line.points.size(); ++i)
+        if (line.kind == kind) {
+          nearest = std::min(nearest, line.points[i].depth);
+          farthest = std::max(farthest, line.points[i].depth);
+        }
+    const double middle = 0.5 * (nearest + farthest);
+    EXPECT_NEAR((farthest - nearest) / 2, radius, pixel);
+    for (const ViewLine& line : lines)
+      for (std::size_t i = 1; line.kind == kind && i < line.points.size(); ++i) {
+        const LinePoint &a = line.points[i - 1], &b = line.points[i];
+        const double x = (0.5 * (a.x + b.x) - 150) * pixel, depth = 0.5 * (a.depth + b.depth) - middle;
+        // Where the circle runs along the ray, half a pixel beside it is more than half a pixel of depth.
+        if (std::fabs(x) > 0.9 * radius) continue;
+        EXPECT_NEAR(std::hypot(x, depth), radius, 2 * kDepthFlatness * pixel) << "at " << 0.5 * (a.x + b.x);
+      }
+  };
+  Model ball = ModelOf({Sphere({0, 0, 0}, 10)});
+  expect_circle(LinesOf(ball, camera, {{{0, 0, 0}, {0, 0, 1}}}), LineClass::kCut, 10);
+}
+
 TEST(ViewLines, AreTheSameForAnyNumberOfThreads) {
   const Model model = ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({0, 5, 8}, 5)});
   const Camera camera = ViewOf(model, "iso", Projection::kPerspective);

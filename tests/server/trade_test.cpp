@@ -95,7 +95,7 @@ TEST_F(Trade, MeasuresBothTracersAndAnswers) {
   EXPECT_THAT(questions, Contains("max_error_mm"));
   EXPECT_THAT(questions, Contains("direct_cheaper_time"));
   EXPECT_THAT(questions, Contains("direct_cheaper_memory"));
-  EXPECT_THAT(page, HasSubstr("data:image/svg+xml;base64,"));
+  EXPECT_THAT(page, HasSubstr("tradeSection")) << "the page draws its plots from the numbers";
 }
 
 TEST_F(Trade, GivesEachViewItsPlots) {
