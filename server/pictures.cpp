@@ -1,7 +1,6 @@
 #include "server/pictures.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +10,6 @@
 #include "render/image/animation.h"
 #include "render/image/io.h"
 #include "render/image/overlay.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
@@ -19,7 +17,7 @@ namespace {
 using Json = nlohmann::json;
 
 std::string FrameFile(std::size_t frame) {
-  char name[32];
+  char name[48];
   std::snprintf(name, sizeof name, "turntable.%03zu.png", frame + 1);
   return name;
 }
@@ -84,16 +82,10 @@ Result<Json> RenderTurntable(const TurntableRun& run, Json& files) {
     if (!view) return view.error();
     Image8& image = view.value().image;
     Decorate(image, camera, view.value().frame, options);
-    // The two files take about the same time.
-    std::array<Result<void>, 2> written;
-    RunWithThreads(run.options.threads, [&] {
-      ParallelFor(0, 2, [&](int which) {
-        written[which] = which == 0 ? WritePng(run.directory + "/" + FrameFile(frame), image)
-                                    : animation.value().Add(image, FrameTime(options, frame));
-      });
-    });
-    for (const Result<void>& result : written)
-      if (!result) return result.error();
+    // In this thread: in many, each would keep the memory of a frame for the next.
+    if (auto written = WritePng(run.directory + "/" + FrameFile(frame), image); !written)
+      return written.error();
+    if (auto added = animation.value().Add(image, FrameTime(options, frame)); !added) return added.error();
     names.push_back(FrameFile(frame));
   }
   constexpr const char* kName = "turntable.webp";
