@@ -6,7 +6,7 @@
 
 #include "render/inspect/angle.h"
 #include "render/inspect/curvature.h"
-#include "render/nurbs/monotone_curve.h"
+#include "render/nurbs/edge_points.h"
 #include "render/nurbs/surface_eval.h"
 #include "render/trace/parallel.h"
 
@@ -19,42 +19,6 @@ constexpr int kMostSteps = 6;
 struct Use {
   std::uint32_t face, coedge;
 };
-
-struct EdgePoint {
-  Vec3 position, tangent;  // tangent: unit; zero where the curve stands still
-};
-
-// The point of the edge's 3D curve at its parameter.
-EdgePoint PointOf(const Model& model, const Edge& edge, double parameter) {
-  std::uint32_t s = edge.segments.first;
-  while (s + 1 < edge.segments.end() && model.edge_segments[s].end < parameter) ++s;
-  const EdgeSegment& segment = model.edge_segments[s];
-  const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
-  const auto first = model.edge_points.begin() + segment.first_point;
-  std::vector<Vec4> p(first, first + segment.degree + 1);
-  for (int last = segment.degree; last > 1; --last)
-    for (int i = 0; i < last; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
-  const Vec4 h = (1 - t) * p[0] + t * p[1], d = p[1] - p[0];
-  const Vec3 position{h.x / h.w, h.y / h.w, h.z / h.w};
-  return {position, Normalized(Vec3{d.x, d.y, d.z} - d.w * position)};
-}
-
-// The point of the coedge's p-curve that belongs to the edge's parameter.
-Vec2 PointOf(const Model& model, const Coedge& coedge, double parameter) {
-  double best = INFINITY;
-  Vec2 point;
-  for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
-    const TrimSegment& segment = model.trim_segments[s];
-    // Real p-curves have segments of no length, which stand for their own parameter only.
-    const double width = segment.edge_end - segment.edge_begin;
-    const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
-    const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
-    if (!(off < best)) continue;
-    best = off;
-    point = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, inside);
-  }
-  return point;
-}
 
 // The foot of `target` on the surface, within its grid, from (u, v): Gauss and Newton.
 Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
@@ -107,7 +71,7 @@ class EdgeMeter {
     Vec3 before;
     for (int k = 0; k <= kPlaces; ++k) {
       const double parameter = k < kPlaces ? begin + (end - begin) * k / kPlaces : end;
-      const EdgePoint place = PointOf(model_, edge, parameter);
+      const EdgePoint place = PointOfEdge(model_, edge, parameter);
       if (k > 0) result.length_mm += Length(place.position - before);
       before = place.position;
       const std::optional<Side> one = SideAt(uses[0], place, parameter),
@@ -132,7 +96,8 @@ class EdgeMeter {
 
   std::optional<Side> SideAt(const Use& use, const EdgePoint& place, double parameter) const {
     const SurfaceEval& surface = surfaces_[use.face];
-    const Vec2 foot = FootOf(surface, place.position, PointOf(model_, model_.coedges[use.coedge], parameter));
+    const Vec2 foot =
+        FootOf(surface, place.position, PointOfCoedge(model_, model_.coedges[use.coedge], parameter));
     const SurfacePoint point = surface.Second(foot.x, foot.y);
     const std::optional<TangentFrame> frame =
         FrameAt(point, model_.faces[use.face].reversed ? -1 : 1, surface.u_end() - surface.u_begin(),

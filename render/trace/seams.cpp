@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "render/nurbs/angle_map.h"
+#include "render/nurbs/edge_points.h"
 #include "render/nurbs/edge_winding.h"
-#include "render/nurbs/monotone_curve.h"
 #include "render/nurbs/projected_edges.h"
 #include "render/trace/parallel.h"
 
@@ -317,9 +317,10 @@ class Finder {
     if (source_->vertex == kNoIndex) parameter = Settled(edge, parameter);
     SeamSample sample{instance_, use.face, candidate.column,      candidate.row, 0, 0, 0,
                       0,         odd,      candidate.distance_px, source_index_};
-    const Vec3 point = model_.instances[instance_].placement.Point(PointOf(edge, parameter));
+    const Vec3 point =
+        model_.instances[instance_].placement.Point(PointOfEdge(model_, edge, parameter).position);
     sample.depth = Dot(point - frame_.eye, frame_.forward);
-    const Vec2 uv = PointOf(coedge, parameter);
+    const Vec2 uv = PointOfCoedge(model_, coedge, parameter);
     const Surface& surface = model_.surfaces[model_.faces[use.face].surface];
     const std::uint32_t i = SpanOf(surface.u_spans, uv.x), j = SpanOf(surface.v_spans, uv.y);
     sample.patch = i * surface.v_spans.count + j;
@@ -349,36 +350,6 @@ class Finder {
     const double width = segment.end - segment.begin;
     const double t = std::floor((parameter - segment.begin) / width / grid + 0.5) * grid;
     return segment.begin + std::clamp(t, 0.0, 1.0) * width;
-  }
-
-  // A point of the edge's curve, part coordinates.
-  Vec3 PointOf(const Edge& edge, double parameter) const {
-    std::uint32_t s = edge.segments.first;
-    while (s + 1 < edge.segments.end() && model_.edge_segments[s].end < parameter) ++s;
-    const EdgeSegment& segment = model_.edge_segments[s];
-    const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
-    Vec4 p[kMaxPoints];
-    std::copy_n(model_.edge_points.data() + segment.first_point, segment.degree + 1, p);
-    for (int level = segment.degree; level > 0; --level)
-      for (int i = 0; i < level; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
-    return {p[0].x / p[0].w, p[0].y / p[0].w, p[0].z / p[0].w};
-  }
-
-  // A point of a coedge's p-curve.
-  Vec2 PointOf(const Coedge& coedge, double parameter) const {
-    double best = INFINITY;
-    Vec2 point;
-    for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
-      const TrimSegment& segment = model_.trim_segments[s];
-      const double width = segment.edge_end - segment.edge_begin;
-      // A segment of no length stands for one parameter only.
-      const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
-      const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
-      if (!(off < best)) continue;
-      best = off;
-      point = PointOn({model_.trim_points.data() + segment.first_point, segment.degree}, inside);
-    }
-    return point;
   }
 
   std::uint32_t SpanOf(Range spans, double native) const {

@@ -1,0 +1,41 @@
+#include "render/nurbs/edge_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "render/nurbs/monotone_curve.h"
+
+namespace facetless {
+
+EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter) {
+  std::uint32_t s = edge.segments.first;
+  while (s + 1 < edge.segments.end() && model.edge_segments[s].end < parameter) ++s;
+  const EdgeSegment& segment = model.edge_segments[s];
+  const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
+  const auto first = model.edge_points.begin() + segment.first_point;
+  std::vector<Vec4> p(first, first + segment.degree + 1);
+  for (int last = segment.degree; last > 1; --last)
+    for (int i = 0; i < last; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
+  const Vec4 h = (1 - t) * p[0] + t * p[1], d = p[1] - p[0];
+  const Vec3 position{h.x / h.w, h.y / h.w, h.z / h.w};
+  return {position, Normalized(Vec3{d.x, d.y, d.z} - d.w * position)};
+}
+
+Vec2 PointOfCoedge(const Model& model, const Coedge& coedge, double parameter) {
+  double best = INFINITY;
+  Vec2 point;
+  for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
+    const TrimSegment& segment = model.trim_segments[s];
+    // Real p-curves have segments of no length, which stand for their own parameter only.
+    const double width = segment.edge_end - segment.edge_begin;
+    const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
+    const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
+    if (!(off < best)) continue;
+    best = off;
+    point = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, inside);
+  }
+  return point;
+}
+
+}  // namespace facetless

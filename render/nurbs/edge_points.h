@@ -1,0 +1,20 @@
+// Points of edges, at the parameter of the 3D curve that two faces share.
+#pragma once
+
+#include "render/model/model.h"
+#include "render/model/vec.h"
+
+namespace facetless {
+
+struct EdgePoint {
+  Vec3 position;  // part coordinates, mm
+  Vec3 tangent;   // unit; 0 where the curve stands still
+};
+// Of the edge's 3D curve; beyond its ends the end.
+EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter);
+
+// Of the coedge's p-curve, native parameters: the point that stands for the edge's `parameter`, or the nearest that does
+// for any.
+Vec2 PointOfCoedge(const Model& model, const Coedge& coedge, double parameter);
+
+}  // namespace facetless
