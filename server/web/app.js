@@ -91,6 +91,7 @@ const show = (own, answer, focus) => {
   const copied = element("span", { role: "status" });
   const button = (label, act) => element("button", { type: "button", class: "small", on: { click: act } }, label);
   const tools = element("div", { class: "actions no-print" }, button("Save as one file", () => save(own, answer.links.page, `${stem}.html`)), button("Save the numbers", () => save(own, answer.links.report, `${stem}.json`)),
+    answer.links.sheet ? button("Save the contact sheet", () => save(own, answer.links.sheet, `${stem}-sheet.png`)) : null,
     button("Copy the link", async () => {
       try { await navigator.clipboard.writeText(location.href); copied.textContent = "Copied."; } catch (error) { copied.textContent = "The address bar has it."; }
     }), copied);

@@ -52,7 +52,7 @@ export class Form {
     set("lines", text("lines"), "none");
     const planes = text("section").split(/\s+/).filter(Boolean);
     if (planes.length) options.section = planes;
-    set("edges", byId("edges").checked, false);
+    for (const name of ["edges", "axes", "scale_bar", "sheet"]) set(name, byId(name).checked, false);
     set("audit", byId("audit").checked, false);
     if (text("deflection") === "own") {
       set("mesh_unit", text("mesh-unit"), "");

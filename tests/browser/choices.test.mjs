@@ -63,6 +63,7 @@ test("zebra stripes on a model that is cut open, with its lines and the area of 
   await page.selectOption("#shade", "zebra");
   await page.selectOption("#lines", "visible");
   await page.fill("#section", "z=50%");
+  await page.check("#sheet");
   await drop(page, sample("sphere.step"));
   await state(page, "shown");
   await pixelsRead(page);
@@ -72,6 +73,9 @@ test("zebra stripes on a model that is cut open, with its lines and the area of 
   assert.ok(Number(meshArea) < Number(area) && Number(meshArea) > 300, meshArea);
   assert.match(await page.textContent(".inspection figcaption"), /zebra.*light: .* pixels/);
   assert.match(await page.textContent("#report"), /Breaks between faces/);
+  const saved = page.waitForEvent("download");
+  await page.click('text="Save the contact sheet"');
+  assert.equal((await saved).suggestedFilename(), "sphere-sheet.png");
   await noViolations(page);
   await wellLaidOut(page);
   await shot(page, "zebra-section");
