@@ -11,12 +11,9 @@
 #include "render/compare/pixel_data.h"
 #include "render/compare/report.h"
 #include "render/compare/section_report.h"
-#include "render/image/io.h"
 #include "render/inspect/report.h"
 #include "render/lines/draw_lines.h"
 #include "render/model/model_file.h"
-#include "render/shade/certificate_map.h"
-#include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/interrupt.h"
 #include "server/pictures.h"
@@ -24,6 +21,7 @@
 #include "server/shade_option.h"
 #include "server/shown_model.h"
 #include "server/version.h"
+#include "server/view_files.h"
 
 namespace facetless {
 namespace {
@@ -56,86 +54,6 @@ using Clock = std::chrono::steady_clock;
 double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
-
-// Writes one view's files, all at once and in parallel, and collects their names by role. What is handed to it
-// must live until Write returns.
-class ViewFiles {
- public:
-  ViewFiles(const std::string& directory, const std::string& view) : directory_(directory), view_(view) {}
-
-  void Png(const char* role, const Image8& image) {
-    Add(role, ".png", [&image](const std::string& path) { return WritePng(path, image); });
-  }
-  void Depth(const char* role, const SampleBuffer& samples) {
-    Add(role, ".tif", [&samples](const std::string& path) {
-      return WriteDepth(path, samples.width, samples.height, samples.depth);
-    });
-  }
-  // The legend, and the numbers as they are.
-  void Inspection(const std::optional<InspectionView>& inspection, const SampleBuffer& samples) {
-    if (!inspection) return;
-    if (Image8 legend = DrawLegend(*inspection, samples.width); legend.width > 0)
-      Add("legend", ".png",
-          [legend = std::move(legend)](const std::string& path) { return WritePng(path, legend); });
-    if (!inspection->values.empty())
-      Add("inspection", ".tif", [&inspection, &samples](const std::string& path) {
-        return WriteDepth(path, samples.width, samples.height, inspection->values);
-      });
-  }
-  void Svg(const char* role, std::string svg) {
-    Add(role, ".svg",
-        [svg = std::move(svg)](const std::string& path) { return WriteFileAtomically(path, svg); });
-  }
-  // One file for each plane.
-  void Pixels(const PixelData& data) {
-    for (std::size_t i = 0; i < kPixelPlanes; ++i)
-      Add(PixelPlaneName(PixelPlane(i)), ".png",
-          [&plane = data.planes[i]](const std::string& path) { return WriteDataPng(path, plane); });
-  }
-  // The depth is a file of its own already, in double.
-  void Aovs(const SampleBuffer& samples, const RunOptions& options) {
-    AovSelection wanted;
-    wanted.depth = options.WantsAov("depth");
-    wanted.normal = options.WantsAov("normal");
-    wanted.face = options.WantsAov("face");
-    wanted.uv = options.WantsAov("uv");
-    wanted.certificate = options.WantsAov("certificate");
-    if (!options.aovs.empty())
-      Add("aov", ".exr",
-          [&samples, wanted](const std::string& path) { return WriteAovs(path, samples, wanted); });
-    if (wanted.certificate)
-      Add("certificate", ".png",
-          [&samples](const std::string& path) { return WritePng(path, DrawCertificates(samples).image); });
-  }
-
-  // Adds "files" and timing_ms.files to the view's entry of the report.
-  Result<void> Write(Json& view, int threads) const {
-    const Clock::time_point start = Clock::now();
-    std::vector<Result<void>> written(files_.size());
-    RunWithThreads(threads, [&] {
-      ParallelFor(std::size_t{0}, files_.size(),
-                  [&](std::size_t i) { written[i] = files_[i].write(directory_ + "/" + files_[i].name); });
-    });
-    for (const Result<void>& result : written)
-      if (!result) return result.error();
-    for (const File& file : files_) view["files"][file.role] = file.name;
-    view["timing_ms"]["files"] = MillisecondsSince(start);
-    return {};
-  }
-
- private:
-  struct File {
-    std::string role, name;
-    std::function<Result<void>(const std::string& path)> write;
-  };
-  template <typename Writer>
-  void Add(const char* role, const char* extension, Writer write) {
-    files_.push_back({role, view_ + "." + role + extension, std::move(write)});
-  }
-
-  std::string directory_, view_;
-  std::vector<File> files_;
-};
 
 std::string SvgOf(const ImportedModel& imported, const Camera& camera, const DirectView& view) {
   const bool flat = camera.projection == Projection::kOrthographic;
