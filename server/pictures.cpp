@@ -82,7 +82,6 @@ Result<Json> RenderTurntable(const TurntableRun& run, Json& files) {
     if (!view) return view.error();
     Image8& image = view.value().image;
     Decorate(image, camera, view.value().frame, options);
-    // In this thread: in many, each would keep the memory of a frame for the next.
     if (auto written = WritePng(run.directory + "/" + FrameFile(frame), image); !written)
       return written.error();
     if (auto added = animation.value().Add(image, FrameTime(options, frame)); !added) return added.error();
