@@ -16,6 +16,7 @@
 #include "server/service/job_store.h"
 #include "server/service/problem.h"
 #include "server/service/trace_context.h"
+#include "server/service/worker_pool.h"
 #include "server/sha256.h"
 
 namespace facetless {
@@ -34,6 +35,17 @@ constexpr int kBacklog = 512;
 // Health and metrics: the second answers while the first waits for somebody slow, and nobody may be slow for long.
 constexpr int kOperationsThreads = 2;
 constexpr int kPatienceSeconds = 30, kOperationsPatienceSeconds = 2;
+
+// The library's connections, each a task from its first byte to its last.
+class Workers : public httplib::TaskQueue {
+ public:
+  explicit Workers(int threads) : pool_(threads) {}
+  void enqueue(std::function<void()> task) override { pool_.Run(std::move(task)); }
+  void shutdown() override { pool_.Shutdown(); }
+
+ private:
+  WorkerPool pool_;
+};
 
 HttpRequest Translated(const httplib::Request& request) {
   HttpRequest translated;
@@ -282,7 +294,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   const int threads =
       operations ? kOperationsThreads : service.limits().waiters + service.limits().listeners + kSpareThreads;
   const int patience = operations ? kOperationsPatienceSeconds : kPatienceSeconds;
-  server.new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<std::size_t>(threads)); };
+  server.new_task_queue = [threads] { return new Workers(threads); };
   // The library's own options share a port with whoever else does; two services would get half of the requests each.
   int bound_socket = -1;
   server.set_socket_options([&bound_socket](int socket) {
