@@ -199,9 +199,11 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
   }
   if (outcome.signal == SIGXCPU) return TimeError(name, limits);
   if (outcome.signal == SIGXFSZ) return SizeError(name, limits);
-  // Nobody but the kernel's out-of-memory killer sends SIGKILL here.
+  // The kernel's out-of-memory killer sends SIGKILL here, and else only a person.
   if (outcome.signal == SIGKILL)
-    return Error{ErrorCode::kLimitExceeded, name + ": the machine ran out of memory during the import"};
+    return Error{
+        ErrorCode::kLimitExceeded,
+        name + ": the import was killed from outside, most likely because the machine ran out of memory"};
   if (RanOutOfMemory(outcome, child_limits)) return MemoryError(name, limits);
   return Error{ErrorCode::kImporterCrashed,
                name + ": the importer died of " + SignalName(outcome.signal) + " while reading it"};

@@ -52,7 +52,8 @@ struct Jobs::Active {
   double fraction = 0;
   std::vector<std::string> messages;
   std::uint64_t version = 0;
-  Clock::time_point stage_began = Clock::now();
+  const Clock::time_point began = Clock::now();
+  Clock::time_point stage_began = began;
 };
 
 Jobs::Jobs(JobStore& queue, Store& store, const JobSettings& settings)
@@ -150,7 +151,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
     // What it says is of no use to a caller, and may name what is nobody's business.
   }
   EnterStage(*active, "");
-  RecordEnd(Ended(*active, result, deadline.expired()));
+  RecordEnd(Ended(*active, result, deadline.expired()), Seconds(Clock::now() - active->began).count());
   store_.Sweep();
 }
 
@@ -190,13 +191,13 @@ Job Jobs::Ended(const Active& active, const Result<std::string>& result, bool ex
   return job;
 }
 
-void Jobs::RecordEnd(Job ended) {
+void Jobs::RecordEnd(Job ended, double seconds) {
   for (int i = 0; i < kEndTries; ++i) {
     const auto recorded = ended.state == JobState::kQueued ? queue_.Release(ended) : queue_.Finish(ended);
     if (recorded) {
       ended.finished = WallClock();
       if (recorded.value() && ended.Ended() && settings_.observer.job_ended)
-        settings_.observer.job_ended(ended);
+        settings_.observer.job_ended(ended, seconds);
       return;
     }
     std::unique_lock lock(mutex_);
@@ -222,9 +223,7 @@ void Jobs::Keep() {
     if (Clock::now() >= sweep) {
       sweep = After(kSweepSeconds);
       store_.Sweep();
-      const double now =
-          std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-      (void)queue_.Forget(settings_.forget_after_s > 0 ? now - settings_.forget_after_s : 0);
+      (void)queue_.Forget(settings_.forget_after_s > 0 ? WallClock() - settings_.forget_after_s : 0);
     }
     lock.lock();
   }
@@ -290,7 +289,7 @@ Result<std::optional<JobView>> Jobs::Cancel(const std::string& id) {
   // One that waited has ended here, and nowhere else.
   if (before && before->state == JobState::kQueued && job.value()->state == JobState::kCancelled &&
       settings_.observer.job_ended)
-    settings_.observer.job_ended(*job.value());
+    settings_.observer.job_ended(*job.value(), 0);
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = active_.find(id); found != active_.end()) {

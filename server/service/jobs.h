@@ -76,7 +76,7 @@ class Jobs {
   void Run(const std::shared_ptr<Active>& active);
   Job Ended(const Active& active, const Result<std::string>& result, bool expired) const;
   void EnterStage(Active& active, const std::string& stage) const;
-  void RecordEnd(Job ended);
+  void RecordEnd(Job ended, double seconds);
   std::optional<JobView> Wait(const std::string& id, double seconds,
                               const std::function<bool(const JobView&)>& enough);
 

@@ -81,9 +81,9 @@ StoreLimits StoreLimitsOf(const ServeOptions& options) {
 // What is counted and written down of jobs.
 Observer ObserverOf(Metrics& metrics, ServiceLog& log) {
   Observer observer;
-  observer.job_ended = [&](const Job& job) {
-    metrics.JobEnded(job.kind, JobStateName(job.state), job.started > 0 ? job.finished - job.started : 0);
-    log.Write(JobEntry(job));
+  observer.job_ended = [&](const Job& job, double seconds) {
+    metrics.JobEnded(job.kind, JobStateName(job.state), seconds);
+    log.Write(JobEntry(job, seconds));
   };
   observer.stage_ended = [&](const std::string& stage, double seconds) {
     metrics.StageEnded(stage, seconds);

@@ -81,9 +81,9 @@ LogEntry AuditEntry(const std::string& decision, const HttpRequest& request) {
   return entry;
 }
 
-LogEntry JobEntry(const Job& ended) {
+LogEntry JobEntry(const Job& ended, double seconds) {
   constexpr double kSecondMs = 1e3;
-  const double ms = ended.started > 0 ? (ended.finished - ended.started) * kSecondMs : 0;
+  const double ms = seconds * kSecondMs;
   LogEntry entry;
   entry.event = "job";
   entry.text = ended.kind + " " + JobStateName(ended.state) + " " + Milliseconds(ms);

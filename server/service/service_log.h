@@ -24,7 +24,7 @@ struct LogEntry {
 
 LogEntry RequestEntry(const ServedRequest& request);
 LogEntry AuditEntry(const std::string& decision, const HttpRequest& request);
-LogEntry JobEntry(const Job& ended);
+LogEntry JobEntry(const Job& ended, double seconds);  // seconds: observer.h
 
 // The line of an entry, without its end. `time`: seconds since 1970.
 std::string LogLine(const LogEntry& entry, double time, bool json);

@@ -3,6 +3,7 @@
 #include <sys/random.h>
 
 #include <array>
+#include <chrono>
 #include <utility>
 
 #include "server/files.h"
@@ -17,6 +18,12 @@ constexpr std::int64_t kMaxEndedJobs = 100000;
 
 constexpr const char* kColumns =
     "id, kind, owner, question, request, state, created, started, finished, attempts, result, problem";
+
+// Seconds by which leases end: of the machine's running, which nobody sets. It begins anew with the machine, and whoever starts then
+// gives back every running job (Recover).
+double LeaseClock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 JobState StateFromName(const std::string& name) {
   for (const JobState state : {JobState::kQueued, JobState::kRunning, JobState::kDone, JobState::kFailed}) {
@@ -206,7 +213,7 @@ Result<std::optional<Job>> SqlJobStore::Claim(const std::string& worker, double 
   if (!transaction.begun()) return transaction.begun().error();
   const double now = WallClock();
   const auto last = static_cast<std::int64_t>(limits_.max_attempts) - 1;
-  if (auto over = GiveBackRunning("lease < ?", {now}); !over) return over.error();
+  if (auto over = GiveBackRunning("lease < ?", {LeaseClock()}); !over) return over.error();
 
   // Whose turn it is. A last attempt neither starts beside others nor lets others start beside it.
   auto found = SelectJob(
@@ -227,7 +234,7 @@ Result<std::optional<Job>> SqlJobStore::Claim(const std::string& worker, double 
   ++job.attempts;
   auto put = database.Run(
       "UPDATE jobs SET state = 'running', started = ?, attempts = ?, worker = ?, lease = ? WHERE id = ?",
-      {now, static_cast<std::int64_t>(job.attempts), worker, now + lease_s, job.id});
+      {now, static_cast<std::int64_t>(job.attempts), worker, LeaseClock() + lease_s, job.id});
   if (!put) return put.error();
   put = database.Run("INSERT OR REPLACE INTO turns VALUES(?, (SELECT coalesce(max(turn), 0) + 1 FROM turns))",
                      {job.owner});
@@ -239,7 +246,7 @@ Result<std::optional<Job>> SqlJobStore::Claim(const std::string& worker, double 
 Result<bool> SqlJobStore::Renew(const Job& job, double lease_s) {
   auto put =
       directory_.writer().Run("UPDATE jobs SET lease = ? WHERE id = ? AND state = 'running' AND attempts = ?",
-                              {WallClock() + lease_s, job.id, static_cast<std::int64_t>(job.attempts)});
+                              {LeaseClock() + lease_s, job.id, static_cast<std::int64_t>(job.attempts)});
   if (!put) return put.error();
   return put.value() > 0;
 }
