@@ -5,7 +5,7 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
+#include <memory>
 #include <set>
 #include <thread>
 
@@ -17,33 +17,9 @@ namespace {
 
 using testing::ModelOf;
 using testing::Sphere;
+using testing::SphereMesh;
 
 constexpr double kRadius = 10;
-
-std::shared_ptr<const Mesh> BallMesh(int longitudes) {
-  auto mesh = std::make_shared<Mesh>();
-  MeshPart part;
-  const int latitudes = longitudes / 2;
-  for (int j = 0; j <= latitudes; ++j)
-    for (int i = 0; i <= longitudes; ++i) {
-      const double u = 2 * std::numbers::pi * i / longitudes, v = std::numbers::pi * j / latitudes;
-      const Vec3 n{std::sin(v) * std::cos(u), std::sin(v) * std::sin(u), -std::cos(v)};
-      part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-      part.positions.push_back({static_cast<float>(kRadius * n.x), static_cast<float>(kRadius * n.y),
-                                static_cast<float>(kRadius * n.z)});
-    }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
-  for (int j = 0; j < latitudes; ++j)
-    for (int i = 0; i < longitudes; ++i) {
-      part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  part.face_of_triangle.assign(part.triangles.size(), 0);
-  mesh->parts.push_back(std::move(part));
-  mesh->nodes.push_back({0, {}, 0});
-  mesh->from_model = true;
-  return mesh;
-}
 
 class ModelBench : public ::testing::Test {
  protected:
@@ -53,7 +29,8 @@ class ModelBench : public ::testing::Test {
     importer_.tessellate = [this](double deflection) -> Result<BenchMesh> {
       ++meshes_made_[deflection];
       BenchMesh made;
-      made.mesh = BallMesh(deflection == kDefaultDeflection ? 48 : 256);
+      made.mesh =
+          std::make_shared<const Mesh>(SphereMesh(kRadius, deflection == kDefaultDeflection ? 48 : 256));
       made.mesh_ms = deflection == kDefaultDeflection ? 20 : 5000;
       return made;
     };

@@ -14,34 +14,9 @@ namespace {
 
 using testing::ModelOf;
 using testing::Sphere;
+using testing::SphereMesh;
 
 constexpr double kRadius = 10;
-
-// Longitude × latitude quads, two triangles each, with exact normals.
-Mesh BallMesh(int longitudes) {
-  Mesh mesh;
-  MeshPart part;
-  const int latitudes = longitudes / 2;
-  for (int j = 0; j <= latitudes; ++j)
-    for (int i = 0; i <= longitudes; ++i) {
-      const double u = 2 * std::numbers::pi * i / longitudes, v = std::numbers::pi * j / latitudes;
-      const Vec3 n{std::sin(v) * std::cos(u), std::sin(v) * std::sin(u), -std::cos(v)};
-      part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-      part.positions.push_back({static_cast<float>(kRadius * n.x), static_cast<float>(kRadius * n.y),
-                                static_cast<float>(kRadius * n.z)});
-    }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
-  for (int j = 0; j < latitudes; ++j)
-    for (int i = 0; i < longitudes; ++i) {
-      part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  part.face_of_triangle.assign(part.triangles.size(), 0);
-  mesh.parts.push_back(std::move(part));
-  mesh.nodes.push_back({0, {}, 0});
-  mesh.from_model = true;
-  return mesh;
-}
 
 class TradeOnABall : public ::testing::Test {
  protected:
@@ -52,7 +27,7 @@ class TradeOnABall : public ::testing::Test {
     return NamedView("iso", model_.bounds, projection, 96, 96).value();
   }
   TradePoint Measured(int longitudes) const {
-    const Mesh mesh = BallMesh(longitudes);
+    const Mesh mesh = SphereMesh(kRadius, longitudes);
     const BaselineScene tree = BaselineScene::Build(mesh, 0).value();
     TradePoint point = MeasureMesh(tree, model_, reference_, {.tracer = Tracer::kMesh}, {}).value();
     CompleteCosts(point);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "render/compare/report.h"
+#include "tests/server/parsed_options.h"
 
 namespace facetless {
 namespace {
@@ -13,21 +14,8 @@ using testing::HasSubstr;
 
 const Box3 kBounds = {{-10, -20, -30}, {10, 20, 30}};
 
-std::string MessageOf(const std::string& json) {
-  auto options = ParseOptions(Json::parse(json));
-  if (options.ok()) return "";
-  EXPECT_EQ(options.error().code, ErrorCode::kBadUsage);
-  return options.error().message;
-}
-
-RunOptions Parsed(const std::string& json) {
-  auto options = ParseOptions(Json::parse(json));
-  EXPECT_TRUE(options.ok()) << options.error().message;
-  return options.ok() ? options.value() : RunOptions{};
-}
-
 TEST(Options, HaveTheDocumentedDefaults) {
-  const RunOptions options = Parsed("{}");
+  const RunOptions options = ParsedOptions("{}");
   EXPECT_EQ(options.views, std::vector<std::string>{"iso"});
   EXPECT_EQ(options.width, 1024);
   EXPECT_EQ(options.height, 1024);
@@ -42,11 +30,11 @@ TEST(Options, HaveTheDocumentedDefaults) {
 }
 
 TEST(Options, TakeListsOfNumbersForATrade) {
-  const TradeOptions defaults = Parsed("{}").trade;
+  const TradeOptions defaults = ParsedOptions("{}").trade;
   EXPECT_EQ(defaults.deflections, (std::vector<double>{1e-2, 1e-3, 1e-4, 1e-5, 1e-6}));
   EXPECT_EQ(defaults.budget_s, 60);
   EXPECT_FALSE(defaults.limits.error_px.has_value());
-  const TradeOptions trade = Parsed(R"({"deflections":"1e-2,0.003","angles":[30,5],"tolerances":1e-4,
+  const TradeOptions trade = ParsedOptions(R"({"deflections":"1e-2,0.003","angles":[30,5],"tolerances":1e-4,
     "budget-seconds":5,"max-error-mm":0.1,"error-measure":"max"})")
                                  .trade;
   EXPECT_EQ(trade.deflections, (std::vector<double>{1e-2, 0.003}));
@@ -54,15 +42,15 @@ TEST(Options, TakeListsOfNumbersForATrade) {
   EXPECT_EQ(trade.tolerances, std::vector<double>{1e-4});
   EXPECT_EQ(trade.limits.error_mm, 0.1);
   EXPECT_EQ(trade.measure, ErrorMeasure::kMax);
-  EXPECT_THAT(MessageOf(R"({"deflections":"1e-2,"})"), HasSubstr("deflections is \"\""));
-  EXPECT_THAT(MessageOf(R"({"angles":[]})"), HasSubstr("angles is an empty list"));
-  EXPECT_THAT(MessageOf(R"({"tolerances":[2]})"), HasSubstr("from 1e-13 to 0.001"));
-  EXPECT_THAT(MessageOf(R"({"error-measure":"p50"})"), HasSubstr("mean, p95, p99, max"));
+  EXPECT_THAT(OptionsMessage(R"({"deflections":"1e-2,"})"), HasSubstr("deflections is \"\""));
+  EXPECT_THAT(OptionsMessage(R"({"angles":[]})"), HasSubstr("angles is an empty list"));
+  EXPECT_THAT(OptionsMessage(R"({"tolerances":[2]})"), HasSubstr("from 1e-13 to 0.001"));
+  EXPECT_THAT(OptionsMessage(R"({"error-measure":"p50"})"), HasSubstr("mean, p95, p99, max"));
 }
 
 TEST(Options, AreReadByName) {
   const RunOptions options =
-      Parsed(R"({"view":["front","top"],"size":"320x200","projection":"perspective","samples":9,
+      ParsedOptions(R"({"view":["front","top"],"size":"320x200","projection":"perspective","samples":9,
     "precision":"certified","threads":3,"audit":true,"edges":true,"background":"transparent","aov":"depth,uv",
     "deflection-mm":0.25,"angular":10,"strict":true,"fail_deviation_mm":0.5,"fail-flip":0})");
   EXPECT_EQ(options.views, (std::vector<std::string>{"front", "top"}));
@@ -80,63 +68,65 @@ TEST(Options, AreReadByName) {
 }
 
 TEST(Options, ShadeIsATextOrAnObject) {
-  const auto shade = [](const char* json) { return FormatInspection(Parsed(json).inspection); };
+  const auto shade = [](const char* json) { return FormatInspection(ParsedOptions(json).inspection); };
   EXPECT_EQ(shade("{}"), "studio");
   EXPECT_EQ(shade(R"({"shade":"zebra:stripes=7"})"), "zebra:stripes=7,axis=z");
   EXPECT_EQ(shade(R"({"shade":{"name":"zebra","stripes":7,"axis":[1,0,0.5]}})"),
             "zebra:stripes=7,axis=1,0,0.5");
   EXPECT_EQ(shade(R"({"shade":{"name":"curvature","kind":"max","range":[-1,2]}})"),
             "curvature:kind=max,range=-1..2");
-  EXPECT_THAT(MessageOf(R"({"shade":"tiger"})"), HasSubstr("there is no \"tiger\"; there are studio, zebra"));
-  EXPECT_THAT(MessageOf(R"({"shade":{"name":"zebra","bands":7}})"), HasSubstr("stripes and axis"));
-  EXPECT_THAT(MessageOf(R"({"shade":{"stripes":7}})"), HasSubstr("an object with a name"));
-  EXPECT_THAT(MessageOf(R"({"shade":{"name":"zebra","axis":"z,stripes=9"}})"),
+  EXPECT_THAT(OptionsMessage(R"({"shade":"tiger"})"),
+              HasSubstr("there is no \"tiger\"; there are studio, zebra"));
+  EXPECT_THAT(OptionsMessage(R"({"shade":{"name":"zebra","bands":7}})"), HasSubstr("stripes and axis"));
+  EXPECT_THAT(OptionsMessage(R"({"shade":{"stripes":7}})"), HasSubstr("an object with a name"));
+  EXPECT_THAT(OptionsMessage(R"({"shade":{"name":"zebra","axis":"z,stripes=9"}})"),
               HasSubstr("an object with a name"));
-  EXPECT_THAT(MessageOf(R"({"shade":3})"), HasSubstr("must be a string"));
+  EXPECT_THAT(OptionsMessage(R"({"shade":3})"), HasSubstr("must be a string"));
 }
 
 TEST(Options, ThatAreWrongNameThemselvesAndWhatIsAllowed) {
-  EXPECT_THAT(MessageOf(R"({"colour":1})"),
+  EXPECT_THAT(OptionsMessage(R"({"colour":1})"),
               HasSubstr("there is no option \"colour\"; the options are view, camera"));
-  EXPECT_THAT(MessageOf(R"({"view":"above"})"),
+  EXPECT_THAT(OptionsMessage(R"({"view":"above"})"),
               HasSubstr("there is no view \"above\"; the views are front, back"));
-  EXPECT_THAT(MessageOf(R"({"size":"10"})"), HasSubstr("WIDTHxHEIGHT"));
-  EXPECT_THAT(MessageOf(R"({"size":"0x10"})"), HasSubstr("from 1 to 65536"));
-  EXPECT_THAT(MessageOf(R"({"size":"10x70000"})"), HasSubstr("from 1 to 65536"));
-  EXPECT_THAT(MessageOf(R"({"size":"10x10x10"})"), HasSubstr("WIDTHxHEIGHT"));
-  EXPECT_THAT(MessageOf(R"({"size":[10,-1]})"), HasSubstr("from 1 to 65536"));
-  EXPECT_THAT(MessageOf(R"({"samples":7})"), HasSubstr("use one of 1 2 4 6 8 9 12"));
-  EXPECT_THAT(MessageOf(R"({"samples":65})"), HasSubstr("from 1 to 64"));
-  EXPECT_THAT(MessageOf(R"({"samples":2.5})"), HasSubstr("whole number"));
-  EXPECT_THAT(MessageOf(R"({"precision":"exact"})"), HasSubstr("one of fast, standard, certified"));
-  EXPECT_THAT(MessageOf(R"({"deflection":0})"), HasSubstr("a number from 1e-09 to 1"));
-  EXPECT_THAT(MessageOf(R"({"deflection":"1e-3"})"), HasSubstr("a number from"));
-  EXPECT_THAT(MessageOf(R"({"audit":1})"), HasSubstr("true or false"));
-  EXPECT_THAT(MessageOf(R"({"aov":"curvature"})"), HasSubstr("there is no AOV \"curvature\""));
-  EXPECT_THAT(MessageOf(R"({"fail_flip":-1})"), HasSubstr("at least 0"));
-  EXPECT_THAT(MessageOf(R"({"deflection":1e-3,"deflection_mm":1})"),
+  EXPECT_THAT(OptionsMessage(R"({"size":"10"})"), HasSubstr("WIDTHxHEIGHT"));
+  EXPECT_THAT(OptionsMessage(R"({"size":"0x10"})"), HasSubstr("from 1 to 65536"));
+  EXPECT_THAT(OptionsMessage(R"({"size":"10x70000"})"), HasSubstr("from 1 to 65536"));
+  EXPECT_THAT(OptionsMessage(R"({"size":"10x10x10"})"), HasSubstr("WIDTHxHEIGHT"));
+  EXPECT_THAT(OptionsMessage(R"({"size":[10,-1]})"), HasSubstr("from 1 to 65536"));
+  EXPECT_THAT(OptionsMessage(R"({"samples":7})"), HasSubstr("use one of 1 2 4 6 8 9 12"));
+  EXPECT_THAT(OptionsMessage(R"({"samples":65})"), HasSubstr("from 1 to 64"));
+  EXPECT_THAT(OptionsMessage(R"({"samples":2.5})"), HasSubstr("whole number"));
+  EXPECT_THAT(OptionsMessage(R"({"precision":"exact"})"), HasSubstr("one of fast, standard, certified"));
+  EXPECT_THAT(OptionsMessage(R"({"deflection":0})"), HasSubstr("a number from 1e-09 to 1"));
+  EXPECT_THAT(OptionsMessage(R"({"deflection":"1e-3"})"), HasSubstr("a number from"));
+  EXPECT_THAT(OptionsMessage(R"({"audit":1})"), HasSubstr("true or false"));
+  EXPECT_THAT(OptionsMessage(R"({"aov":"curvature"})"), HasSubstr("there is no AOV \"curvature\""));
+  EXPECT_THAT(OptionsMessage(R"({"fail_flip":-1})"), HasSubstr("at least 0"));
+  EXPECT_THAT(OptionsMessage(R"({"deflection":1e-3,"deflection_mm":1})"),
               HasSubstr("either deflection or deflection_mm"));
-  EXPECT_THAT(MessageOf(R"({"view":"iso","camera":{"eye":[1,2,3]}})"), HasSubstr("either view or camera"));
-  EXPECT_THAT(MessageOf(R"({"deflection_mm":1,"deflection-mm":1})"), HasSubstr("given twice"));
-  EXPECT_THAT(MessageOf(R"([])"), HasSubstr("JSON object"));
+  EXPECT_THAT(OptionsMessage(R"({"view":"iso","camera":{"eye":[1,2,3]}})"),
+              HasSubstr("either view or camera"));
+  EXPECT_THAT(OptionsMessage(R"({"deflection_mm":1,"deflection-mm":1})"), HasSubstr("given twice"));
+  EXPECT_THAT(OptionsMessage(R"([])"), HasSubstr("JSON object"));
 }
 
 TEST(Options, SamplesMakeNearSquareGrids) {
   for (const int samples : {1, 2, 4, 6, 8, 9, 12, 16, 20, 25, 36, 64})
-    EXPECT_EQ(Parsed("{\"samples\":" + std::to_string(samples) + "}").samples, samples);
+    EXPECT_EQ(ParsedOptions("{\"samples\":" + std::to_string(samples) + "}").samples, samples);
   for (const int samples : {3, 5, 7, 10, 11, 14, 26})
-    EXPECT_NE(MessageOf("{\"samples\":" + std::to_string(samples) + "}"), "") << samples;
+    EXPECT_NE(OptionsMessage("{\"samples\":" + std::to_string(samples) + "}"), "") << samples;
 }
 
 TEST(Cameras, AreNamedViewsOrGivenByNumbers) {
-  auto named = ResolveCameras(Parsed(R"({"view":["front","iso"],"size":"64x32"})"), kBounds);
+  auto named = ResolveCameras(ParsedOptions(R"({"view":["front","iso"],"size":"64x32"})"), kBounds);
   ASSERT_TRUE(named.ok()) << named.error().message;
   ASSERT_EQ(named.value().size(), 2u);
   EXPECT_EQ(named.value()[0].name, "front");
   EXPECT_EQ(named.value()[1].width_px, 64);
 
   auto given = ResolveCameras(
-      Parsed(
+      ParsedOptions(
           R"({"camera":[{"eye":[100,0,0]},{"eye":[0,0,50],"name":"above","projection":"perspective","fov_y_deg":30}]})"),
       kBounds);
   ASSERT_TRUE(given.ok()) << given.error().message;
@@ -154,7 +144,8 @@ TEST(Cameras, AreNamedViewsOrGivenByNumbers) {
 }
 
 TEST(Cameras, OfAReportCanBeGivenBack) {
-  auto views = ResolveCameras(Parsed(R"({"view":"iso","size":"64x32","projection":"perspective"})"), kBounds);
+  auto views =
+      ResolveCameras(ParsedOptions(R"({"view":"iso","size":"64x32","projection":"perspective"})"), kBounds);
   ASSERT_TRUE(views.ok());
   const Json json = CameraJson(views.value()[0]);
   RunOptions options;

@@ -191,6 +191,31 @@ Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed) {
   return model;
 }
 
+Mesh SphereMesh(double radius, int longitudes) {
+  Mesh mesh;
+  MeshPart part;
+  const int latitudes = longitudes / 2;
+  for (int j = 0; j <= latitudes; ++j)
+    for (int i = 0; i <= longitudes; ++i) {
+      const double u = 2 * std::numbers::pi * i / longitudes, v = std::numbers::pi * j / latitudes;
+      const Vec3 n{std::sin(v) * std::cos(u), std::sin(v) * std::sin(u), -std::cos(v)};
+      part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+      part.positions.push_back({static_cast<float>(radius * n.x), static_cast<float>(radius * n.y),
+                                static_cast<float>(radius * n.z)});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
+  for (int j = 0; j < latitudes; ++j)
+    for (int i = 0; i < longitudes; ++i) {
+      part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  part.face_of_triangle.assign(part.triangles.size(), 0);
+  mesh.parts.push_back(std::move(part));
+  mesh.nodes.push_back({0, {}, 0});
+  mesh.from_model = true;
+  return mesh;
+}
+
 void Place(Model* model, const Placement& placement) {
   model->instances[0].placement = placement;
 }

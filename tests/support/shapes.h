@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/model/mesh.h"
 #include "render/model/model.h"
 
 namespace facetless::testing {
@@ -32,6 +33,9 @@ PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b);
 // borders; each edge is a parabola with control points up to `gap_mm` off the line, and each vertex lies as far
 // off its corner, in directions that `seed` says.
 Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed);
+
+// A ball around the origin of `longitudes` × longitudes/2 quads, two triangles each, with exact normals.
+Mesh SphereMesh(double radius, int longitudes);
 
 // A model whose only instance is placed so.
 void Place(Model* model, const Placement& placement);
