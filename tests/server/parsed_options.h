@@ -1,0 +1,26 @@
+// What the tests of options share: the text of a request, parsed.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/options.h"
+
+namespace facetless {
+
+inline RunOptions ParsedOptions(const std::string& json) {
+  auto options = ParseOptions(nlohmann::json::parse(json));
+  EXPECT_TRUE(options.ok()) << options.error().message;
+  return options.ok() ? options.value() : RunOptions{};
+}
+
+// What is wrong with it; "" if nothing is.
+inline std::string OptionsMessage(const std::string& json) {
+  auto options = ParseOptions(nlohmann::json::parse(json));
+  if (options.ok()) return "";
+  EXPECT_EQ(options.error().code, ErrorCode::kBadUsage);
+  return options.error().message;
+}
+
+}  // namespace facetless
