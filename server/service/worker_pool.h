@@ -4,7 +4,7 @@
 //
 //  1. Tasks begin in the order in which they came.
 //  2. At most `processors` × 2 tasks are younger than a few milliseconds at any time; older ones are taken to be waiting for somebody.
-//  3. At most `threads` tasks run at once. Each was begun at most a few milliseconds late because of law 2.
+//  3. At most `threads` tasks run at once. Law 2 delays a task by a millisecond or so for each one ahead of it that waits itself.
 #pragma once
 
 #include <chrono>
