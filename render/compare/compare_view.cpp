@@ -73,7 +73,6 @@ struct Exposure {
 // Shades, resolves, draws lines and encodes. `inspection` is null for the studio's light.
 Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const InspectionView* inspection,
                        const ViewOptions& options) {
-  const auto& [samples, frame, grid, scene, lines] = exposure;
   ShadeOptions shade;
   if (subject.solids) {
     shade.first_cap = subject.solids->first_cap();
@@ -81,17 +80,17 @@ Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const I
   }
   shade.background = options.background;
   shade.edges = options.edges;
-  shade.samples_x = grid.x;
-  shade.samples_y = grid.y;
+  shade.samples_x = exposure.grid.x;
+  shade.samples_y = exposure.grid.y;
   shade.threads = options.threads;
-  Result<Film> film = inspection != nullptr
-                          ? Draw(subject.model, scene, samples, frame, *inspection, shade, options.cancel)
-                          : Shade(samples, frame, subject.colors, shade);
+  Result<Film> film = inspection != nullptr ? Draw(subject.model, exposure.scene, exposure.samples,
+                                                   exposure.frame, *inspection, shade, options.cancel)
+                                            : Shade(exposure.samples, exposure.frame, subject.colors, shade);
   if (!film.ok()) return film.error();
   std::optional<Result<Image8>> image;
   RunWithThreads(options.threads, [&] {
-    Result<Film> resolved = Resolve(std::move(film).value(), grid.x, grid.y);
-    if (resolved.ok() && options.lines != LineMode::kNone) DrawLines(lines, &resolved.value());
+    Result<Film> resolved = Resolve(std::move(film).value(), exposure.grid.x, exposure.grid.y);
+    if (resolved.ok() && options.lines != LineMode::kNone) DrawLines(exposure.lines, &resolved.value());
     image = resolved.ok() ? Encode(resolved.value()) : Result<Image8>(resolved.error());
   });
   return *std::move(image);

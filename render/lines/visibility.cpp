@@ -20,8 +20,7 @@ double Distance(const LinePoint& a, const LinePoint& b) {
 class Judge {
  public:
   Judge(const CameraFrame& frame, const SampleBuffer& samples, const CameraFrame& sample_frame)
-      : frame_(frame),
-        samples_(samples),
+      : samples_(samples),
         sample_frame_(sample_frame),
         scale_x_(frame.pixel_x / sample_frame.pixel_x),
         scale_y_(frame.pixel_y / sample_frame.pixel_y) {}
@@ -48,7 +47,6 @@ class Judge {
   }
 
  private:
-  const CameraFrame& frame_;
   const SampleBuffer& samples_;
   const CameraFrame& sample_frame_;
   const double scale_x_, scale_y_;
