@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <csignal>
+#include <cstdio>
 #include <thread>
 
 #include "server/service/data_directory.h"
@@ -86,6 +87,7 @@ std::string Exchange(int port, std::string_view request) {
   std::string answer;
   char piece[4096];
   for (ssize_t got; (got = recv(client, piece, sizeof piece, 0)) != 0;) {
+    if (got < 0 && errno == EINTR) continue;  // libFuzzer's clock
     if (got < 0) {
       Require(errno == ECONNRESET);  // and no silence
       break;
@@ -101,14 +103,16 @@ std::string Exchange(int port, std::string_view request) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static RunningServer server;
   const std::string answer = Exchange(server.port(), Text(data, size));
-  // Nothing, if the request was never whole; else a status, and never one that says that something was thrown.
+  // Nothing, if the request was never whole; else a status, and never one that says that something was thrown: the only internal error
+  // is that of a job which had the time to find no importer.
   if (answer.empty()) return 0;
-  Require(answer.starts_with("HTTP/1."));
+  const auto has = [&](const char* text) { return answer.find(text) != std::string::npos; };
   const std::string status = answer.substr(answer.find(' ') + 1, 3);
-  Require(status != "500");
   const bool refused = status[0] == '4' || status[0] == '5';
   const bool head = Text(data, size).starts_with("HEAD ");
-  Require(!refused || head || answer.find("application/problem+json") != std::string::npos);
-  Require(answer.find("/dev/shm") == std::string::npos);
+  const bool good = answer.starts_with("HTTP/1.") && (status != "500" || has("cannot start ")) &&
+                    (!refused || head || has("application/problem+json")) && !has("/dev/shm");
+  if (!good) std::fprintf(stderr, "%s\n", answer.c_str());
+  Require(good);
   return 0;
 }
