@@ -213,7 +213,7 @@ TEST_F(CommandLine, StopsOnCtrlCAndLeavesNothing) {
   kill(child, SIGINT);
   int status = 0;
   waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
+  ASSERT_TRUE(WIFEXITED(status)) << "it died of signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), kExitSignal + SIGINT);
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }
