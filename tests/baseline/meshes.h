@@ -10,12 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/mesh.h"
+#include "tests/support/shapes.h"
 
 namespace facetless::testing {
-
-// A sphere of longitude × latitude quads with exact normals, around the part's origin.
-MeshPart SphereMesh(double radius, int longitudes, int latitudes);
 
 // An axis-parallel box with outward normals and one face per side, from the origin to `size`.
 MeshPart BoxMesh(Vec3 size);

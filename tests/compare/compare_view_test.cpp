@@ -12,35 +12,14 @@
 namespace facetless {
 namespace {
 
+using testing::BallMesh;
 using testing::ModelOf;
 using testing::Sphere;
 
 constexpr double kRadius = 10;
 
-// Longitude × latitude quads, two triangles each, with exact normals.
-Mesh SphereMesh(int longitudes, bool from_model) {
-  Mesh mesh;
-  MeshPart part;
-  const int latitudes = longitudes / 2;
-  for (int j = 0; j <= latitudes; ++j)
-    for (int i = 0; i <= longitudes; ++i) {
-      const double u = 2 * std::numbers::pi * (i % longitudes) / longitudes;
-      const double v = std::numbers::pi * (static_cast<double>(j) / latitudes - 0.5);
-      const double ring = j == 0 || j == latitudes ? 0 : std::cos(v);
-      const Vec3 n{ring * std::cos(u), ring * std::sin(u), std::sin(v)};
-      part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-      part.positions.push_back({static_cast<float>(kRadius * n.x), static_cast<float>(kRadius * n.y),
-                                static_cast<float>(kRadius * n.z)});
-    }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
-  for (int j = 0; j < latitudes; ++j)
-    for (int i = 0; i < longitudes; ++i) {
-      if (j > 0) part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      if (j + 1 < latitudes) part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  part.face_of_triangle.assign(part.triangles.size(), 0);
-  mesh.parts.push_back(std::move(part));
-  mesh.nodes.push_back({0, {}, 0});
+Mesh MeshOf(int longitudes, bool from_model) {
+  Mesh mesh = BallMesh(kRadius, longitudes);
   mesh.from_model = from_model;
   return mesh;
 }
@@ -75,7 +54,7 @@ class SphereView : public ::testing::Test {
 TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
   double last = 0;
   for (int longitudes : {32, 64, 128}) {
-    const ViewComparison c = Compare(SphereMesh(longitudes, true));
+    const ViewComparison c = Compare(MeshOf(longitudes, true));
     const double sagitta = Sagitta(longitudes), typical = c.difference.deviation_mm.p99;
     EXPECT_LE(typical, sagitta) << longitudes;
     EXPECT_GE(typical, 0.8 * sagitta) << longitudes;
@@ -94,7 +73,7 @@ TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
 }
 
 TEST_F(SphereView, BothTracersShadeAlike) {
-  const ViewComparison c = Compare(SphereMesh(512, true));
+  const ViewComparison c = Compare(MeshOf(512, true));
   EXPECT_GT(c.difference.color.ssim, 0.99);
   EXPECT_LT(c.difference.color.flip_mean, 0.01);
   EXPECT_LT(c.difference.normal_deg.p95, 0.2);
@@ -106,7 +85,7 @@ TEST_F(SphereView, BothTracersShadeAlike) {
 }
 
 TEST_F(SphereView, AnInspectionShowsOnBothAndChangesNoMillimetre) {
-  const Mesh mesh = SphereMesh(64, true);
+  const Mesh mesh = MeshOf(64, true);
   ViewOptions options;
   const ViewComparison studio = Compare(mesh, options);
   options.samples = 4;
@@ -122,7 +101,7 @@ TEST_F(SphereView, AnInspectionShowsOnBothAndChangesNoMillimetre) {
 }
 
 TEST_F(SphereView, WhatNoMeshCanShowIsRefused) {
-  const Mesh own = SphereMesh(32, true), foreign = SphereMesh(32, false);
+  const Mesh own = MeshOf(32, true), foreign = MeshOf(32, false);
   const Camera camera = NamedView("iso", model_.bounds, Projection::kPerspective, 32, 32).value();
   const auto refused = [&](const Mesh& mesh, const char* shade) {
     const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
@@ -153,7 +132,7 @@ TEST_F(SphereView, CurvatureIsMeasuredAtPixelCentresAndDrawnSupersampled) {
 }
 
 TEST_F(SphereView, AForeignMeshBorrowsTheColours) {
-  const ViewComparison own = Compare(SphereMesh(256, true)), foreign = Compare(SphereMesh(256, false));
+  const ViewComparison own = Compare(MeshOf(256, true)), foreign = Compare(MeshOf(256, false));
   EXPECT_EQ(own.baseline.image.bytes, foreign.baseline.image.bytes);
   EXPECT_FALSE(foreign.difference.faces_known);
   EXPECT_TRUE(json_["difference"]["other_face"].is_null());
@@ -161,7 +140,7 @@ TEST_F(SphereView, AForeignMeshBorrowsTheColours) {
 
 TEST_F(SphereView, SupersamplingChangesTheColourAndNothingElse) {
   ViewOptions options;
-  const Mesh mesh = SphereMesh(64, true);
+  const Mesh mesh = MeshOf(64, true);
   const ViewComparison plain = Compare(mesh, options);
   options.samples = 6;
   const ViewComparison smooth = Compare(mesh, options);
@@ -181,7 +160,7 @@ TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
   ViewOptions options;
   options.samples = 4;
   options.edges = true;
-  const ViewComparison compared = Compare(SphereMesh(64, true), options);
+  const ViewComparison compared = Compare(MeshOf(64, true), options);
   for (int threads : {1, 5}) {
     options.threads = threads;
     const Result<DirectView> alone = RenderView(scene_, compared.camera, options);
@@ -193,7 +172,7 @@ TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
 TEST_F(SphereView, TimesAreDisjointAndAddUp) {
   ViewOptions options;
   options.samples = 4;
-  const ViewComparison c = Compare(SphereMesh(64, true), options);
+  const ViewComparison c = Compare(MeshOf(64, true), options);
   EXPECT_LE(c.direct.stats.prepare_ms + c.direct.stats.trace_ms + c.direct.color_ms + c.direct.shade_ms,
             c.direct.total_ms);
   EXPECT_LE(c.baseline.stats.trace_ms + c.baseline.color_ms + c.baseline.shade_ms, c.baseline.total_ms);
@@ -201,7 +180,7 @@ TEST_F(SphereView, TimesAreDisjointAndAddUp) {
 }
 
 TEST_F(SphereView, TheReportHasEveryPromisedName) {
-  Compare(SphereMesh(64, true));
+  Compare(MeshOf(64, true));
   const auto has = [](const nlohmann::json& object, std::initializer_list<const char*> keys) {
     for (const char* key : keys) EXPECT_TRUE(object.contains(key)) << key;
   };

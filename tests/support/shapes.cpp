@@ -191,14 +191,15 @@ Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed) {
   return model;
 }
 
-Mesh SphereMesh(double radius, int longitudes) {
-  Mesh mesh;
+MeshPart SphereMesh(double radius, int longitudes, int latitudes) {
   MeshPart part;
-  const int latitudes = longitudes / 2;
   for (int j = 0; j <= latitudes; ++j)
     for (int i = 0; i <= longitudes; ++i) {
-      const double u = 2 * std::numbers::pi * i / longitudes, v = std::numbers::pi * j / latitudes;
-      const Vec3 n{std::sin(v) * std::cos(u), std::sin(v) * std::sin(u), -std::cos(v)};
+      const double u = 2 * pi * (i % longitudes) / longitudes;
+      const double v = pi * (static_cast<double>(j) / latitudes - 0.5);
+      const bool pole = j == 0 || j == latitudes;
+      const Vec3 n = pole ? Vec3{0, 0, j == 0 ? -1.0 : 1.0}
+                          : Vec3{std::cos(v) * std::cos(u), std::cos(v) * std::sin(u), std::sin(v)};
       part.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
       part.positions.push_back({static_cast<float>(radius * n.x), static_cast<float>(radius * n.y),
                                 static_cast<float>(radius * n.z)});
@@ -206,11 +207,16 @@ Mesh SphereMesh(double radius, int longitudes) {
   const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (longitudes + 1) + i); };
   for (int j = 0; j < latitudes; ++j)
     for (int i = 0; i < longitudes; ++i) {
-      part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      if (j > 0) part.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      if (j + 1 < latitudes) part.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   part.face_of_triangle.assign(part.triangles.size(), 0);
-  mesh.parts.push_back(std::move(part));
+  return part;
+}
+
+Mesh BallMesh(double radius, int longitudes) {
+  Mesh mesh;
+  mesh.parts.push_back(SphereMesh(radius, longitudes, longitudes / 2));
   mesh.nodes.push_back({0, {}, 0});
   mesh.from_model = true;
   return mesh;

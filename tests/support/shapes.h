@@ -34,8 +34,10 @@ PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b);
 // off its corner, in directions that `seed` says.
 Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed);
 
-// A ball around the origin of `longitudes` × longitudes/2 quads, two triangles each, with exact normals.
-Mesh SphereMesh(double radius, int longitudes);
+// A sphere of longitude × latitude quads with exact normals, around the part's origin.
+MeshPart SphereMesh(double radius, int longitudes, int latitudes);
+// It alone, twice as many longitudes as latitudes, as the tessellation of a model.
+Mesh BallMesh(double radius, int longitudes);
 
 // A model whose only instance is placed so.
 void Place(Model* model, const Placement& placement);
