@@ -23,6 +23,20 @@ struct Use {
   std::uint32_t face, coedge;
 };
 
+// By edge.
+std::vector<std::vector<Use>> UsesOf(const Model& model) {
+  std::vector<std::vector<Use>> uses(model.edges.size());
+  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
+    const Range loops = model.faces[f].loops;
+    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
+      const Range coedges = model.loops[l].coedges;
+      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
+        if (model.coedges[c].edge != kNoIndex) uses[model.coedges[c].edge].push_back({f, c});
+    }
+  }
+  return uses;
+}
+
 // The face's outward normal beside the place at `share` of the edge, if there is one.
 std::optional<Vec3> NormalBeside(const Model& model, const Use& use, double parameter) {
   const Coedge& coedge = model.coedges[use.coedge];
@@ -60,11 +74,17 @@ LineClass ClassOf(const Model& model, const Edge& edge, const std::vector<Use>& 
 // Projects the edges of one instance.
 class Projector {
  public:
-  Projector(const Model& model, const Placement& placement, const Camera& camera, const CameraFrame& frame)
-      : model_(model), placement_(placement), camera_(camera), frame_(frame) {}
+  Projector(const Model& model, const Instance& instance, const Camera& camera, const CameraFrame& frame)
+      : model_(model),
+        placement_(instance.placement),
+        to_placed_face_(instance.first_placed_face - model.parts[instance.part].faces.first),
+        camera_(camera),
+        frame_(frame) {}
 
-  void Add(const Edge& edge, LineClass kind, std::vector<ViewLine>* lines) {
+  void Add(const Edge& edge, const std::vector<Use>& uses, LineClass kind, std::vector<ViewLine>* lines) {
     line_ = {kind, true, {}};
+    for (std::size_t k = 0; k < std::min(uses.size(), line_.faces.size()); ++k)
+      line_.faces[k] = to_placed_face_ + uses[k].face;
     for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
       const EdgeSegment& segment = model_.edge_segments[s];
       std::vector<Vec4> points;
@@ -146,6 +166,7 @@ class Projector {
 
   const Model& model_;
   const Placement& placement_;
+  const std::uint32_t to_placed_face_;  // from a face's index, modulo 2^32
   const Camera& camera_;
   const CameraFrame& frame_;
   ViewLine line_;
@@ -157,15 +178,7 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) 
   // cos from the tangent of the half: no libm.
   const double t = edge_angle_deg < 180 ? PolyTan(edge_angle_deg * (std::numbers::pi / 360)) : INFINITY;
   const double cos_edge = std::isfinite(t) ? (1 - t * t) / (1 + t * t) : -1;
-  std::vector<std::vector<Use>> uses(model.edges.size());
-  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
-    const Range loops = model.faces[f].loops;
-    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-      const Range coedges = model.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-        if (model.coedges[c].edge != kNoIndex) uses[model.coedges[c].edge].push_back({f, c});
-    }
-  }
+  const std::vector<std::vector<Use>> uses = UsesOf(model);
   std::vector<LineClass> classes(model.edges.size(), LineClass::kFeature);
   ParallelFor(std::size_t{0}, model.edges.size(), [&](std::size_t e) {
     const Edge& edge = model.edges[e];
@@ -178,7 +191,8 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
                                 const Camera& camera, const CameraFrame& frame,
                                 const std::atomic<bool>* cancel) {
-  // The edges of each part, in the order of their first use.
+  const std::vector<std::vector<Use>> uses = UsesOf(model);
+  // The edges of each part, in the order of their numbers.
   std::vector<std::vector<std::uint32_t>> edges_of(model.parts.size());
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     std::vector<std::uint32_t>& edges = edges_of[p];
@@ -194,9 +208,9 @@ std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>
   ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
     if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const Instance& instance = model.instances[i];
-    Projector projector(model, instance.placement, camera, frame);
+    Projector projector(model, instance, camera, frame);
     for (const std::uint32_t e : edges_of[instance.part])
-      if (!model.edges[e].degenerate) projector.Add(model.edges[e], classes[e], &of_instance[i]);
+      if (!model.edges[e].degenerate) projector.Add(model.edges[e], uses[e], classes[e], &of_instance[i]);
   });
   std::vector<ViewLine> lines;
   for (auto& own : of_instance)

@@ -18,7 +18,7 @@ constexpr int kCellsPerSpan = 8;
 constexpr double kPixelsPerCell = 12;
 constexpr int kMostCells = 512;       // in one direction of a face
 constexpr int kBisections = 48;       // of a place on the side of a cell: all bits of its parameter
-constexpr int kMostRefinements = 10;  // halvings of a chord
+constexpr int kMostRefinements = 16;  // halvings of a chord: enough for a window of 1e-8 of the radius
 // What is added to the value, as a share of its largest: curves along the grid's own lines, and along seams, then lie
 // on one side of them, and what vanishes everywhere vanishes nowhere.
 constexpr double kBias = 1e-9;
@@ -80,10 +80,11 @@ Vec2 Bisect(const FaceValue& value, Vec2 a, Vec2 b) {
 
 class FaceTracer {
  public:
-  FaceTracer(const Scene::Data& scene, std::uint32_t face, const FaceValue& value, LineClass kind, int cells,
-             const Camera& camera, const CameraFrame& frame)
+  FaceTracer(const Scene::Data& scene, std::uint32_t face, std::uint32_t placed_face, const FaceValue& value,
+             LineClass kind, int cells, const Camera& camera, const CameraFrame& frame)
       : scene_(scene),
         face_(face),
+        placed_face_(placed_face),
         value_(value),
         kind_(kind),
         cells_(cells),
@@ -196,7 +197,7 @@ class FaceTracer {
       Refine(chain[i - 1], chain[i], 0, &fine);
       fine.push_back(chain[i]);
     }
-    ViewLine line{kind_, true, {}};
+    ViewLine line{kind_, true, {}, {placed_face_, kNoIndex}};
     const auto end = [&] {
       if (line.points.size() > 1) lines->push_back(line);
       line.points.clear();
@@ -269,7 +270,7 @@ class FaceTracer {
   }
 
   const Scene::Data& scene_;
-  const std::uint32_t face_;
+  const std::uint32_t face_, placed_face_;
   const FaceValue& value_;
   const LineClass kind_;
   const int cells_;  // per span
@@ -331,9 +332,12 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
   std::vector<std::vector<ViewLine>> of_job(jobs.size());
   ParallelFor(std::size_t{0}, jobs.size(), [&](std::size_t k) {
     if (cancel && cancel->load(std::memory_order_relaxed)) return;
-    const FaceValue value(model, jobs[k].face, model.instances[jobs[k].instance], frame, plane);
-    FaceTracer(scene.data(), jobs[k].face, value, plane ? LineClass::kCut : LineClass::kSilhouette,
-               jobs[k].cells, camera, frame)
+    const Instance& instance = model.instances[jobs[k].instance];
+    const std::uint32_t placed_face =
+        instance.first_placed_face + (jobs[k].face - model.parts[instance.part].faces.first);
+    const FaceValue value(model, jobs[k].face, instance, frame, plane);
+    FaceTracer(scene.data(), jobs[k].face, placed_face, value,
+               plane ? LineClass::kCut : LineClass::kSilhouette, jobs[k].cells, camera, frame)
         .Run(&of_job[k]);
   });
   std::vector<ViewLine> lines;

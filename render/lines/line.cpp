@@ -43,7 +43,7 @@ void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes,
     if (k == except) continue;
     std::vector<ViewLine> next;
     for (const ViewLine& whole : kept) {
-      ViewLine piece{whole.kind, whole.visible, {}};
+      ViewLine piece{whole.kind, whole.visible, {}, whole.faces};
       const auto end = [&] {
         if (piece.points.size() > 1) next.push_back(piece);
         piece.points.clear();

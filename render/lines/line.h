@@ -40,7 +40,8 @@ struct LinePoint {
 struct ViewLine {
   LineClass kind = LineClass::kFeature;
   bool visible = true;
-  std::vector<LinePoint> points;  // two at least
+  std::vector<LinePoint> points;                           // two at least
+  std::array<std::uint32_t, 2> faces{kNoIndex, kNoIndex};  // placed faces that it lies on
 };
 
 // The point at `share` of the way from a to b on the screen. Depth runs evenly on a straight line in an orthographic

@@ -10,8 +10,8 @@ namespace facetless {
 namespace {
 
 constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
-constexpr double kSteepest =
-    30;  // samples of depth per sample: steeper planes say nothing, as in shade/features.h
+// Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own face.
+constexpr double kSteepest = 30;
 
 double Distance(const LinePoint& a, const LinePoint& b) {
   return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
@@ -27,7 +27,8 @@ class Judge {
 
   double scale() const { return std::max(scale_x_, scale_y_); }
 
-  bool Sees(const LinePoint& p) const {
+  // p: on `line`.
+  bool Sees(const ViewLine& line, const LinePoint& p) const {
     const double x = p.x * scale_x_, y = p.y * scale_y_;
     // Beside the picture the nearest of its samples must do.
     const int column = std::clamp(static_cast<int>(std::floor(x)), 0, samples_.width - 1),
@@ -40,7 +41,8 @@ class Judge {
     // Continue the sample's tangent plane to the line.
     const Ray ray = PixelRay(sample_frame_, column + 0.5, row + 0.5), through = PixelRay(sample_frame_, x, y);
     const Vec3 normal{samples_.normal[i][0], samples_.normal[i][1], samples_.normal[i][2]};
-    const double rate = Dot(normal, through.direction), most = kSteepest * pixel;
+    const bool own = samples_.face[i] == line.faces[0] || samples_.face[i] == line.faces[1];
+    const double rate = Dot(normal, through.direction), most = own ? INFINITY : kSteepest * pixel;
     const double there = Dot(normal, ray.origin + depth * ray.direction - through.origin) / rate;
     const double change = std::isfinite(there) ? std::clamp(there - depth, -most, most) : most;
     return p.depth <= depth + std::max(change, 0.0) + 2 * std::fabs(change) + kSlack * pixel;
@@ -78,7 +80,7 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
   // Judge between the points: ends of lines lie in the corners of others.
   std::vector<Run> runs;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const bool visible = judge.Sees(Between(frame, points[i], points[i + 1], 0.5));
+    const bool visible = judge.Sees(line, Between(frame, points[i], points[i + 1], 0.5));
     if (runs.empty() || runs.back().visible != visible) {
       runs.push_back({visible, i, i + 1});
     } else {

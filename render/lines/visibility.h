@@ -3,7 +3,8 @@
 //  1. A line is looked at every kStep samples. The nearest sample says what the ray there shows: its tangent plane,
 //     continued to the line, is in front of the line or not. What the plane's slope itself changes on the way, twice,
 //     and kSlack samples' width are allowed: beside a silhouette a surface bends like a square root, for which twice
-//     is the bound.
+//     is the bound. Planes seen nearly edge-on are taken at their word on the line's own faces only: near enough,
+//     every silhouette is as steep as one likes.
 //  2. So a change is found to within one sample; runs of less than kShortest samples between two of the other kind
 //     are noise, and are given to them.
 //  3. The samples may be finer than the lines' pixels (Camera::Supersampled).

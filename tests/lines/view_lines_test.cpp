@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "render/lines/draw_lines.h"
 #include "render/lines/edge_lines.h"
@@ -32,12 +34,22 @@ std::vector<ViewLine> LinesOf(const Model& model, const Camera& camera,
                    {.sections = std::move(sections), .threads = threads});
 }
 
-double LengthOf(const std::vector<ViewLine>& lines, LineClass kind, bool visible) {
+// Pixels of the lines of a kind in the window of size × size.
+double LengthOf(const std::vector<ViewLine>& lines, LineClass kind, bool visible, double size = 300) {
   double length = 0;
   for (const ViewLine& line : lines) {
     if (line.kind != kind || line.visible != visible) continue;
-    for (std::size_t i = 1; i < line.points.size(); ++i)
-      length += std::hypot(line.points[i].x - line.points[i - 1].x, line.points[i].y - line.points[i - 1].y);
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+      const LinePoint &a = line.points[i - 1], &b = line.points[i];
+      double begin = 0, end = 1;
+      for (const auto& [from, to] : {std::pair(a.x, b.x), std::pair(a.y, b.y)}) {
+        const double at_low = (0 - from) / (to - from), at_high = (size - from) / (to - from);
+        if (from == to && (from < 0 || from > size)) end = 0;
+        if (from == to) continue;
+        begin = std::max(begin, std::min(at_low, at_high)), end = std::min(end, std::max(at_low, at_high));
+      }
+      length += std::max(end - begin, 0.0) * std::hypot(b.x - a.x, b.y - a.y);
+    }
   }
   return length;
 }
@@ -111,6 +123,35 @@ TEST(ViewLines, ThatLieBehindAreHidden) {
   const auto back = LinesOf(model, ViewOf(model, "back", Projection::kOrthographic));
   EXPECT_EQ(LengthOf(back, LineClass::kSilhouette, false), 0);
   EXPECT_GT(LengthOf(back, LineClass::kSilhouette, true), 100);
+}
+
+TEST(ViewLines, AreWholeHoweverNearOneLooks) {
+  // Beside the silhouette of a ball of r samples a sample's plane falls by √(r/2) of them from one to the next.
+  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
+  for (const double height : {1e-1, 1e-3, 1e-5}) {
+    Camera camera = ViewOf(model, "front", Projection::kOrthographic);
+    const Vec3 to_edge = Vec3{6, 0, 8} - camera.target;
+    camera.eye = camera.eye + to_edge, camera.target = camera.target + to_edge;
+    camera.height = height;
+    const auto lines = LinesOf(model, camera);
+    EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 300 / 0.8, 2) << height;
+    EXPECT_EQ(LengthOf(lines, LineClass::kSilhouette, false), 0) << height;
+  }
+}
+
+TEST(ViewLines, AreAsMuchHiddenInALargePictureAsInASmallOne) {
+  // From a shallow angle most of the silhouette of a ring's hole is hidden by the ring itself.
+  const Model model = ModelOf({Torus({0, 0, 0}, 20, 6)});
+  Camera small = ViewOf(model, "front", Projection::kOrthographic);
+  small.eye = small.target + Vec3{0, -96, 28};
+  Camera large = small;
+  large.width_px = large.height_px = 2400;
+  const auto few = LinesOf(model, small), many = LinesOf(model, large);
+  for (const bool visible : {true, false}) {
+    const double length = LengthOf(few, LineClass::kSilhouette, visible);
+    EXPECT_GT(length, 20);
+    EXPECT_NEAR(LengthOf(many, LineClass::kSilhouette, visible, 2400) / 8, length, 3);
+  }
 }
 
 TEST(ViewLines, OfACutAreItsOutline) {
