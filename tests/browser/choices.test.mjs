@@ -49,8 +49,7 @@ test("four views, one after the other, keep the mode and the face", async () => 
   assert.equal(await page.textContent("[aria-label=Pictures] [aria-pressed=true]"), "Difference");
   assert.equal(await page.getAttribute(".view", "data-face"), face, "the middle of the stack is seen from the front, too");
   // The way back leads to a new start, not through every drag.
-  await page.waitForTimeout(300);
-  assert.match(page.url(), /view=front/);
+  await page.waitForURL(/view=front/);
   noFaults(page);
 });
 

@@ -1,7 +1,7 @@
 // The whole way: a file is dropped, a picture comes, the comparison comes, the worst face is clicked, the address is shared.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cadFile, drop, newTab, noFaults, noViolations, pixelsRead, sample, Server, shot, state } from "./support.mjs";
+import { cadFile, drop, eventually, newTab, noFaults, noViolations, pixelsRead, sample, Server, shot, state } from "./support.mjs";
 
 test("from a dropped file to the worst face, and its address in a second tab", async () => {
   const server = await Server.start();
@@ -34,10 +34,8 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   assert.deepEqual((await pink()).map((count) => count > 20), [false, false]);
   await page.click(".faces tbody tr:first-child .face-name");
   const face = await page.getAttribute(".view", "data-face");
-  await page.waitForTimeout(200);
-  assert.deepEqual((await pink()).map((count) => count > 20), [true, true], "the face is outlined in both pictures");
-  await page.waitForTimeout(300);
-  assert.match(page.url(), new RegExp(`face=${face}(&|$)`));
+  await eventually(async () => assert.deepEqual((await pink()).map((count) => count > 20), [true, true], "the face is outlined in both pictures"));
+  await page.waitForURL(new RegExp(`face=${face}(&|$)`));
 
   // A picture that is pointed at marks the row, and says what is there.
   const frame = await page.locator(".frame").first().boundingBox();
@@ -52,11 +50,8 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   await page.click("text=Side by side");
   await page.fill(".legend input[type=number]", "0.05");
   await page.keyboard.press("Tab");
-  await page.waitForTimeout(400);
+  for (const said of [/mode=Side\+by\+side/, /zoom=/, /range=0\.05/]) await page.waitForURL(said);
   const url = page.url();
-  assert.match(url, /mode=Side\+by\+side/);
-  assert.match(url, /zoom=/);
-  assert.match(url, /range=0\.05/);
   await shot(page, "zoomed");
 
   // The same in another tab.

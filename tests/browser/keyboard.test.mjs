@@ -44,8 +44,7 @@ test("a file, a mode, a pixel, a face and a range by keys alone", async () => {
   // The seam, the range, another face.
   await tabTo(page, ".tools input");
   await page.keyboard.press("End");
-  await page.waitForTimeout(300);
-  assert.match(page.url(), /split=1/);
+  await page.waitForURL(/split=1/);
   await tabTo(page, ".face-name");
   await page.keyboard.press("Space");
   assert.equal(await page.getAttribute(".faces tbody tr:first-child .face-name", "aria-pressed"), "true");

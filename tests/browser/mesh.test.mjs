@@ -1,7 +1,7 @@
 // The mesh in three dimensions: measured on demand, coloured, turned, and what is clicked is told.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { drop, newTab, noFaults, noViolations, sample, Server, shot, state, wellLaidOut } from "./support.mjs";
+import { drop, eventually, newTab, noFaults, noViolations, sample, Server, shot, state, wellLaidOut } from "./support.mjs";
 
 test("the mesh is measured, shown, turned, and reopened by its address", async () => {
   const server = await Server.start();
@@ -20,16 +20,14 @@ test("the mesh is measured, shown, turned, and reopened by its address", async (
   const before = await page.locator(".mesh-holder").screenshot();
   await page.focus(".mesh-holder");
   for (let i = 0; i < 6; ++i) await page.keyboard.press("ArrowUp");
-  await page.waitForTimeout(300);
-  assert.notDeepEqual(await page.locator(".mesh-holder").screenshot(), before);
+  await eventually(async () => assert.notDeepEqual(await page.locator(".mesh-holder").screenshot(), before));
   let told = "";
   for (let share = 0.1; share < 0.9 && !/mm$/.test(told); share += 0.04) {
     await page.locator(".mesh-holder").click({ position: { x: holder.width * share, y: holder.height / 2 } });
     told = await page.textContent(".solid [role=status]");
   }
   assert.match(told, /^.*[+−].* mm$/);
-  await page.waitForTimeout(300);
-  assert.match(page.url(), /solid=shown/);
+  await page.waitForURL(/solid=shown/);
   await wellLaidOut(page, "mesh");
   await noViolations(page, "mesh");
   await shot(page, "mesh", { fullPage: true });

@@ -26,8 +26,7 @@ test("of a compare with four views", async () => {
   await page.click('[aria-label=Pictures] >> text="Blink"');
   await page.click('text="Switch"');
   assert.match(await page.textContent(".stage figcaption"), /Baseline/);
-  await page.waitForTimeout(300);
-  assert.match(page.url(), /view=front/);
+  await page.waitForURL(/view=front/);
   await wellLaidOut(page, "report");
   await noViolations(page, "report");
   askedNobody(page, report);
@@ -77,8 +76,7 @@ test("of a trade: points can be pointed at, and mark their row", async () => {
   assert.match(await page.textContent(".tip:visible"), /mesh/);
   assert.match(await page.textContent("tr.marked th"), /mesh/);
   await page.click('.modes >> text="max"');
-  await page.waitForTimeout(300);
-  assert.match(page.url(), /error=max/);
+  await page.waitForURL(/error=max/);
   await wellLaidOut(page, "trade");
   await noViolations(page, "trade");
   await shot(page, "trade", { fullPage: true });

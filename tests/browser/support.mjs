@@ -128,6 +128,14 @@ export const drop = async (page, ...files) => {
   await page.dispatchEvent("#drop", "drop", { dataTransfer: transfer });
 };
 
+// Repeats what may fail until it doesn't: for pictures, which come some frames after what they show.
+export const eventually = async (check) => {
+  for (const last = Date.now() + 30000; ;) {
+    try { return await check(); } catch (error) { if (Date.now() > last) throw error; }
+    await new Promise((resume) => { setTimeout(resume, 50); });
+  }
+};
+
 export const state = (page, name) => page.waitForFunction((wanted) => document.body.dataset.state === wanted, name);
 export const pixelsRead = (page) => page.waitForSelector('.view[data-pixels="read"]');
 
