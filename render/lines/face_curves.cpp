@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "render/nurbs/bracketed_root.h"
 #include "render/nurbs/surface_eval.h"
 #include "render/trace/parallel.h"
 #include "render/trace/scene.h"
@@ -16,9 +17,9 @@ namespace {
 
 constexpr int kCellsPerSpan = 8;
 constexpr double kPixelsPerCell = 12;
-constexpr int kMostCells = 512;       // in one direction of a face
-constexpr int kBisections = 48;       // of a place on the side of a cell: all bits of its parameter
-constexpr int kMostRefinements = 16;  // halvings of a chord: enough for a window of 1e-8 of the radius
+constexpr int kMostCells = 512;          // in one direction of a face
+constexpr double kPlaceWidth = 0x1p-48;  // of a cell's side: all bits of a parameter
+constexpr int kMostRefinements = 16;     // halvings of a chord: enough for a window of 1e-8 of the radius
 // What is added to the value, as a share of its largest: curves along the grid's own lines, and along seams, then lie
 // on one side of them, and what vanishes everywhere vanishes nowhere.
 constexpr double kBias = 1e-9;
@@ -68,14 +69,12 @@ class FaceValue {
   const double size_;
 };
 
-// The zero of the value between two places of different sign.
-Vec2 Bisect(const FaceValue& value, Vec2 a, Vec2 b) {
-  const bool positive = value(a) >= 0;
-  for (int i = 0; i < kBisections; ++i) {
-    const Vec2 middle = 0.5 * (a + b);
-    ((value(middle) >= 0) == positive ? a : b) = middle;
-  }
-  return 0.5 * (a + b);
+// The zero of the value between two places of different sign, which have values a and b.
+Vec2 ZeroBetween(const FaceValue& value, Vec2 from, double a, Vec2 to, double b) {
+  if (a == 0) return from;
+  if (b == 0) return to;
+  return from + BracketedRoot([&](double t) { return value(from + t * (to - from)); }, a, b, kPlaceWidth) *
+                    (to - from);
 }
 
 class FaceTracer {
@@ -129,15 +128,19 @@ class FaceTracer {
                    d = positive(i, j + 1);
         if (a == b && b == c && c == d) continue;
         std::vector<std::size_t> met;
-        const auto meet = [&](bool changes, std::size_t key, Vec2 from, Vec2 to) {
-          if (!changes) return;
+        // The side from corner (i, j) to corner (k, l).
+        const auto meet = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
+          if (positive(i, j) == positive(k, l)) return;
+          const std::size_t key = side(i, j, k == i);
           met.push_back(key);
-          if (!places_.contains(key)) places_[key] = Bisect(value_, from, to);
+          if (!places_.contains(key))
+            places_[key] =
+                ZeroBetween(value_, place(i, j), values[i * nv + j], place(k, l), values[k * nv + l]);
         };
-        meet(a != b, side(i, j, false), place(i, j), place(i + 1, j));
-        meet(b != c, side(i + 1, j, true), place(i + 1, j), place(i + 1, j + 1));
-        meet(c != d, side(i, j + 1, false), place(i, j + 1), place(i + 1, j + 1));
-        meet(d != a, side(i, j, true), place(i, j), place(i, j + 1));
+        meet(i, j, i + 1, j);
+        meet(i + 1, j, i + 1, j + 1);
+        meet(i, j + 1, i + 1, j + 1);
+        meet(i, j, i, j + 1);
         if (met.size() == 2) {
           pieces_.emplace_back(met[0], met[1]);
         } else {
@@ -259,11 +262,12 @@ class FaceTracer {
     const double du = (columns_.back() - columns_.front()) / (columns_.size() - 1),
                  dv = (rows_.back() - rows_.front()) / (rows_.size() - 1);
     const Vec2 across{-chord.y / dv * du, chord.x / du * dv};
-    const bool positive = value_(at) >= 0;
+    const double here = value_(at);
     for (double reach = 0.05; reach < 2; reach *= 2) {
       for (const double sign : {1.0, -1.0}) {
         const Vec2 other = at + (sign * reach) * across;
-        if ((value_(other) >= 0) != positive) return Bisect(value_, at, other);
+        const double there = value_(other);
+        if ((there >= 0) != (here >= 0)) return ZeroBetween(value_, at, here, other, there);
       }
     }
     return {};

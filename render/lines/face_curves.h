@@ -2,8 +2,9 @@
 // cuts, where it meets a section plane.
 //
 //  1. The curve is sought on a grid over the face's parameters, kCellsPerSpan cells for each of its knot spans and
-//     direction; fewer where the whole face is small in the picture, and none where it is smaller than a pixel. Where it crosses a side of a cell is found by bisection; between two such places it is refined,
-//     point by point on the curve, until chords lie within kFlatness of it on the screen.
+//     direction; fewer where the whole face is small in the picture, and none where it is smaller than a pixel. Where
+//     the value changes its sign along a side of a cell a place of the curve is found by bracketing; between two such
+//     places it is refined, point by point on the curve, until chords lie within kFlatness of it on the screen.
 //  2. Parts outside the trimming are left out; where a curve leaves the face is bisected.
 //  3. A closed curve that lies within one cell is not found.
 //  4. What vanishes on a whole face (a cylinder seen along its axis) gives no curve.

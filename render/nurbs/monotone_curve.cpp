@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/nurbs/bracketed_root.h"
+
 namespace facetless {
 namespace {
 
@@ -11,9 +13,6 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A derivative's root is found to this much of the curve's parameter; a shorter stretch is beyond what its
 // coefficients can tell.
 constexpr double kRootWidth = 0x1p-48;
-// Bracketing steps per root: every third one halves, so 150 are more than the 53 halvings that doubles have,
-// thrice.
-constexpr int kMaxBracketSteps = 200;
 
 // Horner's scheme in Bernstein form. `point(i)` is coefficient i of `degree`.
 template <typename T, typename Coefficient>
@@ -58,23 +57,6 @@ struct Polynomial {
   }
 };
 
-// The one sign change of `p` in [0,1], by regula falsi (Illinois) with a halving at every third step.
-double BracketedRoot(const Polynomial& p) {
-  double a = 0, b = 1, fa = p.coefficients.front(), fb = p.coefficients.back();
-  for (int step = 0; step < kMaxBracketSteps && b - a > kRootWidth; ++step) {
-    double t = step % 3 == 2 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
-    if (!(t > a && t < b)) t = 0.5 * (a + b);
-    const double f = p.At(t);
-    if (f == 0) return t;
-    if ((f > 0) == (fa > 0)) {
-      a = t, fa = f, fb *= 0.5;
-    } else {
-      b = t, fb = f, fa *= 0.5;
-    }
-  }
-  return 0.5 * (a + b);
-}
-
 // de Casteljau at 1/2: `p` keeps the left half, the right half is returned.
 Polynomial SplitInHalf(Polynomial& p) {
   Polynomial right = p;
@@ -97,7 +79,9 @@ void AppendRoots(Polynomial p, double a, double b, std::vector<double>& roots) {
   }
   const bool ends_differ = p.Sign(0) * p.Sign(p.coefficients.size() - 1) < 0;
   if (variations == 1 && ends_differ) {
-    roots.push_back(a + (b - a) * BracketedRoot(p));
+    const double root = BracketedRoot([&p](double t) { return p.At(t); }, p.coefficients.front(),
+                                      p.coefficients.back(), kRootWidth);
+    roots.push_back(a + (b - a) * root);
     return;
   }
   const double middle = 0.5 * (a + b);
@@ -221,7 +205,7 @@ CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
 
   // Along the piece, f = Δu/|span u| + Δv/|span v| to q increases; where it vanishes the curve passes q on
   // one side.
-  for (int step = 0; step < kMaxBracketSteps; ++step) {
+  for (int step = 0; step < kMostBracketSteps; ++step) {
     double t = step % 3 == 2 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
     if (!((t > a && t < b) || (t < a && t > b))) t = 0.5 * (a + b);
     if (t == a || t == b) break;
