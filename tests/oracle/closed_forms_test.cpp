@@ -167,6 +167,24 @@ TEST(Oracle, SeamsGiveOneCrossing) {
   }
 }
 
+// Two patches that meet in a ridge, seen along the ground: just below the ridge a ray enters one and leaves the other.
+TEST(Oracle, ARidgeSeenFromTheSideIsCrossedTwice) {
+  facetless::testing::PatchGrid grid;
+  grid.u_spans = {{0, 1}, {1, 2}};
+  grid.v_spans = {{0, 1}};
+  for (const auto& [x, z] : {std::pair{-1.0, -5.0}, {0.0, 0.0}, {0.0, 0.0}, {1.0, -5.0}})
+    for (const double y : {-1.0, 1.0}) grid.points.push_back({x, y, z, 1});
+  const Model model = facetless::testing::ModelOf({grid});
+  for (const double below : {1e-3, 1e-9, 1e-13, 1e-20}) {
+    const std::vector<Crossing> crossings =
+        Oracle(model).Crossings(RayThrough({0, 0.1, -below}, {1, 0, 0}), -INFINITY);
+    ASSERT_EQ(crossings.size(), 2u) << below;
+    EXPECT_NEAR(AsDouble(crossings[1].depth - crossings[0].depth) / (0.4 * below), 1, 1e-9);
+    for (const Crossing& crossing : crossings) EXPECT_EQ(crossing.standing, Standing::kInside);
+  }
+  EXPECT_TRUE(Oracle(model).Crossings(RayThrough({0, 0.1, 1e-9}, {1, 0, 0}), -INFINITY).empty());
+}
+
 TEST(Oracle, PolesAreDoubtsAtTheRightDepth) {
   const Model model = ExactSphere();
   for (const double way : {1.0, -1.0}) {

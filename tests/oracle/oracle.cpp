@@ -234,6 +234,7 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
       const Real3 normal = Cross(du, dv);
       const Real length = Length(normal);
       crossing.cosine = length > 0 ? static_cast<double>(Abs(normal.z) / length) : 0;
+      crossing.turns = (normal.z > 0) - (normal.z < 0);
       crossing.u = u.value;
       crossing.v = v.value;
       crossing.tangents[0][0] = static_cast<double>(du.x / u.rate);
@@ -271,8 +272,9 @@ std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
     const Real same = kSameDepthShare * model_.Diagonal();
     for (const Crossing& crossing : found) {
       const auto twin = std::find_if(all.begin(), all.end(), [&](const Crossing& other) {
-        return other.placed_face == id && other.patch != crossing.patch && other.border < kNearBorder &&
-               crossing.border < kNearBorder &&
+        const bool same_way = !other.proven || !crossing.proven || other.turns * crossing.turns >= 0;
+        return other.placed_face == id && other.patch != crossing.patch && same_way &&
+               other.border < kNearBorder && crossing.border < kNearBorder &&
                Abs(other.depth - crossing.depth) <= same + other.half_depth + crossing.half_depth;
       });
       if (twin == all.end()) {

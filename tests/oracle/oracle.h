@@ -2,7 +2,8 @@
 // shares no code with the renderer; of render/ it knows the Model's data only.
 //
 //  1. Surfaces are the model's Bézier patches, taken as exact. FindRoots gives all roots of a ray on each
-//     patch, proven or as a doubt; roots that neighbouring patches find on a common border are one crossing.
+//     patch, proven or as a doubt; roots that neighbouring patches find on a common border are one crossing, if both
+//     turn the same way: where one turns away, the border is a silhouette, and a ray meets both or none.
 //  2. Whether a crossing is inside its face is even-odd, over the face's p-curves in native parameters: the
 //     half-line from the point towards +v. A face without loops is its whole patch grid. A point on the border
 //     of its patch counts as inside the patch by kInwards.
@@ -40,6 +41,7 @@ struct Crossing {
   Real border = 0;                 // of the patch's own parameters to 0 or 1; negative beyond the patch
   Standing standing = Standing::kUnsure;
   double cosine = 0;                         // |N·D|; 0 where the surface has no normal
+  int turns = 0;                             // the sign of N·D, with N = ∂u × ∂v
   double tangents[2][2] = {{0, 0}, {0, 0}};  // mm along ViewRay::across and down per unit of native u and v
 };
 
