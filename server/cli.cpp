@@ -11,6 +11,7 @@
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/option_values.h"
 #include "server/service/keys.h"
 #include "server/service/serve.h"
 #include "server/service/serve_config.h"
@@ -173,6 +174,14 @@ int RunServe(ServeConfig& config) {
   return kExitDone;
 }
 
+int NoCommand(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  std::fprintf(stderr, "facetless: there is no command \"%s\"; the commands are %s\n", word.c_str(),
+               Joined(names).c_str());
+  return kExitUsage;
+}
+
 }  // namespace
 
 int RunCommandLine(int argc, char** argv) {
@@ -256,6 +265,9 @@ int RunCommandLine(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (const std::vector<std::string> words = app.remaining();
+        app.get_subcommands().empty() && !words.empty() && !words[0].starts_with('-'))
+      return NoCommand(app, words[0]);
     return app.exit(error) == 0 ? kExitDone : kExitUsage;
   }
   if (*serve_command) return RunServe(serve);

@@ -80,6 +80,7 @@ TEST_F(CommandLine, RefusesWrongOptionsBeforeAnyWork) {
     EXPECT_NE(outcome.error_tail, "") << testing::PrintToString(arguments);
     EXPECT_EQ(outcome.out, "") << testing::PrintToString(arguments);
   }
+  EXPECT_THAT(Run({"paint"}).error_tail, HasSubstr("no command \"paint\"; the commands are inspect, "));
 }
 
 TEST_F(CommandLine, InspectGivesJson) {
