@@ -72,7 +72,10 @@ bool NamesResources(std::string_view variable) {
 std::vector<std::string> ImporterEnvironment(const std::string& directory) {
   std::vector<std::string> environment = {"LC_ALL=C.UTF-8", "TZ=UTC", "HOME=" + directory,
                                           "TMPDIR=" + directory};
-  if (kSanitized) environment.push_back("ASAN_OPTIONS=detect_leaks=0");
+  if (kSanitized) {
+    environment.push_back("ASAN_OPTIONS=detect_leaks=0");
+    environment.push_back("TSAN_OPTIONS=report_signal_unsafe=0");  // tools/tsan.supp says why
+  }
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
     if (NamesResources(text) || text.starts_with("LD_LIBRARY_PATH=") || text.starts_with("GLIBC_TUNABLES="))
