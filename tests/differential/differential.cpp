@@ -4,14 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <utility>
 
 #include "import/bounds.h"
 #include "import/convert.h"
 #include "import/readers.h"
 #include "import/source_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {
@@ -19,23 +18,6 @@ namespace {
 double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
-
-// A folder of the process's own, removed at its end: OpenCASCADE reads its settings from there.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "facetless-differential-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 void IgnoreProgress(const char*, double) {}
 
@@ -113,7 +95,7 @@ std::uint64_t ViewComparison::Defects() const {
 }
 
 Result<ComparedFile> LoadBoth(const std::string& path, bool one_placement) {
-  static const Scratch scratch;
+  static const TemporaryFolder scratch;
   if (scratch.path().empty())
     return Error{ErrorCode::kWriteFailed, "No folder for temporary files can be made; set TMPDIR to one."};
   PrepareOpenCascade(scratch.path());

@@ -16,6 +16,7 @@
 #include <filesystem>
 
 #include "tests/import/shapes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/import/shapes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {

@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "tests/import/shapes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {

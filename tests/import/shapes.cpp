@@ -1,17 +1,15 @@
 #include "tests/import/shapes.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "import/assembly.h"
 #include "import/bezier_pieces.h"
 #include "import/readers.h"
 #include "import/source_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {
@@ -88,21 +86,6 @@ class Evaluator {
 };
 
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "facetless-import-test-XXXXXX").string();
-  if (mkdtemp(name.data()) != nullptr) path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::string TemporaryFolder::Write(const std::string& name, const std::string& bytes) const {
-  std::ofstream(File(name), std::ios::binary) << bytes;
-  return File(name);
-}
 
 std::string CadFolder() {
   const char* folder = std::getenv("FACETLESS_CAD");

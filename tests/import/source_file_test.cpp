@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/import/shapes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {

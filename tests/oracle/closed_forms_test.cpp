@@ -169,12 +169,7 @@ TEST(Oracle, SeamsGiveOneCrossing) {
 
 // Two patches that meet in a ridge, seen along the ground: just below the ridge a ray enters one and leaves the other.
 TEST(Oracle, ARidgeSeenFromTheSideIsCrossedTwice) {
-  facetless::testing::PatchGrid grid;
-  grid.u_spans = {{0, 1}, {1, 2}};
-  grid.v_spans = {{0, 1}};
-  for (const auto& [x, z] : {std::pair{-1.0, -5.0}, {0.0, 0.0}, {0.0, 0.0}, {1.0, -5.0}})
-    for (const double y : {-1.0, 1.0}) grid.points.push_back({x, y, z, 1});
-  const Model model = facetless::testing::ModelOf({grid});
+  const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   for (const double below : {1e-3, 1e-9, 1e-13, 1e-20}) {
     const std::vector<Crossing> crossings =
         Oracle(model).Crossings(RayThrough({0, 0.1, -below}, {1, 0, 0}), -INFINITY);

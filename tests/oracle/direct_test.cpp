@@ -197,12 +197,7 @@ TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
 // A roof of two patches: continued beyond its border, each lies above the other. A root in the overlap of their leaves
 // is no point of the surface, and the nearer of the two is always the wrong one.
 TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
-  facetless::testing::PatchGrid grid;
-  grid.u_spans = {{0, 1}, {1, 2}};
-  grid.v_spans = {{0, 1}};
-  for (const auto& [x, z] : {std::pair{-1.0, -5.0}, {0.0, 0.0}, {0.0, 0.0}, {1.0, -5.0}})
-    for (const double y : {-1.0, 1.0}) grid.points.push_back({x, y, z, 1});
-  const Model model = facetless::testing::ModelOf({grid});
+  const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   const Oracle oracle(model);
   for (const double window : {1e-4, 1e-7, 1e-9, 1e-11, 1e-13}) {
     Camera camera;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <random>
 
 #include "import/convert.h"
@@ -14,6 +12,7 @@
 #include "render/nurbs/projected_edges.h"
 #include "render/trace/audit.h"
 #include "render/trace/scene.h"
+#include "tests/support/temporary_folder.h"
 
 namespace facetless {
 namespace {
@@ -98,23 +97,6 @@ void Describe(const Scene::Data& scene, const CameraFrame& frame, const AuditRes
     }
   }
 }
-
-// A folder of the process's own, removed at its end: OpenCASCADE reads its settings from there.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "facetless-seams-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 }  // namespace
 
@@ -229,7 +211,7 @@ Result<SweepResult> Sweep(const Scene& scene, const std::vector<SweepView>& view
 }
 
 Result<Model> ImportedModel(const std::string& path) {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   PrepareOpenCascade(scratch.path());
   const auto ignore = [](const char*, double) {};
   Result<SourceFile> source = OpenSource(path, scratch.path());

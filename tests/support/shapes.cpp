@@ -128,6 +128,15 @@ PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b) {
           {point(origin), point(origin + b), point(origin + a), point(origin + a + b)}};
 }
 
+PatchGrid Roof() {
+  PatchGrid grid;
+  grid.u_spans = {{0, 1}, {1, 2}};
+  grid.v_spans = {{0, 1}};
+  for (const auto& [x, z] : {std::pair{-1.0, -5.0}, {0.0, 0.0}, {0.0, 0.0}, {1.0, -5.0}})
+    for (const double y : {-1.0, 1.0}) grid.points.push_back({x, y, z, 1});
+  return grid;
+}
+
 Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   const auto number = [&] { return double(engine() >> 11) * 0x1p-52 - 1; };

@@ -28,6 +28,8 @@ PatchGrid Torus(Vec3 center, double major, double minor);
 PatchGrid Frustum(Vec3 base, double bottom, double top, double height);
 // The rectangle origin + u·a + v·b, u, v ∈ [0,1].
 PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b);
+// Over |x|, |y| ≤ 1 two planes that fall from the ridge x = z = 0 to z = −5: one face of two patches.
+PatchGrid Roof();
 
 // A box from the origin to `size`, one closed solid whose faces share edges. The p-curves run along the faces'
 // borders; each edge is a parabola with control points up to `gap_mm` off the line, and each vertex lies as far
