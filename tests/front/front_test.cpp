@@ -169,17 +169,20 @@ TEST_F(Front, TheSameSendersWithoutTheFrontDoHoldItUp) {
 
 TEST_F(Front, OneAddressHasSixteenConnections) {
   std::vector<std::unique_ptr<Client>> slow;
-  for (int i = 0; i < 16; ++i) {
+  const auto add = [&] {
     slow.push_back(std::make_unique<Client>("127.0.0.3", port_));
     slow.back()->Send(Head("POST", "/v1/models?name=slow.step", 100'000) + "ok");
-  }
-  // nginx counts a connection once it has read the request's head, which may take it a while on a busy machine.
+  };
+  for (int i = 0; i < 16; ++i) add();
+  // nginx counts a connection once it has read the request's head, which may take it a while on a busy machine. If it
+  // reads ours before the last of theirs, that one is refused, and another must take its place.
   std::string answer;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (answer.find(" 429 ") == std::string::npos && std::chrono::steady_clock::now() < end) {
     for (const auto& client : slow) client->Send("x");  // who says nothing for long is hung up on
     answer = Ask("127.0.0.3", Head("GET", "/"));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    if (answer.find(" 200 ") != std::string::npos) add();
   }
   EXPECT_THAT(answer, HasSubstr("HTTP/1.1 429"));
   EXPECT_THAT(answer, HasSubstr("application/problem+json"));
