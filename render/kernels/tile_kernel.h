@@ -85,7 +85,7 @@ struct TileJob {
   // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is kNoIndex for a
   // miss, and then only depth (+inf) and doubt are set besides.
   double* depth = nullptr;
-  double* error = nullptr;
+  double* error = nullptr;  // of the depth: no other face is nearer by more, either
   double* s = nullptr;
   double* t = nullptr;
   std::uint32_t* leaf = nullptr;

@@ -283,7 +283,8 @@ class Packet {
 
   void Begin() {
     begun_ = true;
-    doubtful_ = false;
+    doubtful_ = several_ = false;
+    hit_ = 0;
     farthest_ = kInfinity;
     const double x = job_.column + column_ + 0.5 - job_.half_width,
                  y = job_.row + row_ + 0.5 - job_.half_height;
@@ -340,6 +341,8 @@ class Packet {
         job_.t[to + j] = t_[from + j];
         job_.leaf[to + j] = leaf_[from + j] == kMiss ? kNoLeaf : static_cast<std::uint32_t>(leaf_[from + j]);
       }
+      for (int j = 0; several_ && j < kPacketWidth; ++j)
+        job_.error[to + j] = std::fmax(error_[from + j], depth_[from + j] - least_[from + j]);
       for (int j = 0; doubtful_ && j < kPacketWidth; ++j)
         if (!nearest_only_ || doubt_depth_[from + j] <= Reach(from + j))
           job_.doubt[to + j] = doubt_[from + j];
@@ -430,9 +433,17 @@ class Packet {
     for (int i = 0; i < kLanes; i += kWideLanes) {
       const int lane = first + i;
       const Wide found = Load(depth + i);
-      const unsigned nearer =
-          hits >> i & Less(found, Load(depth_ + lane)) & Less(SetWide(job_.near_depth), found);
+      const unsigned beyond = hits >> i & Less(SetWide(job_.near_depth), found),
+                     nearer = beyond & Less(found, Load(depth_ + lane));
       kept |= nearer;
+      if (unsigned again = beyond & hit_ >> lane) {
+        again &= Less(found + SetWide(-leaf.depth_error), Load(reach_ + lane));
+        for (; again; again &= again - 1) {
+          const int k = __builtin_ctz(again);
+          NoteLeast(lane + k, depth[i + k], leaf.depth_error);
+        }
+      }
+      hit_ |= nearer << lane;
       Store(Select(nearer, found, Load(depth_ + lane)), depth_ + lane);
       Store(Select(nearer, found + SetWide(leaf.depth_error), Load(reach_ + lane)), reach_ + lane);
       Store(Select(nearer, SetWide(leaf.depth_error), Load(error_ + lane)), error_ + lane);
@@ -450,7 +461,11 @@ class Packet {
 
   // A root in a certified leaf: trimming, then the depth test. Whether it is the nearest so far.
   bool Take(const Leaf& leaf, std::uint32_t index, int lane, TileHit hit) {
-    if (!(hit.depth > job_.near_depth) || (nearest_only_ && !Matters(lane, hit))) return false;
+    if (!(hit.depth > job_.near_depth)) return false;
+    if (nearest_only_ && !Matters(lane, hit)) {
+      NoteLeast(lane, hit.depth, hit.error);  // whatever the trimming would say
+      return false;
+    }
     std::uint8_t doubt = 0;
     if (OnPatchBorder(leaf, hit.s, hit.t) &&
         !job_.keep_on_border(job_.context, leaf, x_[lane], y_[lane], &hit, &doubt))
@@ -470,7 +485,9 @@ class Packet {
         depth_[lane] - error_[lane] <= hit.depth + hit.error &&
         job_.leaves[static_cast<std::uint32_t>(leaf_[lane])].placed_face != job_.leaves[index].placed_face)
       AddDoubt(lane, kDoubtCoincident, std::fmin(hit.depth - hit.error, depth_[lane] - error_[lane]));
+    if (hit_ >> lane & 1) NoteLeast(lane, hit.depth, hit.error);
     if (!(hit.depth < depth_[lane])) return false;
+    hit_ |= 1u << lane;
     depth_[lane] = hit.depth;
     error_[lane] = hit.error;
     reach_[lane] = Reach(lane);
@@ -478,6 +495,16 @@ class Packet {
     t_[lane] = hit.t;
     leaf_[lane] = index;
     return true;
+  }
+
+  // Of a lane's second hit, and those after it: which of them is the nearest may be another than the depths say, by as
+  // much as their errors. (Those without a bound have a doubt.)
+  void NoteLeast(int lane, double depth, double error) {
+    if (!(depth - error < Reach(lane))) return;
+    if (!several_) std::fill_n(least_, kPacketLanes, kInfinity);
+    several_ = true;
+    if (error_[lane] < kInfinity) least_[lane] = std::fmin(least_[lane], depth_[lane] - error_[lane]);
+    if (error < kInfinity) least_[lane] = std::fmin(least_[lane], depth - error);
   }
 
   void MeetHard(const Leaf& leaf, std::uint32_t index, unsigned lanes) {
@@ -553,12 +580,13 @@ class Packet {
   const TileJob& job_;
   const bool nearest_only_, plain_;
   int row_ = 0, column_ = 0;
-  unsigned valid_ = 0;
-  bool begun_ = false, doubtful_ = false;
+  unsigned valid_ = 0, hit_ = 0;  // lanes inside the image, and those with a hit
+  bool begun_ = false, doubtful_ = false, several_ = false;
   double farthest_ = kInfinity;
   alignas(64) double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes],
       t_[kPacketLanes];
-  double error_[kPacketLanes];        // of the depth
+  double error_[kPacketLanes];        // of the depth, as a root of its leaf
+  double least_[kPacketLanes];        // with several_: of a lane's hits none can be nearer
   double reach_[kPacketLanes];        // Reach(); −inf outside the image
   double leaf_[kPacketLanes];         // its index, or kMiss
   double doubt_depth_[kPacketLanes];  // no doubt arose nearer

@@ -43,10 +43,11 @@ SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Cr
                    EvaluateHit(leaf, nearest.hit.s, nearest.hit.t, x, y, frame).normal;
     found.crossing = &nearest;
     // What else lies within the error of the depth may be the nearest.
-    for (std::size_t i = answer.index + 1; certify_ && i < crossings.size(); ++i) {
-      const Crossing& other = crossings[i];
-      if (other.hit.depth - ErrorOf(other) > nearest.hit.depth + ErrorOf(nearest)) break;
-      if (leaves[other.leaf].placed_face != leaf.placed_face) found.doubt |= kDoubtCoincident;
+    for (const Crossing& other : crossings.subspan(answer.index + 1)) {
+      const double least = other.hit.depth - ErrorOf(other);
+      if (least > nearest.hit.depth + ErrorOf(nearest)) continue;
+      if (certify_ && leaves[other.leaf].placed_face != leaf.placed_face) found.doubt |= kDoubtCoincident;
+      found.error = std::fmax(found.error, nearest.hit.depth - least);
     }
   }
   return found;

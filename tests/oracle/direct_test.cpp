@@ -221,6 +221,38 @@ TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
   }
 }
 
+// A sphere and a cylinder of a thousandth of a millimetre that touch, a metre from the origin. Where the one is in
+// front of the other by less than single precision can tell, `fast` may show the wrong one, but not deeper than it says.
+TEST_P(DirectBeforeTheOracle, FacesThatTouchAreAsNearAsIsSaid) {
+  using namespace facetless::testing;
+  const double radius = 0x1p-10;
+  const Model model = ModelOf(
+      {Sphere({1000, 0, 0}, radius), Frustum({1000 + 2 * radius, 0, -radius}, radius, radius, 2 * radius)});
+  const Oracle oracle(model);
+  std::uint64_t certified = 0;
+  for (const double window : {1e-3, 1e-4, 1e-5, 4.7841596538733942e-07, 1e-8}) {
+    Camera camera;
+    camera.target = {1000 + radius, 0, 0};
+    camera.eye = camera.target + Vec3{3 * radius, -3 * radius, 3 * radius};
+    camera.up = {0, 0, 1};
+    camera.height = window;
+    camera.width_px = camera.height_px = kSize;
+    DirectOptions options;
+    options.precision = GetParam();
+    options.depth_error = true;
+    const DirectResult direct = TraceDirect(Scene(model), camera, options).value();
+    std::vector<std::uint32_t> pixels(direct.samples.size());
+    std::iota(pixels.begin(), pixels.end(), 0u);
+    const Tally tally = JudgePixels(Judge(oracle, camera), direct.samples, pixels);
+    EXPECT_EQ(tally.CertifiedWrong(), 0u) << window;
+    for (const Judgement& judgement : tally.list)
+      if (judgement.verdict == Verdict::kWrong && judgement.claim.certificate == Certificate::kCertified)
+        ADD_FAILURE() << window << ": " << Describe(judgement, model);
+    certified += direct.stats.certified;
+  }
+  EXPECT_GT(certified, 5 * kSize * kSize / 2u);
+}
+
 std::string PrecisionName(const ::testing::TestParamInfo<Precision>& info) {
   switch (info.param) {
     case Precision::kFast:
