@@ -197,11 +197,11 @@ bool IsInteger(const std::string& token) {
                                              [](unsigned char c) { return std::isdigit(c); });
 }
 
-// The number that a token writes; 0 if it writes none.
+// The number that a token begins with; 0 if it begins with none, or with NaN or infinity ("nano", "infix").
 double NumberIn(const std::vector<std::string>& tokens, std::size_t i) {
   double number = 0;
   if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
-  return number;
+  return std::isfinite(number) ? number : 0;
 }
 
 // What entities say of their own length: values (numbers or pointers) per item, and the tokens whose product is the number of

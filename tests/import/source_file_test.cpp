@@ -183,6 +183,14 @@ TEST(SourceFile, IgesNumbersThatAreNoneNameTheirEntity) {
   EXPECT_TRUE(OpenEntity(folder, "110", "110,0.,0.,0.,1.E-400,1.D100,3HNAN;").ok());
 }
 
+TEST(SourceFile, WordsThatBeginLikeNanOrInfinityAreNoIgesCounts) {
+  const TemporaryFolder folder;
+  for (const std::string word : {"nano", "NANA", "nan(1)", "INFIN", "-infix"}) {
+    EXPECT_TRUE(OpenEntity(folder, "102", "102," + word + ",1;").ok()) << word;
+    EXPECT_TRUE(OpenEntity(folder, "130", "130," + word + ",1;").ok()) << word;
+  }
+}
+
 TEST(SourceFile, AnIgesEntityThatIsMadeOfItselfIsRefused) {
   const TemporaryFolder folder;
   for (const auto& [type, parameters] :
