@@ -31,8 +31,8 @@ class Judge {
   bool Sees(const ViewLine& line, const LinePoint& p) const {
     const double x = p.x * scale_x_, y = p.y * scale_y_;
     // Beside the picture the nearest of its samples must do.
-    const int column = std::clamp(static_cast<int>(std::floor(x)), 0, samples_.width - 1),
-              row = std::clamp(static_cast<int>(std::floor(y)), 0, samples_.height - 1);
+    const int column = static_cast<int>(std::clamp(x, 0.0, samples_.width - 1.0)),
+              row = static_cast<int>(std::clamp(y, 0.0, samples_.height - 1.0));
     const std::size_t i = static_cast<std::size_t>(row) * samples_.width + column;
     const double depth = samples_.depth[i];
     if (!(depth < p.depth)) return true;
