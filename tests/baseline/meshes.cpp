@@ -1,7 +1,5 @@
 #include "tests/baseline/meshes.h"
 
-#include <unistd.h>
-
 #include <cstring>
 
 namespace facetless::testing {
@@ -89,23 +87,6 @@ TriangleFile::TriangleFile() {
   const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   bin.assign(reinterpret_cast<const char*>(indices), 8);
   bin.append(reinterpret_cast<const char*>(positions), 36);
-}
-
-TempFile::TempFile(const std::string& name, const std::string& bytes) {
-  static int counter = 0;
-  path_ = (std::filesystem::temp_directory_path() /
-           ("facetless-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + "-" + name))
-              .string();
-  std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-TempFile::~TempFile() {
-  std::filesystem::remove(path_);
-}
-
-std::string CadFolder() {
-  const char* folder = std::getenv("FACETLESS_CAD");
-  return folder != nullptr && std::filesystem::is_directory(folder) ? folder : "";
 }
 
 }  // namespace facetless::testing

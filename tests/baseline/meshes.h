@@ -2,9 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -31,19 +28,5 @@ struct TriangleFile {
   TriangleFile();
   std::string Bytes() const { return Glb(json, bin); }
 };
-
-// A file that is gone when the test is over.
-class TempFile {
- public:
-  TempFile(const std::string& name, const std::string& bytes);
-  ~TempFile();
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-// The folder of real CAD files, or "" where there is none.
-std::string CadFolder();
 
 }  // namespace facetless::testing

@@ -5,21 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tests/differential/differential.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
-
-std::string Sample(const std::string& name) {
-  const char* root = std::getenv("FACETLESS_SOURCE");
-  return std::string(root != nullptr ? root : ".") + "/samples/" + name;
-}
 
 Ray Down(double x, double y) {
   return {{x, y, 100}, {0, 0, -1}};

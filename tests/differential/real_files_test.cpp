@@ -7,13 +7,13 @@
 
 #include <cctype>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <utility>
 
 #include "tests/differential/differential.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
@@ -27,16 +27,6 @@ constexpr double kHitMiss = 0.001;  // share of rays that hit for one and miss f
 // Rays per side of the picture: the reference takes about as long on a heavy file as on a light one.
 int SizeFor(std::size_t faces) {
   return faces <= 300 ? 96 : faces <= 1000 ? 64 : 48;
-}
-
-fs::path SourceRoot() {
-  const char* root = std::getenv("FACETLESS_SOURCE");
-  return root != nullptr ? root : ".";
-}
-
-fs::path CadFolder() {
-  const char* folder = std::getenv("FACETLESS_CAD");
-  return folder != nullptr ? fs::path(folder) : SourceRoot() / "../shared/cad";
 }
 
 std::uint64_t Count(const ViewComparison& view, Verdict verdict) {
@@ -80,7 +70,7 @@ void CompareViews(const fs::path& path, bool one_placement) {
 class SampleFile : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(SampleFile, AgreesWithTheReference) {
-  CompareViews(SourceRoot() / "samples" / GetParam(), false);
+  CompareViews(Sample(GetParam()), false);
 }
 
 // A file name as the name of a test.
@@ -109,9 +99,9 @@ void PrintTo(const RealFileCase& r, std::ostream* out) {
 class RealFile : public ::testing::TestWithParam<RealFileCase> {};
 
 TEST_P(RealFile, AgreesWithTheReference) {
-  const fs::path path = CadFolder() / "parts" / GetParam().name;
-  if (!fs::exists(path))
-    GTEST_SKIP() << path
+  const std::string path = CadFile(std::string("parts/") + GetParam().name);
+  if (path.empty())
+    GTEST_SKIP() << GetParam().name
                  << " is not there: nothing was compared. Set FACETLESS_CAD to the folder of real files.";
   CompareViews(path, GetParam().one_placement);
 }

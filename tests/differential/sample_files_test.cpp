@@ -14,11 +14,12 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Shape.hxx>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
@@ -26,14 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-fs::path SamplesFolder() {
-  const char* root = std::getenv("FACETLESS_SOURCE");
-  return (root != nullptr ? fs::path(root) : fs::path(__FILE__).parent_path().parent_path().parent_path()) /
-         "samples";
-}
-
 json Expected() {
-  return json::parse(std::ifstream(SamplesFolder() / "expected.json"));
+  return json::parse(std::ifstream(Sample("expected.json")));
 }
 
 TopoDS_Shape ReadShape(const fs::path& path) {
@@ -78,7 +73,7 @@ TEST(SampleFiles, HoldWhatWasMade) {
     if (!expected.contains("faces")) continue;
     SCOPED_TRACE(name);
     ++sound;
-    const TopoDS_Shape shape = ReadShape(SamplesFolder() / name);
+    const TopoDS_Shape shape = ReadShape(Sample(name));
     ASSERT_FALSE(shape.IsNull());
     EXPECT_TRUE(BRepCheck_Analyzer(shape).IsValid());
     const Measured measured = Measure(shape);

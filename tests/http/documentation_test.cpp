@@ -2,11 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <sstream>
 
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
@@ -44,8 +44,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 }
 
 std::string Documentation() {
-  const char* source = std::getenv("FACETLESS_SOURCE");
-  return ReadText(std::string(source == nullptr ? "." : source) + "/docs/api.md");
+  return ReadText(SourceRoot() / "docs/api.md");
 }
 
 TEST(Documentation, MarksEveryBlockThatCallsTheService) {

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <string_view>
 
 #include "tests/import/shapes.h"
+#include "tests/support/files.h"
 #include "tests/support/sanitized.h"
 
 namespace facetless {
@@ -28,10 +28,9 @@ class Parts : public ::testing::TestWithParam<Part> {};
 
 TEST_P(Parts, ArriveWhole) {
   const Part& part = GetParam();
-  const std::string path = CadFolder() + "/parts/" + part.file;
-  if (CadFolder().empty())
-    GTEST_SKIP() << "FACETLESS_CAD names no folder of CAD files: " << part.file << " is not tested";
-  ASSERT_TRUE(std::filesystem::exists(path));
+  const std::string path = CadFile(std::string("parts/") + part.file);
+  if (path.empty())
+    GTEST_SKIP() << "FACETLESS_CAD names no folder with " << part.file << ", which is not tested";
   if (kSanitized && part.file == std::string_view("boxed_sphere.step"))
     GTEST_SKIP() << "a sanitizer takes more than ten minutes over " << part.file;
   const Result<Conversion> conversion = ConvertFile(path);
@@ -111,9 +110,10 @@ class BrokenFiles : public ::testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenFiles, GiveWhatCanBeSavedOrASentence) {
   const Broken& broken = GetParam();
-  if (CadFolder().empty())
-    GTEST_SKIP() << "FACETLESS_CAD names no folder of CAD files: " << broken.file << " is not tested";
-  const Result<Conversion> conversion = ConvertFile(CadFolder() + "/broken/" + broken.file);
+  const std::string path = CadFile(std::string("broken/") + broken.file);
+  if (path.empty())
+    GTEST_SKIP() << "FACETLESS_CAD names no folder with " << broken.file << ", which is not tested";
+  const Result<Conversion> conversion = ConvertFile(path);
   if (broken.faces == 0) {
     ASSERT_FALSE(conversion.ok());
     EXPECT_EQ(conversion.error().code, broken.code);

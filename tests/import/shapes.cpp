@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 
 #include "import/assembly.h"
 #include "import/bezier_pieces.h"
@@ -86,11 +84,6 @@ class Evaluator {
 };
 
 }  // namespace
-
-std::string CadFolder() {
-  const char* folder = std::getenv("FACETLESS_CAD");
-  return folder != nullptr && std::filesystem::is_directory(folder) ? folder : "";
-}
 
 Result<Conversion> ConvertShape(const TopoDS_Shape& shape) {
   CadDocument document;

@@ -11,9 +11,6 @@
 
 namespace facetless {
 
-// The folder of real CAD files; empty if there is none (tests skip).
-std::string CadFolder();
-
 Result<Conversion> ConvertShape(const TopoDS_Shape& shape);
 // Through the readers, as the command does.
 Result<Conversion> ConvertFile(const std::string& path);

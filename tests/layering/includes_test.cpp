@@ -11,7 +11,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -19,6 +18,8 @@
 #include <set>
 #include <string>
 #include <vector>
+
+#include "tests/support/files.h"
 
 namespace {
 
@@ -29,11 +30,6 @@ struct SourceFile {
   std::vector<std::string> includes;  // as written, without the quotes or brackets
   std::vector<std::string> lines;     // without // comments
 };
-
-fs::path SourceRoot() {
-  const char* root = std::getenv("FACETLESS_SOURCE");
-  return root != nullptr ? fs::path(root) : fs::path(__FILE__).parent_path().parent_path().parent_path();
-}
 
 SourceFile ReadSource(const fs::path& root, const fs::path& file) {
   static const std::regex include_line(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"].*)");

@@ -5,13 +5,13 @@
 
 #include "tests/samples/program.h"
 #include "tests/samples/samples.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
 
 TEST(Continuity, OfTheVaseIsWhatItWasMadeWith) {
-  const ProgramResult result =
-      RunProgram("facetless continuity '" + (SamplesFolder() / "vase.step").string() + "' 2> /dev/null");
+  const ProgramResult result = RunProgram("facetless continuity '" + Sample("vase.step") + "' 2> /dev/null");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const nlohmann::json continuity = nlohmann::json::parse(result.output).at("continuity");
   EXPECT_EQ(continuity["counts"]["gap"], 0);

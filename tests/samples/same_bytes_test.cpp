@@ -1,7 +1,6 @@
 // The exact pictures of every sample: the same bytes with every instruction set that this machine has, and on any number of threads.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -12,6 +11,7 @@
 #include "render/kernels/dispatch.h"
 #include "tests/samples/program.h"
 #include "tests/samples/samples.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
@@ -43,7 +43,7 @@ class SameBytes : public testing::TestWithParam<std::string> {
     std::map<std::string, std::string> all;
     for (const std::string projection : {"orthographic", "perspective"}) {
       const ProgramResult rendered = RunProgram(
-          "facetless render '" + (SamplesFolder() / GetParam()).string() + "' --out '" + folder.string() +
+          "facetless render '" + Sample(GetParam()) + "' --out '" + folder.string() +
           "' --size 203x151 --precision certified --projection " + projection +
           " --aov depth,normal,face,uv,certificate --threads " + std::to_string(threads) + " 2> /dev/null");
       EXPECT_EQ(rendered.exit_code, 0);

@@ -2,29 +2,21 @@
 #pragma once
 
 #include <cctype>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-namespace facetless {
+#include "tests/support/files.h"
 
-// Needs FACETLESS_SOURCE, which ctest sets.
-inline std::filesystem::path SamplesFolder() {
-  namespace fs = std::filesystem;
-  const char* root = std::getenv("FACETLESS_SOURCE");
-  return (root != nullptr ? fs::path(root) : fs::path(__FILE__).parent_path().parent_path().parent_path()) /
-         "samples";
-}
+namespace facetless {
 
 // The names in expected.json: "bracket.step", "broken/empty.step". Empty without it: it is asked when a program is loaded, where
 // nothing may be thrown, and a test says that it is missing.
 inline std::vector<std::string> SampleNames() {
   std::vector<std::string> names;
-  std::ifstream file(SamplesFolder() / "expected.json");
+  std::ifstream file(Sample("expected.json"));
   const nlohmann::json expected = nlohmann::json::parse(file, nullptr, false);
   for (const auto& [name, value] : expected.items()) names.push_back(name);
   return names;

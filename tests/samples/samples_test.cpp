@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -19,6 +18,7 @@
 #include "render/model/model_file.h"
 #include "tests/samples/program.h"
 #include "tests/samples/samples.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 json Expected() {
-  return json::parse(std::ifstream(SamplesFolder() / "expected.json"));
+  return json::parse(std::ifstream(Sample("expected.json")));
 }
 
 TEST(Samples, TheListIsThere) {
@@ -41,8 +41,8 @@ TEST_P(Sample, ImportMakesWhatTheFileWasMadeOf) {
   const fs::path model_path =
       fs::path(testing::TempDir()) / (fs::path(GetParam()).filename().string() + ".flm");
   fs::remove(model_path);
-  const ProgramResult imported = RunProgram("facetless-import '" + (SamplesFolder() / GetParam()).string() +
-                                            "' --model '" + model_path.string() + "'");
+  const ProgramResult imported =
+      RunProgram("facetless-import '" + Sample(GetParam()) + "' --model '" + model_path.string() + "'");
   ASSERT_EQ(imported.exit_code, expected["exit"].get<int>()) << imported.output;
   if (!expected.contains("faces")) {
     EXPECT_FALSE(fs::exists(model_path));
@@ -92,8 +92,7 @@ TEST_P(Sample, ImportMakesWhatTheFileWasMadeOf) {
 
 TEST_P(Sample, InspectGivesItsExitCodeAndReport) {
   const json expected = Expected()[GetParam()];
-  const ProgramResult inspected =
-      RunProgram("facetless inspect '" + (SamplesFolder() / GetParam()).string() + "'");
+  const ProgramResult inspected = RunProgram("facetless inspect '" + Sample(GetParam()) + "'");
   ASSERT_EQ(inspected.exit_code, expected["exit"].get<int>()) << inspected.output;
   if (!expected.contains("faces")) return;
   const json model = json::parse(inspected.output)["model"];

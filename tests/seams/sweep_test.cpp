@@ -4,18 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
+#include "tests/support/files.h"
 
 namespace facetless {
 namespace {
-
-namespace fs = std::filesystem;
-
-fs::path FolderFrom(const char* variable) {
-  const char* folder = std::getenv(variable);
-  return folder != nullptr ? fs::path(folder) : fs::path();
-}
 
 std::string Said(const SweepResult& result) {
   std::string text;
@@ -45,9 +37,7 @@ TEST(Sweep, NoLightThroughTheSamples) {
   int files = 0;
   for (const char* name : {"assembly.step", "blade.step", "bracket.step", "cone.step", "freeform.step",
                            "sphere.step", "teapot.step", "torus.step", "trimmed.iges", "wavy_sheet.step"}) {
-    const fs::path path = FolderFrom("FACETLESS_SOURCE") / "samples" / name;
-    ASSERT_TRUE(fs::exists(path)) << path;
-    ExpectTight(path.string(), 48, 100);
+    ExpectTight(Sample(name), 48, 100);
     ++files;
   }
   EXPECT_EQ(files, 10);
@@ -56,10 +46,10 @@ TEST(Sweep, NoLightThroughTheSamples) {
 class SweepOfRealFile : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(SweepOfRealFile, LetsNoLightThrough) {
-  const fs::path path = FolderFrom("FACETLESS_CAD") / "parts" / GetParam();
-  if (!fs::exists(path))
+  const std::string path = CadFile(std::string("parts/") + GetParam());
+  if (path.empty())
     GTEST_SKIP() << GetParam() << " is not at hand: set FACETLESS_CAD to the folder of CAD files";
-  ExpectTight(path.string(), 64, 100);
+  ExpectTight(path, 64, 100);
 }
 
 // Edges without p-curves, up to 0.006 mm off their faces; a wing; an assembly; spheres in a box.

@@ -1,4 +1,4 @@
-// What the tests of the server share: where the programs are, files with a given text, and running a program.
+// What the tests of the server share: where files and programs are, files with a given text, and running a program.
 #pragma once
 
 #include <cstdlib>
@@ -10,25 +10,13 @@
 
 #include "server/importer/child_process.h"
 #include "server/temp_dir.h"
+#include "tests/support/files.h"
 
 namespace facetless {
 
 inline std::string Program(const std::string& name) {
   if (const char* directory = std::getenv("FACETLESS_BIN")) return std::string(directory) + "/" + name;
   return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / name).string();
-}
-
-// The path of a real CAD file, or "" where they are not available.
-inline std::string CadFile(const std::string& name) {
-  const char* directory = std::getenv("FACETLESS_CAD");
-  const std::string path = std::string(directory == nullptr ? "../shared/cad" : directory) + "/" + name;
-  return std::filesystem::exists(path) ? path : "";
-}
-
-// A file in the project's own samples/.
-inline std::string Sample(const std::string& name) {
-  const char* directory = std::getenv("FACETLESS_SOURCE");
-  return std::string(directory == nullptr ? "." : directory) + "/samples/" + name;
 }
 
 inline std::string WriteText(const std::string& path, const std::string& text) {
