@@ -21,6 +21,7 @@
 
 #include "tests/support/files.h"
 
+namespace facetless {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,3 +207,4 @@ TEST(Layering, LibrariesNeitherPrintNorEndTheProcess) {
 }
 
 }  // namespace
+}  // namespace facetless
