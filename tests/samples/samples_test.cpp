@@ -34,9 +34,9 @@ TEST(Samples, TheListIsThere) {
   EXPECT_GE(SampleNames().size(), 15u);
 }
 
-class Sample : public testing::TestWithParam<std::string> {};
+class SampleFile : public testing::TestWithParam<std::string> {};
 
-TEST_P(Sample, ImportMakesWhatTheFileWasMadeOf) {
+TEST_P(SampleFile, ImportMakesWhatTheFileWasMadeOf) {
   const json expected = Expected()[GetParam()];
   const fs::path model_path =
       fs::path(testing::TempDir()) / (fs::path(GetParam()).filename().string() + ".flm");
@@ -90,7 +90,7 @@ TEST_P(Sample, ImportMakesWhatTheFileWasMadeOf) {
   }
 }
 
-TEST_P(Sample, InspectGivesItsExitCodeAndReport) {
+TEST_P(SampleFile, InspectGivesItsExitCodeAndReport) {
   const json expected = Expected()[GetParam()];
   const ProgramResult inspected = RunProgram("facetless inspect '" + Sample(GetParam()) + "'");
   ASSERT_EQ(inspected.exit_code, expected["exit"].get<int>()) << inspected.output;
@@ -101,7 +101,7 @@ TEST_P(Sample, InspectGivesItsExitCodeAndReport) {
   EXPECT_EQ(model["loops_lost"], json::array());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Sample, testing::ValuesIn(SampleNames()),
+INSTANTIATE_TEST_SUITE_P(All, SampleFile, testing::ValuesIn(SampleNames()),
                          [](const auto& info) { return TestName(info.param); });
 
 }  // namespace
