@@ -17,6 +17,8 @@ double LineImage::DistanceOf(double px, double py) const {
 
 LineImage FitLine(const BezierNet& net) {
   LineImage line;
+  for (int i = 0; i < net.points(); ++i)
+    if (!(net.at(i, kW) > net.error[kW])) return {.is_line = true, .half_width = INFINITY};
   const auto image_x = [&](int i) { return net.at(i, kX) / net.at(i, kW); };
   const auto image_y = [&](int i) { return net.at(i, kY) / net.at(i, kW); };
   // Take the farthest control point from the first, and what the points are off by.

@@ -19,7 +19,8 @@ struct LineImage {
   double DistanceOf(double px, double py) const;
 };
 
-// The line through the first control point's image and the one farthest from it. Requires W > 0 in all of them.
+// The line through the first control point's image and the one farthest from it. Where a weight may be zero within its error,
+// the patch may lie anywhere: the line is as wide as the plane.
 LineImage FitLine(const BezierNet& net);
 
 }  // namespace facetless

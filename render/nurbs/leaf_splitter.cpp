@@ -62,6 +62,29 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
 
+// Whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no digit of its weights. Halving
+// makes no error smaller and no weight larger.
+bool IsLost(const BezierNet& net, double half_window) {
+  constexpr double kDigits = 1024;
+  double largest = 0;
+  for (int i = 0; i < net.points(); ++i) largest = std::max(largest, std::fabs(net.at(i, kW)));
+  const double error = std::max(net.error[kX], net.error[kY]) + half_window * kDigits * net.error[kW];
+  return !(half_window * largest > error);
+}
+
+// No certificate: the net itself, for the subdivision solver.
+Leaf HardLeaf(const BezierNet& net, DepthRule rule, bool edge_on) {
+  Leaf leaf;
+  leaf.flags = static_cast<std::uint16_t>(
+      kLeafHard | (rule.perspective ? kLeafPerspective : 0) | (rule.weight_varies ? kLeafWeightVaries : 0) |
+      (rule.depth_varies ? kLeafDepthVaries : 0) | (edge_on ? kLeafEdgeOn : 0));
+  leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
+  leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
+  leaf.c11 = net.error[kX], leaf.c12 = net.error[kY];
+  leaf.c21 = net.error[kW], leaf.c22 = net.error[kQ];
+  return leaf;
+}
+
 // Whether the net's corners alone show that its image is no line: they span more than its errors and rounding could.
 bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window) {
   const double size = std::max(std::max(-box.x_low, box.x_high), std::max(-box.y_low, box.y_high));
@@ -102,6 +125,7 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
   patch_ = &patch;
   leaves_ = leaves;
   arena_ = arena;
+  lost_ = false;
   Node* root = Level(0, 0);
   root->u_mid = 0.5 * (patch.u_low + patch.u_high), root->u_half = 0.5 * (patch.u_high - patch.u_low);
   root->v_mid = 0.5 * (patch.v_low + patch.v_high), root->v_half = 0.5 * (patch.v_high - patch.v_low);
@@ -152,6 +176,18 @@ void LeafSplitter::Visit(const Node& node) {
     if (trim == RectClass::kOutside) return;
   }
 
+  // Give up what no halving can place. One leaf says so of the whole patch.
+  if (!(box.in_front && box.error < half_window) && IsLost(net, half_window)) {
+    if (lost_) return;
+    lost_ = true;
+    Leaf leaf = HardLeaf(net, patch_->rule, /*edge_on=*/true);
+    leaf.near_depth = window_.perspective ? window_.near_depth : -INFINITY;
+    leaf.col_end = static_cast<int>(2 * window_.half_width);
+    leaf.row_end = static_cast<int>(2 * window_.half_height);
+    Keep(leaf, node, trim, net.value);
+    return;
+  }
+
   // Certify, or halve, or give up on a piece that is small enough.
   const double samples = double(col_end - col_begin) * (row_end - row_begin);
   const bool last_level = node.level >= kMaxLevels;
@@ -166,44 +202,11 @@ void LeafSplitter::Visit(const Node& node) {
                          FitLine(net).is_line;
     const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
     if ((certified && (trimmed_small || last_level)) || hard) {
-      if (hard) {
-        leaf = Leaf{};
-        leaf.flags = static_cast<std::uint16_t>(
-            kLeafHard | (patch_->rule.perspective ? kLeafPerspective : 0) |
-            (patch_->rule.weight_varies ? kLeafWeightVaries : 0) |
-            (patch_->rule.depth_varies ? kLeafDepthVaries : 0) | (edge_on ? kLeafEdgeOn : 0));
-        leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
-        leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
-        leaf.c11 = net.error[kX], leaf.c12 = net.error[kY];
-        leaf.c21 = net.error[kW], leaf.c22 = net.error[kQ];
-        std::copy_n(net.value, kNetComponents * net.points(), monomials);
-      }
+      if (hard) leaf = HardLeaf(net, patch_->rule, edge_on);
       leaf.near_depth = box.near_depth - leaf.depth_error;
       leaf.col_begin = col_begin, leaf.col_end = col_end;
       leaf.row_begin = row_begin, leaf.row_end = row_end;
-      leaf.u_mid = node.u_mid, leaf.u_half = node.u_half;
-      leaf.v_mid = node.v_mid, leaf.v_half = node.v_half;
-      leaf.placed_face = patch_->placed_face;
-      leaf.patch = patch_->patch;
-      if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
-      if (node.u_mid - node.u_half == 0 || node.u_mid + node.u_half == 1 || node.v_mid - node.v_half == 0 ||
-          node.v_mid + node.v_half == 1)
-        leaf.flags |= kLeafAtBorder;
-      leaf.s_high = leaf.t_high = 1 + leaf.overlap();
-      leaf.s_low = leaf.t_low = -leaf.s_high;
-      const std::size_t count = static_cast<std::size_t>(leaf.planes()) * net.points();
-      if (!hard && window_.arithmetic.epsilon == kFloatArithmetic.epsilon) {
-        float* coefficients = arena_->AllocateFloats(count);
-        for (std::size_t i = 0; i < count; ++i) coefficients[i] = static_cast<float>(monomials[i]);
-        leaf.coefficients32 = coefficients;
-      } else {
-        double* coefficients = arena_->Allocate(count);
-        std::copy_n(monomials, count, coefficients);
-        leaf.coefficients = coefficients;
-      }
-      leaves_->push_back(leaf);
-      budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double)),
-                                    std::memory_order_relaxed);
+      Keep(leaf, node, trim, hard ? net.value : monomials);
       return;
     }
   } else if (last_level) {
@@ -239,6 +242,32 @@ void LeafSplitter::Visit(const Node& node) {
   nets.halve(net, direction, &low->net, &high->net);
   Visit(*low);
   Visit(*high);
+}
+
+void LeafSplitter::Keep(Leaf leaf, const Node& node, RectClass trim, const double* coefficients) {
+  leaf.u_mid = node.u_mid, leaf.u_half = node.u_half;
+  leaf.v_mid = node.v_mid, leaf.v_half = node.v_half;
+  leaf.placed_face = patch_->placed_face;
+  leaf.patch = patch_->patch;
+  if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
+  if (node.u_mid - node.u_half == 0 || node.u_mid + node.u_half == 1 || node.v_mid - node.v_half == 0 ||
+      node.v_mid + node.v_half == 1)
+    leaf.flags |= kLeafAtBorder;
+  leaf.s_high = leaf.t_high = 1 + leaf.overlap();
+  leaf.s_low = leaf.t_low = -leaf.s_high;
+  const std::size_t count = static_cast<std::size_t>(leaf.planes()) * leaf.points();
+  if (!(leaf.flags & kLeafHard) && window_.arithmetic.epsilon == kFloatArithmetic.epsilon) {
+    float* kept = arena_->AllocateFloats(count);
+    for (std::size_t i = 0; i < count; ++i) kept[i] = static_cast<float>(coefficients[i]);
+    leaf.coefficients32 = kept;
+  } else {
+    double* kept = arena_->Allocate(count);
+    std::copy_n(coefficients, count, kept);
+    leaf.coefficients = kept;
+  }
+  leaves_->push_back(leaf);
+  budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double)),
+                                std::memory_order_relaxed);
 }
 
 }  // namespace facetless

@@ -5,7 +5,7 @@
 //     face, lies in a leaf that is returned. What is dropped is proven to be outside the window, behind the
 //     eye, between the sample centres, or trimmed away.
 //  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
-//     be split further, or are seen edge-on (edge_on.h), where splitting leads nowhere.
+//     be split further, or are seen edge-on, or lie anywhere (edge_on.h), where splitting leads nowhere.
 //  3. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
 
@@ -87,6 +87,8 @@ class LeafSplitter {
  private:
   struct Node;
   void Visit(const Node& node);
+  // Appends the leaf of a node; `coefficients`: as many as the leaf's planes have.
+  void Keep(Leaf leaf, const Node& node, RectClass trim, const double* coefficients);
   Node* Level(int level, int side);
 
   SplitWindow window_;
@@ -95,6 +97,7 @@ class LeafSplitter {
   const SplitPatch* patch_ = nullptr;
   std::vector<Leaf>* leaves_ = nullptr;
   CoefficientArena* arena_ = nullptr;
+  bool lost_ = false;  // a leaf of this patch stands for all its pieces that may lie anywhere
   std::uint64_t nodes_ = 0;
 };
 

@@ -294,6 +294,29 @@ TEST(Direct, APlaneSeenEdgeOnIsNotSplitForever) {
   }
 }
 
+TEST(Direct, APatchThatItsErrorsPlaceAnywhereIsInDoubtAndNotSplitForever) {
+  // One corner is so far or so heavy that rounding swallows the rest: no piece can be culled, and none has a certificate. Such
+  // were split without an end, or until the memory was full.
+  const Vec4 corners[][2] = {{{5, 5, 0, 1e161}, {1e151, 1e248, 1e223, 1}},
+                             {{5, 5, 0, 1}, {1e230, 1e240, 0, 1e-167}},
+                             {{1e254, 1e254, 0, 1e-56}, {5, 5, 0, 1}},
+                             {{5, 5, 0, 1e40}, {1e265, 1e260, 0, 1e-200}}};
+  for (const auto& [beside, corner] : corners) {
+    std::vector<Vec4> points;
+    for (int k = 0; k < 3; ++k)
+      for (int l = 0; l < 3; ++l) points.push_back({5.0 * k, 5.0 * l, 2.0 * (k == 1), 1});
+    points[7] = beside, points[8] = corner;
+    const std::vector<Span> span{{0, 1, SpanMap::kLinear}};
+    Model model = ModelOf({{SurfaceKind::kBspline, 2, 2, span, span, points}});
+    model.bounds = {{0, 0, 0}, {10, 10, 2}};
+    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+      const DirectStats stats = TraceDirect(Scene(model), ViewOf(model, "iso", projection), {}).value().stats;
+      EXPECT_LT(stats.leaves, 1000u) << corner.w;
+      EXPECT_EQ(stats.unresolved, stats.rays) << corner.w;
+    }
+  }
+}
+
 TEST(Direct, FarFromTheOriginLosesOnlyTheCoordinatesOwnDigits) {
   const Vec3 center{1e7, -1e7, 1e7};
   const Model model = ModelOf({Sphere(center, 1)});
