@@ -67,8 +67,9 @@ class ColorScale {
       colors_.push_back(Linear(ToColor(has_sign ? DivergingColor(2 * t - 1) : SequentialColor(t))));
     }
   }
+  // The lowest for what is no number, as infinity less infinity is.
   Vec3 At(double t) const {
-    return colors_[static_cast<std::size_t>(std::clamp(t, 0.0, 1.0) * kSteps + 0.5)];
+    return colors_[static_cast<std::size_t>((t > 0 ? std::min(t, 1.0) : 0) * kSteps + 0.5)];
   }
 
  private:

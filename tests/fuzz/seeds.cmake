@@ -1,5 +1,5 @@
 # cmake -DIMPORTER=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: the fuzz targets' seeds, made from the project's own samples.
-file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http)
+file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/views ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http)
 file(COPY ${SAMPLES}/sphere.step ${SAMPLES}/trimmed.iges ${SAMPLES}/broken/mesh.stl DESTINATION ${OUTPUT})
 file(RENAME ${OUTPUT}/sphere.step ${OUTPUT}/step_text/sphere.step)
 file(RENAME ${OUTPUT}/trimmed.iges ${OUTPUT}/iges_text/trimmed.iges)
@@ -10,6 +10,7 @@ foreach(sample sphere torus)
   if(failed)
     message(FATAL_ERROR "${IMPORTER} made no model of ${sample}.step")
   endif()
+  file(COPY ${OUTPUT}/model_file/${sample}.flm DESTINATION ${OUTPUT}/views)
 endforeach()
 file(WRITE ${OUTPUT}/options/views.json
      "{\"views\":[\"iso\",\"front\"],\"size\":\"64x48\",\"projection\":\"perspective\",\"samples\":4,\"precision\":\"fast\",\"threads\":2}")
