@@ -151,7 +151,11 @@ Result<CurvePieces> Checked(CurvePieces result) {
     for (const Vec4& p : piece.points) {
       if (!std::isfinite(p.x + p.y + p.z + p.w))
         return Error{ErrorCode::kFormatBroken, "a curve has a number that is not finite"};
-      if (!(p.w > 0)) return Error{ErrorCode::kFormatBroken, "a curve has a weight that is not positive"};
+      if (!(p.w > 0))
+        return Error{
+            ErrorCode::kFormatBroken,
+            "the weights of a curve differ so much that some are lost in rounding; keep them within 1e12 of "
+            "each other"};
     }
   }
   return result;

@@ -547,7 +547,11 @@ Result<PatchGrid> PatchesOf(const Handle(Geom_Surface) & trimmed, const Paramete
   for (const Vec4& p : grid.points) {
     if (!std::isfinite(p.x + p.y + p.z + p.w))
       return Error{ErrorCode::kFormatBroken, "its surface has a number that is not finite"};
-    if (!(p.w > 0)) return Error{ErrorCode::kFormatBroken, "its surface has a weight that is not positive"};
+    if (!(p.w > 0))
+      return Error{
+          ErrorCode::kFormatBroken,
+          "the weights of its surface differ so much that a patch's are lost in rounding; keep them within "
+          "1e12 of each other"};
     grid.rational = grid.rational || p.w != 1;
   }
   Measure(surface, grid);

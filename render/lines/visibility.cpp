@@ -10,12 +10,19 @@ namespace facetless {
 namespace {
 
 constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
+constexpr double kMargin = 8;                             // pixels beside the picture that may still touch it
+constexpr double kLongest = 1e12;  // pixels: of what is longer no place in the picture is known
 // Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own face.
 constexpr double kSteepest = 30;
 
 double Distance(const LinePoint& a, const LinePoint& b) {
   return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
+
+// A stretch of the way from one point of a line to the next.
+struct Shares {
+  double begin, end;
+};
 
 class Judge {
  public:
@@ -27,12 +34,32 @@ class Judge {
 
   double scale() const { return std::max(scale_x_, scale_y_); }
 
+  // What of the way from a to b lies in the picture or near it; nothing where begin < end does not hold.
+  Shares WithinPicture(const LinePoint& a, const LinePoint& b) const {
+    if (!(Distance(a, b) < kLongest)) return {0, 0};
+    Shares shares{0, 1};
+    const auto clip = [&](double from, double to, double size) {
+      if (from == to) {
+        if (from < -kMargin || from > size + kMargin) shares.end = 0;
+        return;
+      }
+      const double low = (-kMargin - from) / (to - from), high = (size + kMargin - from) / (to - from);
+      shares.begin = std::max(shares.begin, std::min(low, high));
+      shares.end = std::min(shares.end, std::max(low, high));
+    };
+    clip(a.x, b.x, samples_.width / scale_x_);
+    clip(a.y, b.y, samples_.height / scale_y_);
+    return shares;
+  }
+
   // p: on `line`.
   bool Sees(const ViewLine& line, const LinePoint& p) const {
     const double x = p.x * scale_x_, y = p.y * scale_y_;
     // Beside the picture the nearest of its samples must do.
-    const int column = static_cast<int>(std::clamp(x, 0.0, samples_.width - 1.0)),
-              row = static_cast<int>(std::clamp(y, 0.0, samples_.height - 1.0));
+    const auto nearest = [](double at, int count) {
+      return at > 0 ? static_cast<int>(std::min(at, count - 1.0)) : 0;
+    };
+    const int column = nearest(x, samples_.width), row = nearest(y, samples_.height);
     const std::size_t i = static_cast<std::size_t>(row) * samples_.width + column;
     const double depth = samples_.depth[i];
     if (!(depth < p.depth)) return true;
@@ -60,18 +87,20 @@ struct Run {
 };
 
 std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, const Judge& judge) {
-  // Walk in steps; remember which points are the line's own.
+  // Walk in steps where it can be seen; remember which points are the line's own.
   std::vector<LinePoint> points;
   std::vector<bool> own;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     if (i > 0) {
       const LinePoint &a = line.points[i - 1], &b = line.points[i];
-      const double length = Distance(a, b) * judge.scale();
-      // Lines that leave the window by far take no more steps than the picture has samples.
-      const int steps = static_cast<int>(std::clamp(std::ceil(length / kStep), 1.0, 65536.0));
-      for (int k = 1; k < steps; ++k) {
-        points.push_back(Between(frame, a, b, double(k) / steps));
-        own.push_back(false);
+      const Shares seen = judge.WithinPicture(a, b);
+      if (seen.begin < seen.end) {
+        const double share = seen.end - seen.begin, length = share * Distance(a, b) * judge.scale();
+        const int steps = static_cast<int>(std::ceil(length / kStep));
+        for (int k = seen.begin > 0 ? 0 : 1; k < (seen.end < 1 ? steps + 1 : steps); ++k) {
+          points.push_back(Between(frame, a, b, seen.begin + share * k / steps));
+          own.push_back(false);
+        }
       }
     }
     points.push_back(line.points[i]);

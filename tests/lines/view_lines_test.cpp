@@ -139,6 +139,17 @@ TEST(ViewLines, AreWholeHoweverNearOneLooks) {
   }
 }
 
+TEST(ViewLines, AreHiddenToThePixelHoweverFarTheyRunBesideThePicture) {
+  // A wire of ten kilometres, and a ball in front of its right side.
+  const Model model = ModelOf({Frustum({0, 0, -5e6}, 5, 5, 1e7), Sphere({5, -20, 0}, 4)});
+  Camera camera = ViewOf(model, "front", Projection::kOrthographic);
+  camera.eye = {0, -100, 0}, camera.target = {0, 0, 0};
+  camera.height = 20;
+  const auto lines = LinesOf(model, camera);
+  EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, false), 8 * 15, 2);
+  EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 2 * 300 - 8 * 15 + 2 * pi * 4 * 15, 3);
+}
+
 TEST(ViewLines, AreAsMuchHiddenInALargePictureAsInASmallOne) {
   // From a shallow angle most of the silhouette of a ring's hole is hidden by the ring itself.
   const Model model = ModelOf({Torus({0, 0, 0}, 20, 6)});
