@@ -1,5 +1,6 @@
 #include "render/lines/line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -33,6 +34,24 @@ LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint&
                            ? a.depth * b.depth / (b.depth + share * (a.depth - b.depth))
                            : a.depth + share * (b.depth - a.depth);
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), depth};
+}
+
+Stretch WithinPicture(const LinePoint& a, const LinePoint& b, double width, double height) {
+  constexpr double kMargin = 8, kLongest = 1e12;
+  if (!(std::hypot(b.x - a.x, b.y - a.y) < kLongest)) return {0, 0};
+  Stretch stretch{0, 1};
+  const auto clip = [&](double from, double to, double size) {
+    if (from == to) {
+      if (from < -kMargin || from > size + kMargin) stretch.end = 0;
+      return;
+    }
+    const double low = (-kMargin - from) / (to - from), high = (size + kMargin - from) / (to - from);
+    stretch.begin = std::max(stretch.begin, std::min(low, high));
+    stretch.end = std::min(stretch.end, std::max(low, high));
+  };
+  clip(a.x, b.x, width);
+  clip(a.y, b.y, height);
+  return stretch;
 }
 
 void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes, int except, ViewLine line,

@@ -10,19 +10,12 @@ namespace facetless {
 namespace {
 
 constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
-constexpr double kMargin = 8;                             // pixels beside the picture that may still touch it
-constexpr double kLongest = 1e12;  // pixels: of what is longer no place in the picture is known
 // Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own face.
 constexpr double kSteepest = 30;
 
 double Distance(const LinePoint& a, const LinePoint& b) {
   return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
-
-// A stretch of the way from one point of a line to the next.
-struct Shares {
-  double begin, end;
-};
 
 class Judge {
  public:
@@ -34,22 +27,8 @@ class Judge {
 
   double scale() const { return std::max(scale_x_, scale_y_); }
 
-  // What of the way from a to b lies in the picture or near it; nothing where begin < end does not hold.
-  Shares WithinPicture(const LinePoint& a, const LinePoint& b) const {
-    if (!(Distance(a, b) < kLongest)) return {0, 0};
-    Shares shares{0, 1};
-    const auto clip = [&](double from, double to, double size) {
-      if (from == to) {
-        if (from < -kMargin || from > size + kMargin) shares.end = 0;
-        return;
-      }
-      const double low = (-kMargin - from) / (to - from), high = (size + kMargin - from) / (to - from);
-      shares.begin = std::max(shares.begin, std::min(low, high));
-      shares.end = std::min(shares.end, std::max(low, high));
-    };
-    clip(a.x, b.x, samples_.width / scale_x_);
-    clip(a.y, b.y, samples_.height / scale_y_);
-    return shares;
+  Stretch InPicture(const LinePoint& a, const LinePoint& b) const {
+    return WithinPicture(a, b, samples_.width / scale_x_, samples_.height / scale_y_);
   }
 
   // p: on `line`.
@@ -93,7 +72,7 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     if (i > 0) {
       const LinePoint &a = line.points[i - 1], &b = line.points[i];
-      const Shares seen = judge.WithinPicture(a, b);
+      const Stretch seen = judge.InPicture(a, b);
       if (seen.begin < seen.end) {
         const double share = seen.end - seen.begin, length = share * Distance(a, b) * judge.scale();
         const int steps = static_cast<int>(std::ceil(length / kStep));

@@ -260,6 +260,23 @@ TEST(DrawLines, DashesHiddenLinesBelowVisibleOnes) {
   EXPECT_NEAR(gaps, 25, 1);
 }
 
+TEST(DrawLines, DashesALineThatRunsFarBesideThePictureWhereItIsSeen) {
+  const auto drawn = [](double far) {
+    Film film{64, 8, {}};
+    film.pixels.assign(64 * 8, {1, 1, 1, 1});
+    DrawLines(std::vector<ViewLine>{{LineClass::kFeature, false, {{-far, 4, 1}, {far, 4, 1}}},
+                                    {LineClass::kFeature, false, {{0, 1e300, 1}, {1e300, 0, 1}}}},
+              &film);
+    double ink = 0;
+    for (const auto& pixel : film.pixels) ink += 1 - pixel[0];
+    return ink;
+  };
+  const double near = drawn(100);
+  EXPECT_GT(near, 5);
+  EXPECT_NEAR(drawn(1e9), near, 0.2 * near) << "the dashes begin elsewhere";
+  EXPECT_EQ(drawn(1e30), 0);
+}
+
 TEST(LinesSvg, GroupsLinesByClassAndEscapesItsTitle) {
   const std::vector<ViewLine> lines = {{LineClass::kFeature, true, {{0, 0, 0}, {5, 0, 0}, {10, 0, 0}}},
                                        {LineClass::kSilhouette, false, {{1, 2.345, 0}, {3, 4, 0}}}};
