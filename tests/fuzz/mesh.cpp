@@ -1,5 +1,7 @@
-// Fuzz target: mesh files, glTF binary and STL.
+// Fuzz target: mesh files, glTF binary and STL; what is read of one is traced and cut, small.
 #include "render/baseline/mesh_file.h"
+#include "render/baseline/mesh_section.h"
+#include "render/baseline/tracer.h"
 #include "tests/fuzz/target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -16,5 +18,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& triangle : part.triangles)
       for (const std::uint32_t vertex : triangle) facetless::Require(vertex < part.positions.size());
   }
+  const auto scene = facetless::BaselineScene::Build(mesh.value(), 1);
+  if (!scene.ok()) return 0;
+  const facetless::Vec3 center = scene.value().bounds().center();
+  facetless::Camera camera;
+  camera.target = center;
+  camera.height = scene.value().bounds().diagonal();
+  camera.eye = center + camera.height * facetless::Vec3{1, -1, 1};
+  camera.width_px = camera.height_px = 12;
+  const auto traced = facetless::TraceBaseline(scene.value(), camera, {.threads = 1});
+  if (traced.ok()) facetless::Require(traced.value().stats.hits <= traced.value().stats.rays);
+  facetless::MeshSectionArea(mesh.value(), {center, {0, 0, 1}});
   return 0;
 }

@@ -1,10 +1,11 @@
-// Fuzz target: what the model file's checks let through is cut, measured, inspected and drawn as lines, small. Which of them, and how the
+// Fuzz target: what the model file's checks let through is shaded, cut, measured, inspected and drawn as lines, small. Which of them, and how the
 // view is taken, the file's own bytes say.
 #include "render/inspect/continuity.h"
 #include "render/inspect/picture.h"
 #include "render/lines/draw_lines.h"
 #include "render/lines/view_lines.h"
 #include "render/model/model_file.h"
+#include "render/shade/shade.h"
 #include "render/trace/section_area.h"
 #include "tests/fuzz/target.h"
 
@@ -49,6 +50,13 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
     Require(!measured.ok() || measured.value().area_mm2 >= 0);
   }
 
+  ShadeOptions shading;
+  shading.edges = true;
+  shading.threads = 1;
+  const Result<Film> shaded = Shade(samples, frame, {}, shading);
+  // Its error for a pixel that is no number is for samples that come from elsewhere.
+  Require(shaded.ok());
+
   LineOptions line_options;
   line_options.sections = options.sections;
   line_options.threads = 1;
@@ -65,7 +73,6 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   const Result<InspectionView> view = Measure(model, &scene, samples, frame, inspection, 1);
   if (view.ok()) {
     const Result<Film> drawn = Draw(model, &scene, samples, frame, view.value(), {});
-    // Its error for a pixel that is no number is for what comes from elsewhere.
     Require(drawn.ok() || drawn.error().code != ErrorCode::kNotFinite);
   }
   MeasureContinuity(model, 1);
