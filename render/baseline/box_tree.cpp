@@ -81,7 +81,7 @@ Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
   data->nearest = boxes.front().near_depth;
   for (const ScreenBox& box : boxes) data->nearest = std::min(data->nearest, box.near_depth);
   data->device = rtcNewDevice(nullptr);
-  if (data->device == nullptr) return EmbreeError(nullptr);
+  if (data->device == nullptr) return CheckEmbree(nullptr).error();
   rtcSetDeviceMemoryMonitorFunction(data->device, &CountBytes, &data->memory);
   data->scene = rtcNewScene(data->device);
   rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
@@ -106,7 +106,7 @@ Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
   rtcReleaseGeometry(geometry);
   rtcCommitScene(data->scene);
   work.reset();
-  if (rtcGetDeviceError(data->device) != RTC_ERROR_NONE) return EmbreeError(data->device);
+  if (Result<void> sound = CheckEmbree(data->device); !sound.ok()) return sound.error();
   std::vector<ScreenBox>().swap(data->boxes);
   return BoxTree(std::move(data));
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <new>
 #include <string>
 
@@ -19,13 +20,15 @@ bool CountBytes(void* user, ssize_t bytes, bool) {
   return true;
 }
 
-Error EmbreeError(RTCDevice device) {
+Result<void> CheckEmbree(RTCDevice device) {
   const RTCError code = rtcGetDeviceError(device);
+  if (code == RTC_ERROR_NONE && device != nullptr) return {};
   if (code == RTC_ERROR_OUT_OF_MEMORY)
-    return {ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
+    return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
   if (code == RTC_ERROR_UNSUPPORTED_CPU)
-    return {ErrorCode::kBadUsage, "the baseline needs a processor with SSE2, which Embree does not find"};
-  return {ErrorCode::kInternal, "Embree reports error " + std::to_string(static_cast<int>(code))};
+    return Error{ErrorCode::kBadUsage,
+                 "the baseline needs a processor with SSE2, which Embree does not find"};
+  return Error{ErrorCode::kInternal, "Embree reports error " + std::to_string(static_cast<int>(code))};
 }
 
 namespace {
@@ -35,6 +38,11 @@ using Clock = std::chrono::steady_clock;
 // An entry of an instance's matrix. What is smaller than this share of the largest entry is less than
 // float32 resolves of the sums that it enters, and is set to 0: see kLeastCoordinate in tracer.cpp.
 constexpr double kLeastEntry = 1e-8;
+
+// Rays begin beside the mesh, and one that begins farther off than this many of its diagonals looks past it.
+constexpr double kReachShare = 1e6;
+// Triangles of parts that could not be instanced, all copies together.
+constexpr std::uint64_t kMostCopied = 4'000'000;
 
 float Entry(double entry, double largest) {
   return std::fabs(entry) >= kLeastEntry * largest ? static_cast<float>(entry) : 0.0f;
@@ -49,6 +57,23 @@ PlacedNode Place(const Placement& placement) {
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
   for (int r = 0; r < 3; ++r) node.normal_rows[r] = node.side * Cross(row[(r + 1) % 3], row[(r + 2) % 3]);
   return node;
+}
+
+// Whether rays from within `reach` of the origin keep in range in the space of a part of that extent: its inverse is no
+// steeper than that.
+bool CanBeInstanced(const MeshPart& part, const Placement& placement, double reach) {
+  double extent = 0;
+  for (const auto& p : part.positions)
+    for (const float x : p) extent = std::max(extent, std::fabs(static_cast<double>(x)));
+  const auto& m = placement.m;
+  const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
+  double cofactor = 0;
+  for (int r = 0; r < 3; ++r) {
+    const Vec3 c = Cross(row[(r + 1) % 3], row[(r + 2) % 3]);
+    cofactor = std::max({cofactor, std::fabs(c.x), std::fabs(c.y), std::fabs(c.z)});
+  }
+  return extent <= kLargestMesh && 3 * cofactor * std::max(reach, kSteepestRay) <=
+                                       kGreatestCoordinate * std::fabs(placement.Determinant());
 }
 
 // A triangle geometry over the part; its vertices are `map` of the part's positions.
@@ -94,20 +119,28 @@ class Builder {
  public:
   explicit Builder(BaselineScene::Data& data) : data_(data), mesh_(*data.mesh) {}
 
-  // False if Embree refused something; its device knows why.
-  bool Build() {
+  // kLimitExceeded: too many triangles would have to be copied; else what Embree refused.
+  Result<void> Build() {
     std::vector<std::uint32_t> uses(mesh_.parts.size(), 0);
     for (const MeshNode& node : mesh_.nodes) ++uses[node.part];
+    std::uint64_t copied = 0;
     data_.part_scenes.assign(mesh_.parts.size(), nullptr);
     data_.scene = NewScene(data_.device, data_.to_be_cut);
     for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
       const MeshNode& node = mesh_.nodes[i];
       data_.nodes.push_back(Place(node.placement));
-      if (mesh_.parts[node.part].triangles.empty()) continue;
-      if (!(uses[node.part] == 1 ? AddPlaced(i) : AddInstance(i))) return false;
+      const MeshPart& part = mesh_.parts[node.part];
+      if (part.triangles.empty()) continue;
+      const bool instanced = uses[node.part] > 1 && CanBeInstanced(part, node.placement, data_.reach);
+      if (uses[node.part] > 1 && !instanced) copied += part.triangles.size();
+      if (copied > kMostCopied)
+        return Error{ErrorCode::kLimitExceeded,
+                     "its nodes are flattened, or scaled beyond what single precision can undo; apply their "
+                     "transformations to the triangles"};
+      if (!(instanced ? AddInstance(i) : AddPlaced(i))) break;
     }
     rtcCommitScene(data_.scene);
-    return rtcGetDeviceError(data_.device) == RTC_ERROR_NONE;
+    return CheckEmbree(data_.device);
   }
 
  private:
@@ -217,20 +250,28 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
   data->mesh_bytes = MeshBytes(mesh);
   data->noise_mm = PositionNoise(mesh);
   if (data->triangles == 0) return Error{ErrorCode::kNothingUsable, "the mesh shows no triangle"};
+  if (const double size = data->bounds.diagonal(); !(size <= kLargestMesh)) {
+    char text[100];
+    std::snprintf(text, sizeof text,
+                  "the mesh is %.3g mm large, and its tracer's largest is %.0e mm; scale it", size,
+                  kLargestMesh);
+    return Error{ErrorCode::kLimitExceeded, text};
+  }
+  data->reach = std::min(kReachShare * data->bounds.diagonal(), kGreatestCoordinate);
 
   const Clock::time_point start = Clock::now();
   // The threads are those of the arena that commits; a number given to the device would bind the whole
   // process.
   data->device = rtcNewDevice(nullptr);
-  if (data->device == nullptr) return EmbreeError(nullptr);
+  if (data->device == nullptr) return CheckEmbree(nullptr).error();
   rtcSetDeviceMemoryMonitorFunction(data->device, CountBytes, &data->memory);
-  bool built = false;
+  Result<void> built;
   try {
     RunWithThreads(threads, [&] { built = Builder(*data).Build(); });
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
   }
-  if (!built) return EmbreeError(data->device);
+  if (!built.ok()) return built.error();
   data->build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   return BaselineScene(std::move(data));
 }

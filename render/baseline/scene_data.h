@@ -4,6 +4,9 @@
 //  2. A part that is placed once goes into the top-level tree itself; parts that are placed more often are
 //     trees of their own, and each placement an instance. node_of_geometry tells for both which node a
 //     geometry id stands for.
+//  3. A ray with a coordinate beyond kGreatestCoordinate would end the process: Debian's Embree asserts that there
+//     is none. So no mesh is larger than kLargestMesh, rays farther off than `reach` are not asked, and a part whose
+//     placement would throw them out of range is placed once for each of its nodes.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -25,8 +28,12 @@ struct EmbreeMemory {
 // To be given to a device as its memory monitor, with an EmbreeMemory.
 bool CountBytes(void* user, ssize_t bytes, bool post);
 
-// The device's last error (null: of the device that could not be made).
-Error EmbreeError(RTCDevice device);
+// Nothing, or the device's error, which it has forgotten when it is asked again. Null: why there is no device.
+Result<void> CheckEmbree(RTCDevice device);
+
+constexpr double kGreatestCoordinate = 1e18, kLargestMesh = 1e17;  // mm
+// A coordinate of a ray's direction, whose component along the view is 1: reached at a hair's breadth of 180°.
+constexpr double kSteepestRay = 1e6;
 
 struct PlacedNode {
   Placement placement;
@@ -47,6 +54,7 @@ struct BaselineScene::Data {
   std::vector<PlacedNode> nodes;  // as mesh->nodes
   Box3 bounds;
   Vec3 center;
+  double reach = 0;  // mm: a ray that begins farther from the center along an axis misses the mesh
   std::uint64_t triangles = 0, mesh_bytes = 0;
   double build_ms = 0, noise_mm = 0;
 };

@@ -140,6 +140,14 @@ class TileTracer {
     return frame.projection == Projection::kOrthographic ? nearest : std::max(nearest, frame.near_mm);
   }
 
+  // False for rays that miss the mesh by far, which Embree must not be asked (scene_data.h, law 3).
+  bool Reaches(Vec3 origin, Vec3 direction) const {
+    const auto within = [](Vec3 v, double limit) {
+      return std::fabs(v.x) <= limit && std::fabs(v.y) <= limit && std::fabs(v.z) <= limit;
+    };
+    return within(origin, data_.reach) && within(direction, kSteepestRay);
+  }
+
   std::uint64_t TracePacket(int x0, int x1, int y0, int y1) const {
     // Fill the packet; lanes outside the tile stay idle.
     alignas(64) int valid[16];
@@ -148,9 +156,9 @@ class TileTracer {
     for (int lane = 0; lane < 16; ++lane) {
       const int x = x0 + lane % kPacket, y = y0 + lane / kPacket;
       const bool inside = x < x1 && y < y1;
-      valid[lane] = inside ? -1 : 0;
       rays[lane] = PixelRay(frame_, (inside ? x : x0) + 0.5, (inside ? y : y0) + 0.5);
       const Vec3 origin = rays[lane].origin + start_ * rays[lane].direction - data_.center;
+      valid[lane] = inside && Reaches(origin, rays[lane].direction) ? -1 : 0;
       packet.ray.org_x[lane] = static_cast<float>(origin.x);
       packet.ray.org_y[lane] = static_cast<float>(origin.y);
       packet.ray.org_z[lane] = static_cast<float>(origin.z);
@@ -243,6 +251,7 @@ class TileTracer {
     every.data = &data_;
     every.found = met;
     const Vec3 origin = ray.origin + start_ * ray.direction - data_.center;
+    if (!Reaches(origin, ray.direction)) return;
     RTCRayHit query{};
     query.ray.org_x = static_cast<float>(origin.x);
     query.ray.org_y = static_cast<float>(origin.y);

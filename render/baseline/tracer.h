@@ -53,7 +53,7 @@ struct BaselineResult {
 class BaselineScene {
  public:
   // `to_be_cut`: it will be traced with section planes, which takes a slower tree walk. Errors: kNothingUsable (no triangle), kLimitExceeded (Embree ran out of memory, more than 2^32 − 1
-  // nodes), kBadUsage (the machine lacks what Embree needs).
+  // nodes, a mesh larger than 1e17 mm), kBadUsage (the machine lacks what Embree needs).
   static Result<BaselineScene> Build(const Mesh& mesh, int threads, bool to_be_cut = false);
   ~BaselineScene();
   BaselineScene(BaselineScene&&) noexcept;

@@ -249,6 +249,41 @@ TEST(Baseline, ReportsWhatItTook) {
   EXPECT_GT(scene.value().noise_mm(), 0);
 }
 
+TEST(Baseline, NumbersBeyondSinglePrecisionEndNoProcess) {
+  // Embree's assertions would. A mesh that is too large is refused.
+  for (const float size : {1.84e18f, 1e25f, 3e38f}) {
+    const Result<BaselineScene> scene = BaselineScene::Build(OneNode(BoxMesh({size, size, size})), 0);
+    ASSERT_FALSE(scene.ok()) << size;
+    EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
+  }
+  // Rays that begin far beside one miss it, whoever asks.
+  const Mesh box = OneNode(BoxMesh({10, 20, 30}));
+  for (const double height : {1e12, 1e22, 1e30}) {
+    Camera camera = View(box, "iso", Projection::kOrthographic);
+    camera.height = height;
+    EXPECT_EQ(Trace(box, camera).stats.hits, 0u) << height;
+  }
+  Camera wide = View(box, "iso", Projection::kPerspective);
+  wide.fov_y_deg = 179.99999;
+  EXPECT_LE(Trace(box, wide).stats.hits, 4u);
+}
+
+TEST(Baseline, PartsOfFlatOrTinyPlacementsAreSeen) {
+  // A placement that has no inverse, or an enormous one, placed twice so that it would be an instance.
+  const MeshPart part = BoxMesh({10, 20, 30});
+  for (const auto& [flat, scale] :
+       {std::pair(0.0, 1.0), std::pair(1.0, 1e-15), std::pair(1.0, 1e-22), std::pair(1.0, 1e14)}) {
+    Mesh mesh = OneNode(part);
+    mesh.nodes[0].placement = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, flat * scale, 0}}};
+    Mesh twice = mesh;
+    twice.nodes.push_back(mesh.nodes[0]);
+    const Camera camera = View(mesh, "iso", Projection::kOrthographic);
+    const BaselineResult one = Trace(mesh, camera), two = Trace(twice, camera);
+    EXPECT_GT(one.stats.hits, 500u) << flat << " " << scale;
+    EXPECT_EQ(two.stats.hits, one.stats.hits) << flat << " " << scale;
+  }
+}
+
 TEST(Baseline, RefusesAnEmptyMeshAndABadCameraAndCanBeCancelled) {
   EXPECT_EQ(BaselineScene::Build(Mesh{}, 0).error().code, ErrorCode::kNothingUsable);
   const Mesh mesh = OneNode(SphereMesh(5, 10, 5));
