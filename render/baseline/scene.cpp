@@ -41,6 +41,8 @@ constexpr double kLeastEntry = 1e-8;
 
 // Rays begin beside the mesh, and one that begins farther off than this many of its diagonals looks past it.
 constexpr double kReachShare = 1e6;
+// Of an instance. From 1e13 on Embree finds nothing in it.
+constexpr double kGreatestScale = 1e9;
 // Triangles of parts that could not be instanced, all copies together.
 constexpr std::uint64_t kMostCopied = 4'000'000;
 
@@ -59,21 +61,26 @@ PlacedNode Place(const Placement& placement) {
   return node;
 }
 
-// Whether rays from within `reach` of the origin keep in range in the space of a part of that extent: its inverse is no
-// steeper than that.
-bool CanBeInstanced(const MeshPart& part, const Placement& placement, double reach) {
-  double extent = 0;
+float LargestCoordinate(const MeshPart& part) {
+  float largest = 0;
   for (const auto& p : part.positions)
-    for (const float x : p) extent = std::max(extent, std::fabs(static_cast<double>(x)));
+    for (const float x : p) largest = std::max(largest, std::fabs(x));
+  return largest;
+}
+
+// Whether rays from within `reach` of the origin keep in range where the placement takes them back to: its inverse is neither so steep
+// that they leave it, nor so flat that nothing is left of them.
+bool CanBeUndone(const Placement& placement, double reach) {
   const auto& m = placement.m;
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
-  double cofactor = 0;
+  const auto largest = [](Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); };
+  double entry = 0, cofactor = 0;
   for (int r = 0; r < 3; ++r) {
-    const Vec3 c = Cross(row[(r + 1) % 3], row[(r + 2) % 3]);
-    cofactor = std::max({cofactor, std::fabs(c.x), std::fabs(c.y), std::fabs(c.z)});
+    entry = std::max(entry, largest(row[r]));
+    cofactor = std::max(cofactor, largest(Cross(row[(r + 1) % 3], row[(r + 2) % 3])));
   }
-  return extent <= kLargestMesh && 3 * cofactor * std::max(reach, kSteepestRay) <=
-                                       kGreatestCoordinate * std::fabs(placement.Determinant());
+  const double farthest = 3 * cofactor * std::max(reach, kSteepestRay);
+  return entry <= kGreatestScale && farthest <= kGreatestCoordinate * std::fabs(placement.Determinant());
 }
 
 // A triangle geometry over the part; its vertices are `map` of the part's positions.
@@ -123,6 +130,9 @@ class Builder {
   Result<void> Build() {
     std::vector<std::uint32_t> uses(mesh_.parts.size(), 0);
     for (const MeshNode& node : mesh_.nodes) ++uses[node.part];
+    std::vector<bool> shared(mesh_.parts.size());
+    for (std::size_t i = 0; i < shared.size(); ++i)
+      shared[i] = uses[i] > 1 && LargestCoordinate(mesh_.parts[i]) <= kLargestMesh;
     std::uint64_t copied = 0;
     data_.part_scenes.assign(mesh_.parts.size(), nullptr);
     data_.scene = NewScene(data_.device, data_.to_be_cut);
@@ -131,7 +141,7 @@ class Builder {
       data_.nodes.push_back(Place(node.placement));
       const MeshPart& part = mesh_.parts[node.part];
       if (part.triangles.empty()) continue;
-      const bool instanced = uses[node.part] > 1 && CanBeInstanced(part, node.placement, data_.reach);
+      const bool instanced = shared[node.part] && CanBeUndone(node.placement, data_.reach);
       if (uses[node.part] > 1 && !instanced) copied += part.triangles.size();
       if (copied > kMostCopied)
         return Error{ErrorCode::kLimitExceeded,

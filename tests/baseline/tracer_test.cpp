@@ -271,8 +271,7 @@ TEST(Baseline, NumbersBeyondSinglePrecisionEndNoProcess) {
 TEST(Baseline, PartsOfFlatOrTinyPlacementsAreSeen) {
   // A placement that has no inverse, or an enormous one, placed twice so that it would be an instance.
   const MeshPart part = BoxMesh({10, 20, 30});
-  for (const auto& [flat, scale] :
-       {std::pair(0.0, 1.0), std::pair(1.0, 1e-15), std::pair(1.0, 1e-22), std::pair(1.0, 1e14)}) {
+  for (const auto& [flat, scale] : {std::pair(0.0, 1.0), std::pair(1.0, 1e-15), std::pair(1.0, 1e14)}) {
     Mesh mesh = OneNode(part);
     mesh.nodes[0].placement = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, flat * scale, 0}}};
     Mesh twice = mesh;
