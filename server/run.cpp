@@ -310,7 +310,8 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
   run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
   const auto baseline = BaselineScene::Build(mesh, options.threads, !options.sections.empty());
-  if (!baseline) return baseline.error();
+  if (!baseline)
+    return Error{baseline.error().code, imported.model->info.file + ": " + baseline.error().message};
   const auto sections = run.Sections(scene, &mesh);
   if (!sections) return sections.error();
   ContactSheet sheet(options.picture.sheet, 3);
