@@ -133,16 +133,20 @@ Verdict JudgeFile(const std::string& path, const JudgeLimits& limits) {
 constexpr double kAnswerSeconds = 10;
 
 Verdict JudgePost(const std::string& host, int port, const std::string& file_name, const std::string& bytes,
-                  const JudgeLimits& limits) {
+                  const std::string& options, const JudgeLimits& limits) {
   const auto start = Clock::now();
   const std::string boundary = "facetless-mutation-boundary";
-  const std::string body =
-      "--" + boundary + "\r\nContent-Disposition: form-data; name=\"file\"; filename=\"" + file_name +
-      "\"\r\nContent-Type: application/octet-stream\r\n\r\n" + bytes + "\r\n--" + boundary + "--\r\n";
+  const auto part = [&](const std::string& disposition, const std::string& content) {
+    return "--" + boundary + "\r\nContent-Disposition: form-data; " + disposition +
+           "\r\nContent-Type: application/octet-stream\r\n\r\n" + content + "\r\n";
+  };
+  const std::string body = part("name=\"file\"; filename=\"" + file_name + "\"", bytes) +
+                           (options.empty() ? "" : part("name=\"options\"", options)) + "--" + boundary +
+                           "--\r\n";
   const std::string answer = Exchange(
       host, port,
-      "POST /v1/models HTTP/1.1\r\nHost: " + host +
-          "\r\nPrefer: wait=60\r\nConnection: close\r\nContent-Type: multipart/form-data; boundary=" +
+      (options.empty() ? "POST /v1/models" : "POST /v1/comparisons") + std::string(" HTTP/1.1\r\nHost: ") +
+          host + "\r\nPrefer: wait=60\r\nConnection: close\r\nContent-Type: multipart/form-data; boundary=" +
           boundary + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body,
       limits.timeout_s + kAnswerSeconds);
   Verdict verdict;
@@ -185,9 +189,9 @@ nlohmann::json RunMutations(const MutationRun& run) {
       // Written first: what takes this process with it stays behind.
       const std::string at = (run.offenders.empty() ? scratch.path() : run.offenders) + "/" + name;
       Write(at, mutant.bytes);
-      const Verdict verdict = run.host.empty()
-                                  ? JudgeFile(at, run.limits)
-                                  : JudgePost(run.host, run.port, name, mutant.bytes, run.limits);
+      const Verdict verdict =
+          run.host.empty() ? JudgeFile(at, run.limits)
+                           : JudgePost(run.host, run.port, name, mutant.bytes, run.options, run.limits);
       ++statuses[verdict.status];
       const nlohmann::json record = {{"file", file},
                                      {"seed", run.seed},

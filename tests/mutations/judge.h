@@ -33,9 +33,9 @@ Verdict JudgeMesh(const std::string& path);
 // By the file's name: a mesh for .glb and .stl, else CAD.
 Verdict JudgeFile(const std::string& path, const JudgeLimits& limits);
 
-// Posted to a service as a model: 2xx, or a problem document with that status.
+// Posted to a service as a model or, with `options` (JSON), to be compared with them: 2xx, or a problem document with that status.
 Verdict JudgePost(const std::string& host, int port, const std::string& file_name, const std::string& bytes,
-                  const JudgeLimits& limits);
+                  const std::string& options, const JudgeLimits& limits);
 
 // Files, a seed and a number, and what became of all mutants: {"mutants", "statuses", "offences", …}.
 struct MutationRun {
@@ -44,6 +44,7 @@ struct MutationRun {
   JudgeLimits limits;
   std::string host;  // empty: no service
   int port = 0;
+  std::string options;    // of a comparison that the service is to make; empty: it only stores the model
   int server_pid = 0;     // 0: unknown
   std::string offenders;  // where mutants go that offend or crash the importer; empty: nowhere
 };

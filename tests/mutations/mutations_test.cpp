@@ -65,6 +65,10 @@ TEST_F(Mutations, PostedToTheServiceAllGetAnAnswer) {
   run.host = "127.0.0.1";
   run.port = server.port();
   ExpectAnswers(run);
+  // What the importer makes of a mutant is rendered by the service itself.
+  run.count = 4;
+  run.options = R"({"size":"64x48","lines":"hidden","section":"x=0"})";
+  ExpectAnswers(run);
   EXPECT_TRUE(server.Running());
 }
 

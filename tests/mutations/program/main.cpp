@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   app.add_option("--first", run.first, "index of the first mutant");
   app.add_option("--count", run.count, "mutants of each file");
   app.add_option("--url", url, "post to the service at http://ADDRESS:PORT instead of starting importers");
+  app.add_option("--options", run.options, "with --url: have each compared with these options, JSON");
   app.add_option("--server-pid", run.server_pid, "measure this process's memory");
   app.add_option("--offenders", run.offenders,
                  "keep mutants here that offend, crash the importer or meet a limit");
