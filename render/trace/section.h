@@ -30,7 +30,7 @@ struct SectionPlane {
 
 inline constexpr std::size_t kMostSectionPlanes = 16;
 
-// kBadUsage: more planes than that, a normal that is no unit vector, a point that is not finite.
+// kBadUsage: more planes than that, a normal that is no unit vector, a point that is not finite or nearly not.
 Result<void> CheckSections(std::span<const SectionPlane> planes);
 
 // The placed solids of a model, numbered by instance and solid, and the ids of their caps.

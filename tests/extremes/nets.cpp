@@ -44,6 +44,10 @@ void AddWeights(Rows& rows) {
   row("bicubic, one corner's weight of 1e-12", 0.9, 1e-3, kAny,
       [](int k, int l) { return k + l == 0 ? 1e-12 : 1; });
   row("bicubic, one side's weights of 1e-12", 0.7, 0.1, kAny, [](int k, int) { return k == 0 ? 1e-12 : 1; });
+  row("bicubic, weights 1 and 1e20 in turn", 0, 1e-3, kAny,
+      [](int k, int l) { return (k + l) % 2 ? 1e20 : 1; });
+  row("bicubic, one inner weight of 1e160", 0, 1e-3, kAny,
+      [](int k, int l) { return k == 1 && l == 2 ? 1e160 : 1; });
   row("bicubic, inner weights of 1e-300", 1, 1e-6, 0,
       [](int k, int l) { return k % 3 && l % 3 ? 1e-300 : 1; });
   row("bicubic, all weights 1e-200", 1, 1e-6, 0, [](int, int) { return 1e-200; });
