@@ -19,41 +19,26 @@ struct Stroke {
   double x0, y0, x1, y1;
 };
 
-void AddStrokes(const ViewLine& line, const LineStyle& style, const Film& film,
-                std::vector<Stroke>* strokes) {
+void AddStrokes(const ViewLine& line, const LineStyle& style, std::vector<Stroke>* strokes) {
   double place = 0;  // along the dashes
   const double period = style.dash + style.gap;
-  // What is not drawn takes its dashes along, as far as numbers can tell which.
-  const auto skip = [&](double length) {
-    if (!(length > 0 && length < 1e12)) return;
-    place += length;
-    place -= period * std::floor(place / period);
-  };
   for (std::size_t i = 1; i < line.points.size(); ++i) {
     const LinePoint &a = line.points[i - 1], &b = line.points[i];
     const double dx = b.x - a.x, dy = b.y - a.y, length = std::sqrt(dx * dx + dy * dy);
     if (!(length > 0)) continue;
-    const Stretch seen = WithinPicture(a, b, film.width, film.height);
-    if (!(seen.begin < seen.end)) {
-      skip(length);
-      continue;
-    }
     if (!(style.dash > 0)) {
       strokes->push_back({a.x, a.y, b.x, b.y});
       continue;
     }
-    const double until = seen.end * length;
-    skip(seen.begin * length);
-    for (double from = seen.begin * length; from < until;) {
+    for (double from = 0; from < length;) {
       const double in_period = place - period * std::floor(place / period);
       const bool on = in_period < style.dash;
-      const double step = std::min(until - from, std::max((on ? style.dash : period) - in_period, 1e-6));
+      const double step = std::min(length - from, std::max((on ? style.dash : period) - in_period, 1e-6));
       if (on)
         strokes->push_back({a.x + dx * (from / length), a.y + dy * (from / length),
                             a.x + dx * ((from + step) / length), a.y + dy * ((from + step) / length)});
       from += step, place += step;
     }
-    skip(length - until);
   }
 }
 
@@ -86,7 +71,7 @@ void DrawKind(std::span<const ViewLine> lines, LineClass kind, bool visible, Fil
   const LineStyle style = StyleOf(kind, visible);
   std::vector<Stroke> strokes;
   for (const ViewLine& line : lines)
-    if (line.kind == kind && line.visible == visible) AddStrokes(line, style, *film, &strokes);
+    if (line.kind == kind && line.visible == visible) AddStrokes(line, style, &strokes);
   if (strokes.empty()) return;
   // List them by row.
   const double reach = 0.5 * style.width + 0.5;

@@ -23,7 +23,7 @@ struct LineStyle {
 };
 LineStyle StyleOf(LineClass kind, bool visible);
 
-// `film` is one of pixels, not of samples.
+// `film` is one of pixels, not of samples; the lines lie in it or near it, as FindLines has them.
 void DrawLines(std::span<const ViewLine> lines, Film* film);
 
 // An SVG document: a group for each class, hidden lines apart, the view box in pixels. `mm_per_px`: of an orthographic

@@ -7,6 +7,8 @@
 namespace facetless {
 namespace {
 
+constexpr double kBeside = 8, kLongest = 1e12;  // pixels
+
 // Planes keep what lies in them, to the flatness of the lines: a face's edge in the plane stays.
 double Height(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& p) {
   const Ray ray = PixelRay(frame, p.x, p.y);
@@ -27,6 +29,28 @@ LinePoint CrossingOf(const CameraFrame& frame, const SectionPlane& plane, const 
   return Between(frame, a, b, 0.5 * (low + high));
 }
 
+// As shares of the way from one point of a line to the next; nothing unless begin < end.
+struct Stretch {
+  double begin, end;
+};
+
+Stretch WithinPicture(const LinePoint& a, const LinePoint& b, double width, double height) {
+  if (!(std::hypot(b.x - a.x, b.y - a.y) < kLongest)) return {0, 0};
+  Stretch stretch{0, 1};
+  const auto clip = [&](double from, double to, double size) {
+    if (from == to) {
+      if (from < -kBeside || from > size + kBeside) stretch.end = 0;
+      return;
+    }
+    const double low = (-kBeside - from) / (to - from), high = (size + kBeside - from) / (to - from);
+    stretch.begin = std::max(stretch.begin, std::min(low, high));
+    stretch.end = std::min(stretch.end, std::max(low, high));
+  };
+  clip(a.x, b.x, width);
+  clip(a.y, b.y, height);
+  return stretch;
+}
+
 }  // namespace
 
 LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint& b, double share) {
@@ -34,24 +58,6 @@ LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint&
                            ? a.depth * b.depth / (b.depth + share * (a.depth - b.depth))
                            : a.depth + share * (b.depth - a.depth);
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), depth};
-}
-
-Stretch WithinPicture(const LinePoint& a, const LinePoint& b, double width, double height) {
-  constexpr double kMargin = 8, kLongest = 1e12;
-  if (!(std::hypot(b.x - a.x, b.y - a.y) < kLongest)) return {0, 0};
-  Stretch stretch{0, 1};
-  const auto clip = [&](double from, double to, double size) {
-    if (from == to) {
-      if (from < -kMargin || from > size + kMargin) stretch.end = 0;
-      return;
-    }
-    const double low = (-kMargin - from) / (to - from), high = (size + kMargin - from) / (to - from);
-    stretch.begin = std::max(stretch.begin, std::min(low, high));
-    stretch.end = std::min(stretch.end, std::max(low, high));
-  };
-  clip(a.x, b.x, width);
-  clip(a.y, b.y, height);
-  return stretch;
 }
 
 void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes, int except, ViewLine line,
@@ -83,6 +89,27 @@ void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes,
     kept = std::move(next);
   }
   for (ViewLine& piece : kept) out->push_back(std::move(piece));
+}
+
+void CutToPicture(const CameraFrame& frame, double width, double height, const ViewLine& line,
+                  std::vector<ViewLine>* out) {
+  ViewLine piece{line.kind, line.visible, {}, line.faces};
+  const auto end = [&] {
+    if (piece.points.size() > 1) out->push_back(piece);
+    piece.points.clear();
+  };
+  for (std::size_t i = 1; i < line.points.size(); ++i) {
+    const LinePoint &a = line.points[i - 1], &b = line.points[i];
+    const Stretch seen = WithinPicture(a, b, width, height);
+    if (!(seen.begin < seen.end)) {
+      end();
+      continue;
+    }
+    if (piece.points.empty()) piece.points.push_back(seen.begin > 0 ? Between(frame, a, b, seen.begin) : a);
+    piece.points.push_back(seen.end < 1 ? Between(frame, a, b, seen.end) : b);
+    if (seen.end < 1) end();
+  }
+  end();
 }
 
 }  // namespace facetless

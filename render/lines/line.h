@@ -48,16 +48,14 @@ struct ViewLine {
 // view, its reciprocal in perspective.
 LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint& b, double share);
 
-// What of the way from a to b lies in a picture of width × height pixels, or so near that a line's width may touch it, as shares of
-// the way; nothing unless begin < end. Of a way of more than 1e12 pixels no number says where it crosses the picture: nothing.
-struct Stretch {
-  double begin, end;
-};
-Stretch WithinPicture(const LinePoint& a, const LinePoint& b, double width, double height);
-
 // Where the planes cut a line away nothing is left of it. Appends what is to `out`; `except`: a plane that is not
 // asked, −1 for none.
 void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes, int except, ViewLine line,
               std::vector<ViewLine>* out);
+
+// Appends what of a line lies in a picture of width × height pixels, or so near that the line's width may touch it. Left out is also
+// the way between two points more than 1e12 pixels apart: no number says where it crosses the picture.
+void CutToPicture(const CameraFrame& frame, double width, double height, const ViewLine& line,
+                  std::vector<ViewLine>* out);
 
 }  // namespace facetless

@@ -27,9 +27,9 @@ class Judge {
 
   double scale() const { return std::max(scale_x_, scale_y_); }
 
-  Stretch InPicture(const LinePoint& a, const LinePoint& b) const {
-    return WithinPicture(a, b, samples_.width / scale_x_, samples_.height / scale_y_);
-  }
+  // Of the picture, in the lines' pixels.
+  double width() const { return samples_.width / scale_x_; }
+  double height() const { return samples_.height / scale_y_; }
 
   // p: on `line`.
   bool Sees(const ViewLine& line, const LinePoint& p) const {
@@ -66,20 +66,16 @@ struct Run {
 };
 
 std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, const Judge& judge) {
-  // Walk in steps where it can be seen; remember which points are the line's own.
+  // Walk in steps; remember which points are the line's own.
   std::vector<LinePoint> points;
   std::vector<bool> own;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     if (i > 0) {
       const LinePoint &a = line.points[i - 1], &b = line.points[i];
-      const Stretch seen = judge.InPicture(a, b);
-      if (seen.begin < seen.end) {
-        const double share = seen.end - seen.begin, length = share * Distance(a, b) * judge.scale();
-        const int steps = static_cast<int>(std::ceil(length / kStep));
-        for (int k = seen.begin > 0 ? 0 : 1; k < (seen.end < 1 ? steps + 1 : steps); ++k) {
-          points.push_back(Between(frame, a, b, seen.begin + share * k / steps));
-          own.push_back(false);
-        }
+      const int steps = static_cast<int>(std::ceil(Distance(a, b) * judge.scale() / kStep));
+      for (int k = 1; k < steps; ++k) {
+        points.push_back(Between(frame, a, b, double(k) / steps));
+        own.push_back(false);
       }
     }
     points.push_back(line.points[i]);
@@ -134,8 +130,12 @@ std::vector<ViewLine> SplitByVisibility(const std::vector<ViewLine>& lines, cons
                                         const SampleBuffer& samples, const CameraFrame& sample_frame) {
   const Judge judge(frame, samples, sample_frame);
   std::vector<std::vector<ViewLine>> split(lines.size());
-  ParallelFor(std::size_t{0}, lines.size(),
-              [&](std::size_t i) { split[i] = SplitOne(lines[i], frame, judge); });
+  ParallelFor(std::size_t{0}, lines.size(), [&](std::size_t i) {
+    std::vector<ViewLine> pieces;
+    CutToPicture(frame, judge.width(), judge.height(), lines[i], &pieces);
+    for (const ViewLine& piece : pieces)
+      for (ViewLine& part : SplitOne(piece, frame, judge)) split[i].push_back(std::move(part));
+  });
   std::vector<ViewLine> out;
   for (auto& pieces : split)
     out.insert(out.end(), std::make_move_iterator(pieces.begin()), std::make_move_iterator(pieces.end()));

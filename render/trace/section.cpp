@@ -22,7 +22,8 @@ Result<void> CheckSections(std::span<const SectionPlane> planes) {
                                            std::to_string(kMostSectionPlanes) + " can be taken"};
   for (const SectionPlane& plane : planes) {
     if (!std::isfinite(Dot(plane.point, plane.point)))
-      return Error{ErrorCode::kBadUsage, "the point of a section plane must lie within 1e150 mm of the origin"};
+      return Error{ErrorCode::kBadUsage,
+                   "the point of a section plane must lie within 1e150 mm of the origin"};
     if (!(std::fabs(Dot(plane.normal, plane.normal) - 1) <= kUnitRounding))
       return Error{ErrorCode::kBadUsage, "the normal of a section plane must be a unit vector"};
   }
