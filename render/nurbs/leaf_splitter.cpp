@@ -62,14 +62,20 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
 
-// Whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no digit of its weights. Halving
-// makes no error smaller and no weight larger.
+// Whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no digit of its weights, and so near
+// the middle of the window that no piece of it could be told to lie outside. Halving makes no error smaller and no number larger.
 bool IsLost(const BezierNet& net, double half_window) {
-  constexpr double kDigits = 1024;
-  double largest = 0;
-  for (int i = 0; i < net.points(); ++i) largest = std::max(largest, std::fabs(net.at(i, kW)));
-  const double error = std::max(net.error[kX], net.error[kY]) + half_window * kDigits * net.error[kW];
-  return !(half_window * largest > error);
+  // Between lost and told apart there must be room: what has a part of both is halved.
+  constexpr double kDigits = 1024, kRoom = 4;
+  double x = 0, y = 0, w = 0;
+  for (int i = 0; i < net.points(); ++i) {
+    x = std::max(x, std::fabs(net.at(i, kX)));
+    y = std::max(y, std::fabs(net.at(i, kY)));
+    w = std::max(w, std::fabs(net.at(i, kW)));
+  }
+  const double window = half_window * w, blur = half_window * net.error[kW];
+  if (window > std::max(net.error[kX], net.error[kY]) + kDigits * blur) return false;
+  return !(x > kRoom * (window + net.error[kX] + blur)) && !(y > kRoom * (window + net.error[kY] + blur));
 }
 
 // No certificate: the net itself, for the subdivision solver.
@@ -143,7 +149,8 @@ void LeafSplitter::Visit(const Node& node) {
   const NetOperations& nets = *window_.nets;
   const double half_window = std::max(window_.half_width, window_.half_height);
   const NetBox box = nets.project(net, patch_->rule, half_window);
-  if (!box.in_front && CullFrustum(net, window_) == Visibility::kHidden) return;
+  // A box without a measure says nothing: the weights are positive, and too small to divide by.
+  if (!(box.in_front && box.error < INFINITY) && CullFrustum(net, window_) == Visibility::kHidden) return;
   if (window_.perspective && box.in_front && box.far_depth <= window_.near_depth) return;
   int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
   if (box.in_front) {
