@@ -361,6 +361,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
     divisor = w0 * w_low / kEnlargedPowers.value[pu + pv];
   }
   leaf->depth_error = depth_slope * leaf->root_error + evaluation + NetDepthError(net, rule, far, divisor);
+  if (!(leaf->depth_error < INFINITY)) return {};
 
   leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) |
                                            (rule.perspective ? kLeafPerspective : 0) |
@@ -416,8 +417,9 @@ NetBox Project(const BezierNet& net, DepthRule rule, double half_window) {
   const double far = std::fmax(std::fabs(box.near_depth), std::fabs(box.far_depth));
   const double depth_error =
       NetDepthError(net, rule, far, divisor[rule.perspective ? kQ : kW]) + far * 0x1p-50;
-  box.near_depth -= depth_error;
-  box.far_depth += depth_error;
+  const bool known = depth_error < INFINITY;
+  box.near_depth = known ? box.near_depth - depth_error : -INFINITY;
+  box.far_depth = known ? box.far_depth + depth_error : INFINITY;
   return box;
 }
 

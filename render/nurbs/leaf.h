@@ -114,11 +114,11 @@ struct Verdict {
 };
 
 // How far the depth of a point is off for the net's error alone, depths being at most `far` in magnitude and
-// the divisor (Q in perspective, else W) at least `divisor`.
+// the divisor (Q in perspective, else W) at least `divisor`; infinite where that is no more than its own error.
 inline double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor) {
   const double own = rule.perspective ? net.error[kW] : net.error[kQ];
   const double of_divisor = rule.perspective ? net.error[kQ] : net.error[kW];
-  return (own + far * of_divisor) / divisor;
+  return divisor > of_divisor ? (own + far * of_divisor) / (divisor - of_divisor) : INFINITY;
 }
 
 }  // namespace facetless

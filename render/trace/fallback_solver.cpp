@@ -32,9 +32,9 @@ DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
     range.far = std::max(range.far, depth);
     divisor = std::min(divisor, net.at(i, under));
   }
-  if (!(divisor > 2 * net.error[under])) return {-INFINITY, INFINITY};
   const double size = std::max(std::fabs(range.near), std::fabs(range.far));
-  const double error = 2 * NetDepthError(net, rule, size, divisor) + size * 0x1p-50;
+  const double error = NetDepthError(net, rule, size, divisor) + size * 0x1p-50;
+  if (!(error < INFINITY)) return {-INFINITY, INFINITY};
   return {range.near - error, range.far + error};
 }
 
