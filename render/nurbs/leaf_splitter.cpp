@@ -183,8 +183,11 @@ void LeafSplitter::Visit(const Node& node) {
     if (trim == RectClass::kOutside) return;
   }
 
-  // Give up what no halving can place. One leaf says so of the whole patch.
-  if (!(box.in_front && box.error < half_window) && IsLost(net, half_window)) {
+  // Give up what no halving can place: also what lies across the eye plane down to the last level, where the near plane has
+  // taken all that is merely near the eye. One leaf says so of the whole patch.
+  const bool last_level = node.level >= kMaxLevels;
+  if ((!box.in_front && last_level) ||
+      (!(box.in_front && box.error < half_window) && IsLost(net, half_window))) {
     if (lost_) return;
     lost_ = true;
     Leaf leaf = HardLeaf(net, patch_->rule, /*edge_on=*/true);
@@ -197,7 +200,6 @@ void LeafSplitter::Visit(const Node& node) {
 
   // Certify, or halve, or give up on a piece that is small enough.
   const double samples = double(col_end - col_begin) * (row_end - row_begin);
-  const bool last_level = node.level >= kMaxLevels;
   Verdict verdict;
   if (box.in_front) {
     Leaf leaf;
@@ -216,8 +218,6 @@ void LeafSplitter::Visit(const Node& node) {
       Keep(leaf, node, trim, hard ? net.value : monomials);
       return;
     }
-  } else if (last_level) {
-    return;  // a piece of 2^-32 of the patch across the eye plane, within the near plane's distance of the eye
   }
 
   // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there, as across the eye
