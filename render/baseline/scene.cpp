@@ -147,7 +147,10 @@ class Builder {
         return Error{ErrorCode::kLimitExceeded,
                      "its nodes are flattened, or scaled beyond what single precision can undo; apply their "
                      "transformations to the triangles"};
-      if (!(instanced ? AddInstance(i) : AddPlaced(i))) break;
+      if (!(instanced ? AddInstance(i) : AddPlaced(i))) {
+        const Result<void> why = CheckEmbree(data_.device);
+        return why.ok() ? Error{ErrorCode::kInternal, "Embree takes no more of the mesh"} : why.error();
+      }
     }
     rtcCommitScene(data_.scene);
     return CheckEmbree(data_.device);

@@ -17,8 +17,8 @@
 
 namespace facetless {
 
-// Splits lines where they come into sight or go out of it, and leaves out what CutToPicture does. `frame`: of the lines; `sample_frame`: of the samples, over
-// the same window.
+// Splits lines where they come into sight or go out of it, and leaves out what CutToPicture does. `frame`: of the
+// lines; `sample_frame`: of the samples, over the same window.
 std::vector<ViewLine> SplitByVisibility(const std::vector<ViewLine>& lines, const CameraFrame& frame,
                                         const SampleBuffer& samples, const CameraFrame& sample_frame);
 

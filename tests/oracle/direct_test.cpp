@@ -40,8 +40,26 @@ std::string Numbers(const Camera& camera) {
   return numbers;
 }
 
+// A square picture of a window of that size.
+Camera WindowOf(Vec3 eye, Vec3 target, Vec3 up, double window) {
+  Camera camera;
+  camera.eye = eye;
+  camera.target = target;
+  camera.up = up;
+  camera.height = window;
+  camera.width_px = camera.height_px = kSize;
+  return camera;
+}
+
 class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
  protected:
+  DirectResult Traced(const Model& model, const Camera& camera) const {
+    DirectOptions options;
+    options.precision = GetParam();
+    options.depth_error = true;
+    return TraceDirect(Scene(model), camera, options).value();
+  }
+
   // Renders the view and lets the oracle judge it.
   void ExpectCertifiedSamplesRight(const Model& model, const Camera& camera, std::uint64_t seed) {
     const Result<void> valid = Validate(model);
@@ -200,16 +218,9 @@ TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
   const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   const Oracle oracle(model);
   for (const double window : {1e-4, 1e-7, 1e-9, 1e-11, 1e-13}) {
-    Camera camera;
-    camera.eye = {0, 0.1, 10};
-    camera.target = {0, 0.1, 0};
-    camera.up = {1, 0.7, 0};  // aslant: no border along rows or columns
-    camera.height = window;
-    camera.width_px = camera.height_px = kSize;
-    DirectOptions options;
-    options.precision = GetParam();
-    options.depth_error = true;
-    const DirectResult direct = TraceDirect(Scene(model), camera, options).value();
+    // Aslant: no border along rows or columns.
+    const Camera camera = WindowOf({0, 0.1, 10}, {0, 0.1, 0}, {1, 0.7, 0}, window);
+    const DirectResult direct = Traced(model, camera);
     const Judge judge(oracle, camera);
     for (int column = 0; column < kSize; ++column) {
       const Judgement judgement = judge.Ask(Judge::ClaimOf(direct.samples, column, kSize / 2));
@@ -231,16 +242,10 @@ TEST_P(DirectBeforeTheOracle, FacesThatTouchAreAsNearAsIsSaid) {
   const Oracle oracle(model);
   std::uint64_t certified = 0;
   for (const double window : {1e-3, 1e-4, 1e-5, 4.7841596538733942e-07, 1e-8}) {
-    Camera camera;
-    camera.target = {1000 + radius, 0, 0};
-    camera.eye = camera.target + Vec3{3 * radius, -3 * radius, 3 * radius};
-    camera.up = {0, 0, 1};
-    camera.height = window;
-    camera.width_px = camera.height_px = kSize;
-    DirectOptions options;
-    options.precision = GetParam();
-    options.depth_error = true;
-    const DirectResult direct = TraceDirect(Scene(model), camera, options).value();
+    const Vec3 target{1000 + radius, 0, 0};
+    const Camera camera =
+        WindowOf(target + Vec3{3 * radius, -3 * radius, 3 * radius}, target, {0, 0, 1}, window);
+    const DirectResult direct = Traced(model, camera);
     std::vector<std::uint32_t> pixels(direct.samples.size());
     std::iota(pixels.begin(), pixels.end(), 0u);
     const Tally tally = JudgePixels(Judge(oracle, camera), direct.samples, pixels);
