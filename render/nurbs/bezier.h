@@ -57,29 +57,33 @@ void Extend(BezierNet* net, NetComponent c, Direction direction, double low, dou
 using MonomialMatrix = std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1>;
 const MonomialMatrix& CenteredMonomialMatrix(int degree);
 
-// Calls run.template operator()<P, Q>() with the degrees as constants where both are at most 3, as most surfaces' are, and
-// with −1 for both otherwise: loops that the compiler knows the length of cost half.
+// The largest degree for which loops of known length are compiled; most surfaces have no higher one.
+inline constexpr int kMaxFixedDegree = 3;
+
+// Calls run.template operator()<P, Q>() with the degrees as constants where both lie in [1, kMaxFixedDegree], and with −1 for
+// both otherwise: loops that the compiler knows the length of cost half.
 template <typename Run>
 inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
-  switch (degree_u * 8 + degree_v) {
-    case 1 * 8 + 1:
-      return run.template operator()<1, 1>();
-    case 1 * 8 + 2:
-      return run.template operator()<1, 2>();
-    case 2 * 8 + 1:
-      return run.template operator()<2, 1>();
-    case 2 * 8 + 2:
-      return run.template operator()<2, 2>();
-    case 1 * 8 + 3:
-      return run.template operator()<1, 3>();
-    case 3 * 8 + 1:
-      return run.template operator()<3, 1>();
-    case 2 * 8 + 3:
-      return run.template operator()<2, 3>();
-    case 3 * 8 + 2:
-      return run.template operator()<3, 2>();
-    case 3 * 8 + 3:
-      return run.template operator()<3, 3>();
+  // One switch inside another, because no packed key of the two degrees can then stand for another pair.
+  const auto with_u = [&]<int P>() {
+    switch (degree_v) {
+      case 1:
+        return run.template operator()<P, 1>();
+      case 2:
+        return run.template operator()<P, 2>();
+      case 3:
+        return run.template operator()<P, 3>();
+      default:
+        return run.template operator()<-1, -1>();
+    }
+  };
+  switch (degree_u) {
+    case 1:
+      return with_u.template operator()<1>();
+    case 2:
+      return with_u.template operator()<2>();
+    case 3:
+      return with_u.template operator()<3>();
     default:
       return run.template operator()<-1, -1>();
   }
