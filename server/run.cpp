@@ -338,7 +338,8 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
     files.Inspection(view.direct.inspection, view.direct.samples);
     files.Aovs(view.direct.samples, options);
     std::optional<PixelData> pixels;
-    if (view.direct.samples.size() <= kMostPixelData) {
+    if (view.direct.samples.size() <= kMostPixelData &&
+        imported.model->PlacedFaceCount() <= kMostPixelFaces) {
       auto made = MakePixelData(view.direct.samples, view.baseline.samples, view.direct.frame,
                                 mesh.from_model, view.difference.noise_mm);
       if (!made) return made.error();

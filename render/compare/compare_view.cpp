@@ -152,6 +152,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
     const Clock::time_point color_start = Clock::now();
     trace.uv = NeedsExactSurface(options.inspection.kind);
     trace.depth_error = trace.audit = false;
+    trace.check = CheckLevel::kNone;  // the report's certificates are those of the pixel centres
     Result<DirectResult> color = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
     if (!color.ok()) return color.error();
     color_frame = color.value().frame;

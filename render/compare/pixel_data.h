@@ -43,6 +43,8 @@ struct PixelData {
 
 // Of views up to so many pixels reports carry pixel data; a browser would not hold more.
 constexpr std::uint64_t kMostPixelData = std::uint64_t{1} << 24;
+// A pixel has 24 bits for its face, one value of which says that there is none.
+constexpr std::uint32_t kMostPixelFaces = (1u << 24) - 1;
 
 // Errors: kSizeMismatch; kNotFinite (a depth or a normal, or a deviation beyond float32).
 Result<PixelData> MakePixelData(const SampleBuffer& direct, const SampleBuffer& baseline,

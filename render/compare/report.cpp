@@ -146,6 +146,16 @@ json DoubtsJson(const DirectStats& stats) {
   return doubts;
 }
 
+// What the independent check of certificates said; null where it was not asked.
+json CheckJson(const CheckStats& check) {
+  if (check.roots == 0 && check.rays == 0) return nullptr;
+  return {{"roots", check.roots},
+          {"roots_contradicted", check.roots_contradicted},
+          {"rays", check.rays},
+          {"rays_contradicted", check.rays_contradicted},
+          {"rays_open", check.rays_open}};
+}
+
 json DirectJson(const DirectView& view) {
   const DirectStats& stats = view.stats;
   return {{"timing_ms",
@@ -170,6 +180,7 @@ json DirectJson(const DirectView& view) {
           {"certified_hits", stats.certified_hits},
           {"cap_hits", stats.caps},
           {"doubts", DoubtsJson(stats)},
+          {"check", CheckJson(stats.check)},
           {"depth_error_mm_max", stats.depth_error_max},
           {"odd_rays", OrNull(stats.odd_rays)},
           {"reverse_mismatches", OrNull(stats.reverse_mismatches)},

@@ -13,10 +13,17 @@ enum Doubt : std::uint8_t {
   kDoubtTrim = 8,         // a trim curve or an edge lies within the error of the hit
   kDoubtCoincident = 16,  // another face lies within the error of the hit's depth
   kDoubtUnresolved = 32,  // neither hit nor miss
+  kDoubtLimit = 64,       // a patch needed more leaves than it may take, and lies here for all that is known
+  kDoubtContradicted =
+      128,  // the independent check of a certificate contradicts it (trace/certificate_check.h)
 };
 
+// Of these, nothing is known of the sample.
+inline constexpr std::uint8_t kUnresolvedDoubts = kDoubtUnresolved | kDoubtLimit | kDoubtContradicted;
+
 // What each bit is called in reports, lowest first.
-inline constexpr std::array<const char*, 6> kDoubtNames = {"silhouette", "pole",       "two_roots",
-                                                           "trim",       "coincident", "unresolved"};
+inline constexpr std::array<const char*, 8> kDoubtNames = {
+    "silhouette", "pole", "two_roots", "trim", "coincident", "unresolved", "limit", "contradicted"};
+static_assert(kDoubtNames.size() <= 8, "a sample keeps its doubts in one byte");
 
 }  // namespace facetless

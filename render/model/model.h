@@ -23,6 +23,10 @@ namespace facetless {
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
+// The highest degree of a surface, a p-curve or an edge: what OpenCASCADE, our only importer, accepts
+// (Geom_BSplineSurface::MaxDegree).
+inline constexpr int kMaxDegree = 25;
+
 // A half-open run [first, first + count) of one of Model's vectors.
 struct Range {
   std::uint32_t first = 0;

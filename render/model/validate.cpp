@@ -11,9 +11,6 @@
 namespace facetless {
 namespace {
 
-// The highest degree that OpenCASCADE, our only importer, accepts (Geom_BSplineSurface::MaxDegree).
-constexpr int kMaxDegree = 25;
-
 // A patch's largest weight: beyond, products with coordinates and errors of one unit roundoff leave the range in
 // which a double keeps all its digits.
 constexpr double kLeastWeight = 1e-250, kGreatestWeight = 1e250;

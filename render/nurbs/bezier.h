@@ -13,9 +13,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "render/model/model.h"
+
 namespace facetless {
 
-inline constexpr int kMaxDegree = 25;  // OpenCASCADE's limit
 inline constexpr int kMaxNetPoints = (kMaxDegree + 1) * (kMaxDegree + 1);
 
 // Components of a projected net, in this order. See trace/projection.h for what they mean.

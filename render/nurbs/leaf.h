@@ -59,6 +59,9 @@ enum LeafFlag : std::uint16_t {
   kLeafOdd = 64,        // with kLeafSeam: the ray should cross the face an odd number of times
   kLeafEdgeOn = 128,    // hard, and its image is a line (edge_on.h): a ray misses it, or nothing is known
   kLeafAtBorder = 256,  // touches a border of its patch: OnPatchBorder may hold
+  kLeafGivenUp =
+      512,  // hard, and stands for a piece that its patch may not split any further: a ray beside its control
+            // points misses it, and of the others nothing is known (kDoubtLimit)
 };
 
 struct Leaf {

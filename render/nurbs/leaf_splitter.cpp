@@ -111,6 +111,13 @@ bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window
 
 }  // namespace
 
+std::uint64_t NodeLimit(double samples, int degree_u, int degree_v) {
+  // A piece without a certificate ends at kHardSamples, and boxes of neighbours overlap; a patch of higher degrees folds over
+  // itself more often.
+  constexpr double kLeastNodes = 1 << 14, kNodesPerSample = 4;
+  return static_cast<std::uint64_t>(kLeastNodes + kNodesPerSample * std::max(degree_u, degree_v) * samples);
+}
+
 LeafSplitter::LeafSplitter(const SplitWindow& window, SplitBudget* budget)
     : window_(window), budget_(budget) {}
 LeafSplitter::~LeafSplitter() = default;
@@ -132,6 +139,8 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
   leaves_ = leaves;
   arena_ = arena;
   lost_ = false;
+  node_limit_ = std::numeric_limits<std::uint64_t>::max();
+  bytes_ = 0;
   Node* root = Level(0, 0);
   root->u_mid = 0.5 * (patch.u_low + patch.u_high), root->u_half = 0.5 * (patch.u_high - patch.u_low);
   root->v_mid = 0.5 * (patch.v_low + patch.v_high), root->v_half = 0.5 * (patch.v_high - patch.v_low);
@@ -198,8 +207,26 @@ void LeafSplitter::Visit(const Node& node) {
     return;
   }
 
+  // Give up what is left of a patch that has had its share of work or memory.
+  const double window_samples = 4 * window_.half_width * window_.half_height;
+  const double samples = box.in_front ? double(col_end - col_begin) * (row_end - row_begin) : window_samples;
+  if (node.level == 0) {
+    const std::uint64_t limit = std::min(patch_->max_nodes, NodeLimit(samples, net.degree_u, net.degree_v));
+    node_limit_ = nodes_ + limit;
+  }
+  if (nodes_ > node_limit_ || bytes_ > patch_->max_bytes) {
+    Leaf leaf = HardLeaf(net, patch_->rule, /*edge_on=*/false);
+    leaf.flags |= kLeafGivenUp;
+    leaf.near_depth = box.in_front ? box.near_depth : window_.perspective ? window_.near_depth : -INFINITY;
+    leaf.col_begin = col_begin;
+    leaf.col_end = box.in_front ? col_end : static_cast<int>(2 * window_.half_width);
+    leaf.row_begin = row_begin;
+    leaf.row_end = box.in_front ? row_end : static_cast<int>(2 * window_.half_height);
+    Keep(leaf, node, trim, net.value);
+    return;
+  }
+
   // Certify, or halve, or give up on a piece that is small enough.
-  const double samples = double(col_end - col_begin) * (row_end - row_begin);
   Verdict verdict;
   if (box.in_front) {
     Leaf leaf;
@@ -273,8 +300,9 @@ void LeafSplitter::Keep(Leaf leaf, const Node& node, RectClass trim, const doubl
     leaf.coefficients = kept;
   }
   leaves_->push_back(leaf);
-  budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double)),
-                                std::memory_order_relaxed);
+  const auto bytes = static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double));
+  bytes_ += bytes;
+  budget_->bytes_left.fetch_sub(bytes, std::memory_order_relaxed);
 }
 
 }  // namespace facetless

@@ -6,11 +6,14 @@
 //     eye, between the sample centres, or trimmed away.
 //  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
 //     be split further, or are seen edge-on, or lie anywhere (edge_on.h), where splitting leads nowhere.
-//  3. The result depends on the patch, the view and the trimming only, not on the calling thread.
+//  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces, or after max_bytes of leaves,
+//     becomes leaves that say so (kLeafGivenUp), one for each piece that waits, at most kMaxLevels + 1.
+//  4. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -68,7 +71,13 @@ struct SplitPatch {
   // The Bézier parameters that the net spans: beyond [0,1] where the patch is continued past the border of its
   // face.
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  // Law 3. No patch of a sound model comes near to its nodes: see NodeLimit.
+  std::uint64_t max_nodes = std::numeric_limits<std::uint64_t>::max();
+  std::int64_t max_bytes = std::numeric_limits<std::int64_t>::max();
 };
+
+// The pieces that a patch may be split into, for so many sample centres in the box of its image.
+std::uint64_t NodeLimit(double samples, int degree_u, int degree_v);
 
 class LeafSplitter {
  public:
@@ -99,6 +108,8 @@ class LeafSplitter {
   CoefficientArena* arena_ = nullptr;
   bool lost_ = false;  // a leaf of this patch stands for all its pieces that may lie anywhere
   std::uint64_t nodes_ = 0;
+  std::uint64_t node_limit_ = 0;  // nodes_ at which this patch is given up
+  std::int64_t bytes_ = 0;        // that leaves of this patch have taken
 };
 
 }  // namespace facetless

@@ -16,8 +16,14 @@ using Rgb = std::array<std::uint8_t, 3>;
 
 constexpr Rgb kHit = {214, 218, 222}, kMiss = {255, 255, 255}, kBand = {244, 245, 246};
 // Told apart also with the common colour blindnesses (Okabe and Ito).
-constexpr std::array<Rgb, kDoubtNames.size()> kDoubtColors = {
-    {{86, 180, 233}, {0, 114, 178}, {204, 121, 167}, {0, 158, 115}, {230, 159, 0}, {213, 94, 0}}};
+constexpr std::array<Rgb, kDoubtNames.size()> kDoubtColors = {{{86, 180, 233},
+                                                               {0, 114, 178},
+                                                               {204, 121, 167},
+                                                               {0, 158, 115},
+                                                               {230, 159, 0},
+                                                               {213, 94, 0},
+                                                               {240, 228, 66},
+                                                               {0, 0, 0}}};
 
 struct Entry {
   Rgb color;

@@ -25,6 +25,20 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+// Asks the independent check about sample `k` of a tile, if it is certified. Roots of hard leaves have been asked about.
+std::uint8_t Recheck(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
+                     CheckStats* stats) {
+  if (!shared.check || tile.doubt[k] != 0) return 0;
+  if (tile.leaf[k] == kNoIndex) return shared.CheckRay(column, row, INFINITY, 0, stats);
+  const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
+  std::uint8_t doubt = shared.CheckRay(column, row, tile.depth[k], tile.error[k], stats);
+  if (leaf.flags & kLeafHard) return doubt;
+  const double x = column + 0.5 - shared.frame.center_x, y = row + 0.5 - shared.frame.center_y;
+  doubt |= shared.CheckRoot(leaf, {tile.s[k], tile.t[k], leaf.root_error, leaf.root_error}, x, y,
+                            tile.depth[k], tile.error[k], stats);
+  return doubt;
+}
+
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   const std::span<const Leaf> leaves = shared.view.tiles->leaves();
@@ -42,7 +56,21 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       std::fill_n(samples->uv.begin() + first, tile.columns(), std::array<double, 2>{0, 0});
   }
   if (tile.empty()) {
-    tally->certified += std::uint64_t(tile.rows()) * tile.columns();
+    // No leaf is seen here: that, too, is a claim.
+    std::uint64_t contradicted = 0;
+    for (int i = 0; shared.check && i < tile.rows(); ++i) {
+      for (int j = 0; j < tile.columns(); ++j) {
+        const std::uint8_t doubt =
+            shared.CheckRay(tile.column() + j, tile.row() + i, INFINITY, 0, &tally->check);
+        if (doubt == 0) continue;
+        const std::size_t out = std::size_t(tile.row() + i) * samples->width + tile.column() + j;
+        samples->certificate[out] = CertificateOf(doubt);
+        samples->doubt[out] = doubt;
+        tally->AddDoubts(doubt);
+        ++contradicted;
+      }
+    }
+    tally->certified += std::uint64_t(tile.rows()) * tile.columns() - contradicted;
     return;
   }
   std::uint32_t known_face = kNoIndex;  // what `placed` is of: neighbours mostly share it
@@ -53,7 +81,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       const int k = i * kTileSize + j;
       const int column = tile.column() + j;
       const std::size_t out = std::size_t(row) * samples->width + column;
-      const std::uint8_t doubt = tile.doubt[k];
+      const std::uint8_t doubt = tile.doubt[k] | Recheck(shared, tile, k, column, row, &tally->check);
       const Certificate certificate = CertificateOf(doubt);
       if (doubt != 0) {
         samples->certificate[out] = certificate;
@@ -93,6 +121,12 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
   }
 }
 
+CheckLevel LevelOf(const DirectOptions& options) {
+  if (options.check != CheckLevel::kAuto) return options.check;
+  if (options.audit) return CheckLevel::kAll;
+  return options.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;
+}
+
 Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
   const Clock::time_point start = Clock::now();
   DirectResult result;
@@ -113,7 +147,13 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   Result<PreparedView> prepared = PrepareView(scene.data(), camera, result.frame, options);
   if (!prepared.ok()) return prepared.error();
   const PreparedView& view = prepared.value();
-  const TraceShared shared(scene.data(), view, camera, result.frame);
+  TraceShared shared(scene.data(), view, camera, result.frame);
+  std::optional<CertificateCheck> check;
+  if (const CheckLevel level = LevelOf(options); level != CheckLevel::kNone) {
+    check.emplace(scene.data(), result.frame);
+    shared.check = &*check;
+    shared.rays_per_checked_ray = level == CheckLevel::kAll ? kRaysPerAuditedRay : kRaysPerCheckedRay;
+  }
   result.stats.prepare_ms = MillisecondsSince(start);
 
   // Trace tile by tile.
@@ -156,6 +196,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     stats.unresolved += tally.unresolved;
     stats.certified_hits += tally.certified_hits;
     stats.caps += tally.caps;
+    stats.check.Add(tally.check);
     for (std::size_t bit = 0; bit < tally.doubts.size(); ++bit) stats.doubts[bit] += tally.doubts[bit];
     stats.depth_error_max = std::max(stats.depth_error_max, tally.depth_error_max);
   }
@@ -165,6 +206,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     stats.iterations += tracer.counters.iterations;
     stats.fallbacks += tracer.counters.fallbacks;
     stats.trim_tests += tracer.counters.trim_tests;
+    stats.check.Add(tracer.check);
     stats.bmssm_bytes += tracer.bitmap_bytes();
   }
   stats.leaves = view.tiles->leaves().size();

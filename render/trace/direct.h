@@ -29,8 +29,33 @@ enum class Precision : std::uint8_t {
   kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth
 };
 
+// How much CertificateCheck (certificate_check.h) asks again of what is certified.
+enum class CheckLevel : std::uint8_t {
+  kAuto,  // kShare with Precision::kCertified, kAll with an audit, else kNone
+  kNone,
+  kShare,  // every root, and one ray in kRaysPerCheckedRay
+  kAll,    // every root, and one ray in kRaysPerAuditedRay
+};
+inline constexpr std::uint32_t kRaysPerCheckedRay = 4096, kRaysPerAuditedRay = 64;
+
+// What the check said, of this view's samples.
+struct CheckStats {
+  std::uint64_t roots = 0, roots_contradicted = 0;  // certified hits asked again, and those that do not hold
+  // Rays followed by subdivision, those on which a nearer hit was found, and those given up.
+  std::uint64_t rays = 0, rays_contradicted = 0, rays_open = 0;
+
+  void Add(const CheckStats& other) {
+    roots += other.roots;
+    roots_contradicted += other.roots_contradicted;
+    rays += other.rays;
+    rays_contradicted += other.rays_contradicted;
+    rays_open += other.rays_open;
+  }
+};
+
 struct DirectOptions {
   Precision precision = Precision::kStandard;
+  CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // a root's error bound, as a share of half its leaf, at which the iteration
                                 // stops; 0: the precision's own (2^-42, fast 2^-17)
   int threads = 0;              // 0: all cores
@@ -38,7 +63,7 @@ struct DirectOptions {
   bool depth_error = false;     // fill samples.depth_error
   bool audit = false;           // count every crossing of every ray; of the whole model, sections or not
   std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
-  std::uint64_t max_bytes = std::uint64_t{8} << 30;  // what the leaves of a view may take
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
   const std::atomic<bool>* cancel = nullptr;         // polled; true ends the call with kCancelled
 };
 
@@ -50,6 +75,7 @@ struct DirectStats {
   std::uint64_t caps = 0;                                  // hits on caps of section planes
   std::array<std::uint64_t, kDoubtNames.size()> doubts{};  // samples with each bit of Doubt
   double depth_error_max = 0;                              // mm, of the certified hits
+  CheckStats check;
   std::optional<std::uint64_t> odd_rays;            // audit only; null where the model has no closed solid
   std::optional<std::uint64_t> reverse_mismatches;  // audit only
   std::vector<std::uint32_t> odd_samples, mismatched_samples;  // audit only: row·width + column of those rays

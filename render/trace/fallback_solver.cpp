@@ -59,6 +59,7 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
   std::copy_n(errors, int{kNetComponents}, root.net.error);
   root.s_mid = root.t_mid = 0;
   root.s_half = root.t_half = 1;
+  if (leaf.flags & kLeafGivenUp) return nets_.residual(root.net, x, y).empty ? 0 : kDoubtLimit;
   if (leaf.flags & kLeafEdgeOn) {
     const LineImage line = FitLine(root.net);
     return line.DistanceOf(x, y) > line.half_width ? 0 : kDoubtUnresolved;

@@ -4,7 +4,8 @@
 //     be certified are solved and proven like any leaf. The rest is halved.
 //  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
 //     proof: a tangency, a pole, a cusp, met to that precision.
-//  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved.
+//  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved; one that was given up (kLeafGivenUp) is
+//     proven to be missed, or kDoubtLimit.
 //  4. A ray that needs more than kMaxPieces pieces ends with kDoubtUnresolved. Nothing is dropped silently.
 //  5. Bounds are those of the exact surface: the net's own error is part of them.
 #pragma once
@@ -37,7 +38,7 @@ class FallbackSolver {
   explicit FallbackSolver(const NetOperations& nets);
   ~FallbackSolver();
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
-  // on a border of two pieces possibly twice. Returns kDoubtUnresolved or 0. Requires a leaf with kLeafHard.
+  // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. Requires a leaf with kLeafHard.
   std::uint8_t Solve(const Leaf& leaf, double x, double y, double limit, std::vector<FallbackRoot>* roots);
 
  private:

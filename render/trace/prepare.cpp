@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "render/kernels/dispatch.h"
@@ -13,6 +14,9 @@ namespace {
 
 // From this many patches on, a face's patches are shared out among the threads.
 constexpr std::uint32_t kParallelPatches = 16;
+
+// Where leaves do not fit into memory, a patch may take 2^-shift of it.
+constexpr int kFirstShareShift = 4, kLastShareShift = 24, kShareShiftStep = 4;
 
 // What one thread splits into.
 struct Worker {
@@ -39,13 +43,19 @@ class Preparation {
     window_.arithmetic = options.precision == Precision::kFast ? kFloatArithmetic : kDoubleArithmetic;
     if (options.newton_tolerance > 0) window_.arithmetic.tolerance = options.newton_tolerance;
     budget_.cancel = options.cancel;
-    budget_.bytes_left = static_cast<std::int64_t>(options.max_bytes);
+    max_bytes_ = static_cast<std::int64_t>(options.max_bytes);
   }
 
   Result<PreparedView> Run(int columns, int rows) {
-    ParallelFor(std::size_t{0}, model_.instances.size(),
-                [this](std::size_t i) { VisitInstance(model_.instances[i]); });
-    VisitSeams();
+    Split();
+    // Where the leaves of all patches together do not fit, bound each patch's: first that of the greediest. Whether they fit
+    // does not depend on the order in which threads split them, so the leaves that are kept don't either.
+    for (int shift = kFirstShareShift; budget_.Exhausted() && shift <= kLastShareShift;
+         shift += kShareShiftStep) {
+      patch_bytes_ = max_bytes_ >> shift;
+      workers_.clear();
+      Split();
+    }
     if (budget_.Exhausted()) {
       return Error{ErrorCode::kLimitExceeded,
                    "the view needs more leaves than fit into the memory allowed; use a smaller image"};
@@ -71,6 +81,13 @@ class Preparation {
   }
 
  private:
+  void Split() {
+    budget_.bytes_left = max_bytes_;
+    ParallelFor(std::size_t{0}, model_.instances.size(),
+                [this](std::size_t i) { VisitInstance(model_.instances[i]); });
+    VisitSeams();
+  }
+
   void VisitInstance(const Instance& instance) {
     const ViewProjection projection(frame_, instance.placement);
     const Range faces = model_.parts[instance.part].faces;
@@ -131,6 +148,7 @@ class Preparation {
     split.trim = &data.trim;
     split.placed_face = placed_face;
     split.patch = patch;
+    split.max_bytes = patch_bytes_;
 
     Worker& worker = workers_.local();
     BezierNet& net = worker.splitter.Begin(surface.degree_u, surface.degree_v);
@@ -234,6 +252,8 @@ class Preparation {
   const CameraFrame& frame_;
   SplitWindow window_;
   SplitBudget budget_;
+  std::int64_t max_bytes_ = 0;                                           // of all leaves
+  std::int64_t patch_bytes_ = std::numeric_limits<std::int64_t>::max();  // of one patch's leaves
   PerThread<Worker> workers_;
 };
 

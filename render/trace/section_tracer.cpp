@@ -71,7 +71,17 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       const int column = tracer->column() + j, row = tracer->row() + i;
       const std::size_t out = std::size_t(row) * samples->width + column;
       const std::uint8_t doubt = tracer->empty() ? 0 : tracer->doubt[i * kTileSize + j];
-      const Found found = Look(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
+      Found found = Look(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
+      // Roots of hard leaves have been asked about. Whether the ray is clear depends on what the planes remove: it is not asked.
+      if (shared_.check && found.crossing && found.doubt == 0) {
+        const Leaf& leaf = shared_.view.tiles->leaves()[found.crossing->leaf];
+        const TileHit& hit = found.crossing->hit;
+        if (!(leaf.flags & kLeafHard)) {
+          found.doubt = shared_.CheckRoot(
+              leaf, {hit.s, hit.t, leaf.root_error, leaf.root_error}, column + 0.5 - shared_.frame.center_x,
+              row + 0.5 - shared_.frame.center_y, found.depth, found.error, &tally->check);
+        }
+      }
       const Certificate certificate = CertificateOf(found.doubt);
       samples->depth[out] = found.depth;
       samples->face[out] = found.face;

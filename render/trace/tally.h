@@ -7,12 +7,13 @@
 #include <cstdint>
 
 #include "render/kernels/doubt.h"
+#include "render/trace/direct.h"
 #include "render/trace/samples.h"
 
 namespace facetless {
 
 inline Certificate CertificateOf(std::uint8_t doubt) {
-  if (doubt & kDoubtUnresolved) return Certificate::kUnresolved;
+  if (doubt & kUnresolvedDoubts) return Certificate::kUnresolved;
   return doubt ? Certificate::kConverged : Certificate::kCertified;
 }
 
@@ -20,6 +21,7 @@ inline Certificate CertificateOf(std::uint8_t doubt) {
 struct alignas(64) Tally {
   std::uint64_t hits = 0, certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
   std::uint64_t caps = 0;
+  CheckStats check;
   std::array<std::uint64_t, kDoubtNames.size()> doubts{};
   double depth_error_max = 0;
 

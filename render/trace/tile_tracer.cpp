@@ -72,6 +72,38 @@ TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint3
                     j + 1 == surface.v_spans.count && data.v_high_continued)};
 }
 
+std::uint8_t TraceShared::CheckRoot(const Leaf& leaf, const LeafRoot& root, double x, double y, double depth,
+                                    double error, CheckStats* stats) const {
+  const PlacedFace placed = Placed(leaf.placed_face);
+  ++stats->roots;
+  const bool holds =
+      check->RootHolds({placed.instance, placed.face, leaf.patch, leaf.u_mid + root.s * leaf.u_half,
+                        leaf.v_mid + root.t * leaf.v_half, root.error_s * leaf.u_half,
+                        root.error_t * leaf.v_half, x + frame.center_x, y + frame.center_y, depth, error});
+  if (holds) return 0;
+  ++stats->roots_contradicted;
+  return kDoubtContradicted;
+}
+
+std::uint8_t TraceShared::CheckRay(int column, int row, double depth, double error, CheckStats* stats) const {
+  // A multiplicative hash spreads the share over the picture, in the same way on every machine.
+  const std::uint32_t sample = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(camera.width_px) +
+                               static_cast<std::uint32_t>(column);
+  if ((sample * 2654435761u >> 8) % rays_per_checked_ray != 0) return 0;
+  ++stats->rays;
+  switch (check->CheckRay(column + 0.5, row + 0.5, depth, error)) {
+    case RayCheck::kClear:
+      return 0;
+    case RayCheck::kOpen:
+      ++stats->rays_open;
+      return 0;
+    case RayCheck::kContradicted:
+      break;
+  }
+  ++stats->rays_contradicted;
+  return kDoubtContradicted;
+}
+
 RootTwin::RootTwin(const Leaf& leaf, const TileHit& hit) : depth(hit.depth) {
   const double border = 1 - 2 * leaf.overlap();
   on_border = !(leaf.flags & kLeafSeam) &&
@@ -340,6 +372,9 @@ std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, do
     const Root at = RootOf(root);
     std::uint8_t root_doubt = DoubtOf(hard_leaf, root, x, y);
     TileHit hit = root.hit;
+    if (shared_.check && root.proven && root_doubt == 0)
+      root_doubt |= shared_.CheckRoot(hard_leaf, {hit.s, hit.t, root.error_s, root.error_t}, x, y, hit.depth,
+                                      hit.error, &check);
     if (root.on_border && !KeepOnBorder(hard_leaf, at, x, y, &hit, &root_doubt)) continue;
     bool kept = true;
     if (hard_leaf.flags & kLeafTrimmed) {

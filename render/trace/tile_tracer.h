@@ -13,6 +13,7 @@
 #include "render/accel/bmssm.h"
 #include "render/kernels/tile_kernel.h"
 #include "render/nurbs/projected_edges.h"
+#include "render/trace/certificate_check.h"
 #include "render/trace/fallback_solver.h"
 #include "render/trace/prepare.h"
 
@@ -42,6 +43,20 @@ struct TraceShared {
     double u, v;
   };
   LeafParameters Parameters(const Leaf& leaf, std::uint32_t face, double s, double t) const;
+
+  // A root of a leaf, in the leaf's parameters, and how far off it may be.
+  struct LeafRoot {
+    double s, t, error_s, error_t;
+  };
+  // Asks `check` about a certified hit of the ray through (x, y), relative to the image centre. Returns kDoubtContradicted or 0.
+  // Requires a check.
+  std::uint8_t CheckRoot(const Leaf& leaf, const LeafRoot& root, double x, double y, double depth,
+                         double error, CheckStats* stats) const;
+  // The same about all that lies before a certified sample's depth, if the sample is one of the share that is checked.
+  std::uint8_t CheckRay(int column, int row, double depth, double error, CheckStats* stats) const;
+
+  const CertificateCheck* check = nullptr;  // null: certificates are not asked again
+  std::uint32_t rays_per_checked_ray = 0;
 
   std::vector<ProjectedEdges> edges;  // per instance
 
@@ -91,6 +106,7 @@ class TileTracer {
   std::array<std::uint8_t, kSamples> doubt;
   std::array<std::array<float, 3>, kSamples> normal;  // as TileJob's; not with crossings
   TileCounters counters;                              // of all tiles so far
+  CheckStats check;                                   // of the roots of leaves without a certificate
 
   std::size_t bitmap_bytes() const { return bitmaps_.bytes(); }
 

@@ -63,9 +63,10 @@ bool SameBits(const T* a, const T* b, std::size_t count) {
 }
 
 TEST(NetKernel, HalvesShareTheirBorderBitByBitAndAgreeWithTheWhole) {
-  // A degree that is written out, and one that is not.
-  for (const auto& [pu, pv] : {std::pair{2, 3}, {4, 3}}) {
-    const OwnedNet whole = RandomNet(3, pu, pv, 0.5, true);
+  for (int pair = 0; pair < kMaxDegree * kMaxDegree; ++pair) {
+    const int pu = 1 + pair / kMaxDegree, pv = 1 + pair % kMaxDegree;
+    SCOPED_TRACE(std::to_string(pu) + "×" + std::to_string(pv));
+    const OwnedNet whole = RandomNet(static_cast<unsigned>(3 + pair), pu, pv, 0.5, true);
     OwnedNet low, high;
     low.SetDegrees(pu, pv);
     high.SetDegrees(pu, pv);
@@ -95,9 +96,9 @@ TEST(NetKernel, HalvesShareTheirBorderBitByBitAndAgreeWithTheWhole) {
 }
 
 RC_GTEST_PROP(NetKernel, ARayThroughAPointOfTheNetIsNeverProvenAway, ()) {
-  const OwnedNet owned =
-      RandomNet(*rc::gen::arbitrary<unsigned>(), *rc::gen::inRange(1, 6), *rc::gen::inRange(1, 6),
-                *rc::gen::element(0.0, 0.01, 0.3, 2.0), *rc::gen::arbitrary<bool>());
+  const OwnedNet owned = RandomNet(*rc::gen::arbitrary<unsigned>(), *rc::gen::inRange(1, kMaxDegree + 1),
+                                   *rc::gen::inRange(1, kMaxDegree + 1),
+                                   *rc::gen::element(0.0, 0.01, 0.3, 2.0), *rc::gen::arbitrary<bool>());
   const double u = *rc::gen::inRange(0, 101) / 100.0, v = *rc::gen::inRange(0, 101) / 100.0;
   BezierNet net = owned.net;
   // The point is found with some rounding.
@@ -129,7 +130,7 @@ TEST(NetKernel, ARayBesideASlantingFoldIsProvenAwayAlthoughItLiesInTheBox) {
 }
 
 RC_GTEST_PROP(NetKernel, EveryBuildGivesTheSameBits, ()) {
-  const int pu = *rc::gen::inRange(1, 7), pv = *rc::gen::inRange(1, 7);
+  const int pu = *rc::gen::inRange(1, kMaxDegree + 1), pv = *rc::gen::inRange(1, kMaxDegree + 1);
   const bool rational = *rc::gen::arbitrary<bool>(), perspective = *rc::gen::arbitrary<bool>();
   const double bump = *rc::gen::element(0.0, 0.01, 0.05, 0.5);
   const OwnedNet owned = RandomNet(*rc::gen::arbitrary<unsigned>(), pu, pv, bump, rational);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace facetless {
@@ -15,6 +16,20 @@ double Bernstein(const double* b, int degree, double t) {
     for (int i = 0; i < n; ++i) p[i] += t * (p[i + 1] - p[i]);
   }
   return p[0];
+}
+
+// A packed key of both degrees once stood for other pairs: 1×9 ran with the loops of 2×1.
+TEST(Bezier, EveryPairOfDegreesRunsWithItsOwnLoopsOrWithThoseOfAnyDegree) {
+  for (int degree_u = 0; degree_u <= kMaxDegree + 1; ++degree_u) {
+    for (int degree_v = 0; degree_v <= kMaxDegree + 1; ++degree_v) {
+      const auto [fixed_u, fixed_v] =
+          ByDegrees(degree_u, degree_v, []<int P, int Q>() { return std::pair(P, Q); });
+      const auto is_fixed = [](int degree) { return degree >= 1 && degree <= kMaxFixedDegree; };
+      const bool fixed = is_fixed(degree_u) && is_fixed(degree_v);
+      EXPECT_EQ(fixed_u, fixed ? degree_u : -1) << degree_u << "×" << degree_v;
+      EXPECT_EQ(fixed_v, fixed ? degree_v : -1) << degree_u << "×" << degree_v;
+    }
+  }
 }
 
 TEST(Bezier, MonomialMatrixReproducesTheBernsteinBasisForEveryDegree) {

@@ -61,9 +61,12 @@ Point Evaluate(const BezierNet& net, long double u, long double v) {
 }
 
 RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
-  const int degree_u = *rc::gen::inRange(1, 6), degree_v = *rc::gen::inRange(1, 6);
+  const int degree_u = *rc::gen::inRange(1, kMaxDegree + 1), degree_v = *rc::gen::inRange(1, kMaxDegree + 1);
   const double spread = *rc::gen::element(0.0, 0.02);
-  const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), degree_u, degree_v, 0.01, spread);
+  // The slope of what wobbles grows with the degree.
+  const double bump = 0.03 / std::max({degree_u, degree_v, 3});
+  const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), degree_u, degree_v, bump,
+                                     spread / std::max({degree_u, degree_v, 1}));
   Leaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   const DepthRule rule{false, spread > 0, true};

@@ -9,7 +9,7 @@
 namespace facetless::oracle {
 
 struct SurfaceRecipe {
-  int degree_u = 3, degree_v = 3;  // 1 … 7
+  int degree_u = 3, degree_v = 3;  // 1 … kMaxDegree
   int spans_u = 1, spans_v = 1;
   double bump = 0.3;         // how far control points lie off a square of 10 mm, of its side
   double weight_spread = 1;  // weights lie between 1/spread and spread; 1: polynomial

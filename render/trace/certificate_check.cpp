@@ -1,0 +1,339 @@
+#include "render/trace/certificate_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/trace/parallel.h"
+
+namespace facetless {
+namespace {
+
+constexpr double kEpsilon = 0x1p-53;
+// Units of rounding of a point that is placed and projected: a few sums of three products each.
+constexpr double kPlacingUnits = 32;
+// Derivatives at the stated root stand for those within its error; there they vary by less than this factor.
+constexpr double kDerivativeSlack = 2;
+// Pieces narrower than this many pixels are left to Newton's method.
+constexpr double kNewtonPixels = 1.0 / 64;
+constexpr int kNewtonSteps = 12;
+constexpr int kMostHalvings = 96;
+// What makes a hit certain: the sine of the angle between the images of the tangents, the distance to the border of the patch in
+// Bézier parameters, and the residual in pixels.
+constexpr double kLeastSine = 1e-3, kBorderShare = 1e-6, kResidualPixels = 1e-7;
+// A hit counts as nearer than another by more than this share of the model's diagonal, besides all errors.
+constexpr double kDepthShare = 1e-9;
+// The widest band around an edge: its gap as a grazing ray sees it.
+constexpr double kBandScale = 64;
+
+// Values and first derivatives of the Bernstein polynomials of one degree.
+struct Basis {
+  std::array<double, kMaxDegree + 1> value, slope;
+};
+
+void Evaluate(int degree, double t, Basis* basis) {
+  // Raise the degree one by one; the last step but one has the derivatives.
+  std::array<double, kMaxDegree + 1>& b = basis->value;
+  b[0] = 1;
+  for (int n = 1; n <= degree; ++n) {
+    if (n == degree) {
+      basis->slope[0] = -degree * b[0];
+      for (int i = 1; i < n; ++i) basis->slope[i] = degree * (b[i - 1] - b[i]);
+      basis->slope[n] = degree * b[n - 1];
+    }
+    b[n] = t * b[n - 1];
+    for (int i = n - 1; i > 0; --i) b[i] = (1 - t) * b[i] + t * b[i - 1];
+    b[0] = (1 - t) * b[0];
+  }
+}
+
+// A point of a patch and its derivatives by the Bézier parameters, mm, in part coordinates.
+struct CheckedPoint {
+  Vec3 point, du, dv;
+};
+
+CheckedPoint Evaluate(const Surface& surface, const Vec4* points, double u, double v) {
+  Basis bu, bv;
+  Evaluate(surface.degree_u, u, &bu);
+  Evaluate(surface.degree_v, v, &bv);
+  Vec4 value, by_u, by_v;
+  for (int i = 0; i <= surface.degree_u; ++i) {
+    Vec4 row, slope;
+    for (int j = 0; j <= surface.degree_v; ++j) {
+      row = row + bv.value[j] * *points;
+      slope = slope + bv.slope[j] * *points;
+      ++points;
+    }
+    value = value + bu.value[i] * row;
+    by_u = by_u + bu.slope[i] * row;
+    by_v = by_v + bu.value[i] * slope;
+  }
+  const double inverse = 1 / value.w;
+  const Vec3 point{value.x * inverse, value.y * inverse, value.z * inverse};
+  const auto derivative = [&](const Vec4& d) {
+    return inverse * Vec3{d.x - point.x * d.w, d.y - point.y * d.w, d.z - point.z * d.w};
+  };
+  return {point, derivative(by_u), derivative(by_v)};
+}
+
+double LargestCoordinate(Vec3 p) {
+  return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+}
+
+Vec3 TranslationOf(const Placement& placement) {
+  return {placement.m[0][3], placement.m[1][3], placement.m[2][3]};
+}
+
+// The rounding of a point of a patch that is placed and seen from the eye, mm.
+double RoundingOf(const Surface& surface, double face_size, const Placement& placement,
+                  const CameraFrame& frame) {
+  const double scale = std::max({Length(placement.Vector({1, 0, 0})), Length(placement.Vector({0, 1, 0})),
+                                 Length(placement.Vector({0, 0, 1}))});
+  const double size =
+      scale * face_size + LargestCoordinate(TranslationOf(placement)) + LargestCoordinate(frame.eye);
+  return kEpsilon * (kPlacingUnits + 8 * (surface.degree_u + surface.degree_v)) * size;
+}
+
+const Vec4* PatchPoints(const Model& model, const Surface& surface, std::uint32_t patch) {
+  return model.control_points.data() + surface.first_control_point +
+         std::size_t{patch} * surface.PointsPerPatch();
+}
+
+}  // namespace
+
+struct CertificateCheck::Budget {
+  int pieces = kMaxCheckedPieces;
+};
+
+CertificateCheck::CertificateCheck(const Scene::Data& scene, const CameraFrame& frame)
+    : scene_(scene), frame_(frame) {
+  const Model& model = *scene.model;
+  face_sizes_.reserve(model.faces.size());
+  for (const FaceData& face : scene.faces)
+    face_sizes_.push_back(std::max(LargestCoordinate(face.bounds.low), LargestCoordinate(face.bounds.high)));
+  boxes_.resize(model.PlacedFaceCount());
+  ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
+    const Instance& instance = model.instances[i];
+    const Range faces = model.parts[instance.part].faces;
+    for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
+      boxes_[instance.first_placed_face + (face - faces.first)] =
+          BoxOf(scene.faces[face].bounds, instance.placement);
+    }
+  });
+}
+
+CertificateCheck::FaceBox CertificateCheck::BoxOf(const Box3& box, const Placement& placement) const {
+  FaceBox image{INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY};
+  bool in_front = true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const PixelPoint p = Project(
+        frame_, placement.Point({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                 corner & 4 ? box.high.z : box.low.z}));
+    in_front = in_front && (frame_.projection == Projection::kOrthographic || p.depth > frame_.near_mm);
+    image.x_low = std::min(image.x_low, p.x);
+    image.x_high = std::max(image.x_high, p.x);
+    image.y_low = std::min(image.y_low, p.y);
+    image.y_high = std::max(image.y_high, p.y);
+    image.near_depth = std::min(image.near_depth, p.depth);
+  }
+  // A box that crosses the eye plane may be seen anywhere.
+  return in_front ? image : FaceBox{-INFINITY, INFINITY, -INFINITY, INFINITY, -INFINITY};
+}
+
+bool CertificateCheck::RootHolds(const StatedRoot& root) const {
+  const Model& model = *scene_.model;
+  const Surface& surface = model.surfaces[model.faces[root.face].surface];
+  const Placement& placement = model.instances[root.instance].placement;
+  const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, root.patch), root.u, root.v);
+  const PixelPoint seen = Project(frame_, placement.Point(at.point));
+
+  // How far the surface moves within the root's own error, and the rounding of what was just computed.
+  const double error_u = root.error_u + 4 * kEpsilon, error_v = root.error_v + 4 * kEpsilon;
+  const double moved = kDerivativeSlack * (Length(placement.Vector(at.du)) * error_u +
+                                           Length(placement.Vector(at.dv)) * error_v);
+  const double reach = moved + RoundingOf(surface, face_sizes_[root.face], placement, frame_);
+  const bool perspective = frame_.projection == Projection::kPerspective;
+  const double mm_per_px = std::min(frame_.pixel_x, frame_.pixel_y) * (perspective ? seen.depth : 1);
+  // In perspective a pixel moves with the depth, too.
+  const double off_axis = perspective ? 1 + std::hypot((seen.x - frame_.center_x) * frame_.pixel_x,
+                                                       (seen.y - frame_.center_y) * frame_.pixel_y)
+                                      : 1;
+  const double pixel_reach =
+      reach * off_axis / mm_per_px + 16 * kEpsilon * (frame_.center_x + frame_.center_y);
+  return std::fabs(seen.x - root.x) <= pixel_reach && std::fabs(seen.y - root.y) <= pixel_reach &&
+         std::fabs(seen.depth - root.depth) <= root.depth_error + reach;
+}
+
+RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double depth_error) const {
+  const Model& model = *scene_.model;
+  Budget budget;
+  for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
+    const Instance& instance = model.instances[i];
+    const Range faces = model.parts[instance.part].faces;
+    for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
+      const FaceBox& box = boxes_[instance.first_placed_face + (face - faces.first)];
+      if (x < box.x_low || x > box.x_high || y < box.y_low || y > box.y_high) continue;
+      const Surface& surface = model.surfaces[model.faces[face].surface];
+      const double rounding = RoundingOf(surface, face_sizes_[face], instance.placement, frame_);
+      const double limit = depth - depth_error - rounding / kLeastSine - kDepthShare * model.Diagonal();
+      if (box.near_depth > limit) continue;
+      for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
+        if (scene_.faces[face].patches[patch] == RectClass::kOutside) continue;
+        if (PatchMeetsRay(i, face, patch, x, y, limit, &budget)) return RayCheck::kContradicted;
+        if (budget.pieces <= 0) return RayCheck::kOpen;
+      }
+    }
+  }
+  return RayCheck::kClear;
+}
+
+// Whether the ray certainly hits the patch nearer than `limit`: halves the patch, seen from the ray's two planes.
+bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face, std::uint32_t patch,
+                                     double x, double y, double limit, Budget* budget) const {
+  const Model& model = *scene_.model;
+  const Surface& surface = model.surfaces[model.faces[face].surface];
+  const Placement& placement = model.instances[instance].placement;
+  const bool perspective = frame_.projection == Projection::kPerspective;
+  const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
+  const std::size_t n = surface.PointsPerPatch();
+
+  // A control point as the ray sees it: its distances to the two planes, times its weight on the screen; that weight; and its
+  // depth times the weight of the surface.
+  struct Seen {
+    double across, down, scale, depth, weight;
+  };
+  struct Piece {
+    std::vector<Seen> points;
+    double u = 0, v = 0, size_u = 1, size_v = 1;
+    int level = 0;
+  };
+  const auto mean = [](const Seen& a, const Seen& b) {
+    return Seen{0.5 * (a.across + b.across), 0.5 * (a.down + b.down), 0.5 * (a.scale + b.scale),
+                0.5 * (a.depth + b.depth), 0.5 * (a.weight + b.weight)};
+  };
+  const Vec3 shift = TranslationOf(placement) - frame_.eye;
+  std::vector<Piece> open(1);
+  open[0].points.reserve(n);
+  const Vec4* points = PatchPoints(model, surface, patch);
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3 p = placement.Vector({points[k].x, points[k].y, points[k].z}) + points[k].w * shift;
+    const double depth = Dot(p, frame_.forward), scale = perspective ? depth : points[k].w;
+    open[0].points.push_back({Dot(p, frame_.right) / frame_.pixel_x - (x - frame_.center_x) * scale,
+                              Dot(p, frame_.down) / frame_.pixel_y - (y - frame_.center_y) * scale, scale,
+                              depth, points[k].w});
+  }
+
+  while (!open.empty()) {
+    const Piece piece = std::move(open.back());
+    open.pop_back();
+    if (--budget->pieces <= 0) return false;
+
+    // Leave out what lies on one side of a plane, behind the hit, or behind the eye.
+    double across_low = INFINITY, across_high = -INFINITY, down_low = INFINITY, down_high = -INFINITY;
+    double least_scale = INFINITY, largest_scale = 0;
+    bool farther = true, behind = perspective;
+    for (const Seen& p : piece.points) {
+      across_low = std::min(across_low, p.across);
+      across_high = std::max(across_high, p.across);
+      down_low = std::min(down_low, p.down);
+      down_high = std::max(down_high, p.down);
+      least_scale = std::min(least_scale, p.scale);
+      largest_scale = std::max(largest_scale, p.scale);
+      farther = farther && p.depth > limit * p.weight;
+      behind = behind && p.depth <= frame_.near_mm * p.weight;
+    }
+    if (across_low > 0 || across_high < 0 || down_low > 0 || down_high < 0 || farther || behind) continue;
+
+    // A narrow piece has one root at most, for all that concerns this check.
+    const double width = std::max(across_high - across_low, down_high - down_low);
+    if (least_scale > 0 && width <= kNewtonPixels * least_scale) {
+      if (IsCertainHit(instance, face, patch, piece.u + 0.5 * piece.size_u, piece.v + 0.5 * piece.size_v, x,
+                       y, limit))
+        return true;
+      continue;
+    }
+    if (piece.level >= kMostHalvings) continue;
+
+    // Halve along the direction in which the image is longer.
+    double along_u = 0, along_v = 0;
+    const auto longest = [](double so_far, const Seen& a, const Seen& b) {
+      return std::max({so_far, std::fabs(a.across - b.across), std::fabs(a.down - b.down)});
+    };
+    for (int k = 0; k <= pu; ++k) {
+      for (int l = 0; l <= pv; ++l) {
+        const Seen& here = piece.points[k * stride + l];
+        if (k < pu) along_u = longest(along_u, here, piece.points[(k + 1) * stride + l]);
+        if (l < pv) along_v = longest(along_v, here, piece.points[k * stride + l + 1]);
+      }
+    }
+    const bool halve_u = pu * along_u > pv * along_v;
+    Piece low = piece, high = piece;
+    low.level = high.level = piece.level + 1;
+    const int degree = halve_u ? pu : pv, lines = halve_u ? pv : pu, step = halve_u ? stride : 1,
+              next_line = halve_u ? 1 : stride;
+    for (int line = 0; line <= lines; ++line) {
+      Seen* work = high.points.data() + line * next_line;
+      for (int level = 1; level <= degree; ++level) {
+        for (int k = 0; k <= degree - level; ++k) work[k * step] = mean(work[k * step], work[(k + 1) * step]);
+        low.points[line * next_line + level * step] = work[0];
+      }
+    }
+    if (halve_u) {
+      low.size_u = high.size_u = 0.5 * piece.size_u;
+      high.u += low.size_u;
+    } else {
+      low.size_v = high.size_v = 0.5 * piece.size_v;
+      high.v += low.size_v;
+    }
+    open.push_back(std::move(low));
+    open.push_back(std::move(high));
+  }
+  return false;
+}
+
+// Newton's method on the patch itself, from (u, v).
+bool CertificateCheck::IsCertainHit(std::uint32_t instance, std::uint32_t face, std::uint32_t patch, double u,
+                                    double v, double x, double y, double limit) const {
+  const Model& model = *scene_.model;
+  const Surface& surface = model.surfaces[model.faces[face].surface];
+  const Placement& placement = model.instances[instance].placement;
+  const bool perspective = frame_.projection == Projection::kPerspective;
+  // One step more after the residual is small: what is left then is rounding.
+  bool converged = false;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, patch), u, v);
+    const PixelPoint seen = Project(frame_, placement.Point(at.point));
+    if (perspective && !(seen.depth > frame_.near_mm)) return false;
+    // The images of the tangents, in pixels.
+    const double scale = perspective ? seen.depth : 1;
+    const auto image = [&](Vec3 tangent) {
+      const Vec3 d = placement.Vector(tangent);
+      const double along = perspective ? Dot(d, frame_.forward) : 0;
+      return Vec2{(Dot(d, frame_.right) / frame_.pixel_x - along * (seen.x - frame_.center_x)) / scale,
+                  (Dot(d, frame_.down) / frame_.pixel_y - along * (seen.y - frame_.center_y)) / scale};
+    };
+    const Vec2 du = image(at.du), dv = image(at.dv), off{x - seen.x, y - seen.y};
+    const double determinant = Cross(du, dv);
+    if (!(std::fabs(determinant) > kLeastSine * Length(du) * Length(dv))) return false;
+    if (converged) {
+      if (!(seen.depth < limit)) return false;
+      // Away from the patch's border and from every edge.
+      if (!(u > kBorderShare && u < 1 - kBorderShare && v > kBorderShare && v < 1 - kBorderShare))
+        return false;
+      const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
+      const SpanParameter& u_map = scene_.spans[surface.u_spans.first + i];
+      const SpanParameter& v_map = scene_.spans[surface.v_spans.first + j];
+      const TrimAnswer trim =
+          scene_.faces[face].trim.Query(u_map.ToNative(u), v_map.ToNative(v), kBorderShare / u_map.Rate(u),
+                                        kBorderShare / v_map.Rate(v), kBandScale);
+      return trim.certain && trim.inside && trim.coedge == kNoIndex;
+    }
+    converged = std::fabs(off.x) <= kResidualPixels && std::fabs(off.y) <= kResidualPixels;
+    u += Cross(off, dv) / determinant;
+    v += Cross(du, off) / determinant;
+    if (!(u > -1 && u < 2 && v > -1 && v < 2)) return false;
+  }
+  return false;
+}
+
+}  // namespace facetless
