@@ -70,8 +70,9 @@ void AddCameraOptions(CLI::App* app, OptionCollector& options) {
   options.Number(app, "margin", "Free share of the picture on each side, 0 … 0.45 (default 0.05)", "SHARE");
   options.Text(app, "up", "The model's axis that named views draw upwards: x, y or z (default)", "AXIS");
   options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
-  options.Number(app, "timeout", "Seconds that everything after the import may take; 0 (default) is no limit",
-                 "S");
+  options.Number(
+      app, "timeout",
+      "Seconds that everything after the import may take (default 600, of a trade 3600); 0 is no limit", "S");
 }
 
 void AddViewOptions(CLI::App* app, OptionCollector& options) {

@@ -15,7 +15,7 @@
 // precision       fast | standard | certified                                    standard
 // newton_tolerance  share of a leaf at which Newton stops, 1e-13 … 1e-3         the precision's own
 // threads         0 (all cores) … 1024                                           0
-// timeout         seconds for everything after the import, 0: none               0
+// timeout         seconds for everything after the import, 0: none               600; of a trade 3600
 // audit, edges    true | false                                                   false
 // mesh_deviation  the same: of a comparison, measure every triangle               false
 // background      studio | transparent                                           studio
@@ -82,6 +82,9 @@ struct TradeOptions {
   ErrorMeasure measure = ErrorMeasure::kP99;
 };
 
+// What everything after the import may take if no option says otherwise, seconds: an input that never ends is to end in a sentence.
+inline constexpr double kRunTimeoutS = 600, kTradeTimeoutS = 3600;
+
 struct RunOptions {
   std::vector<std::string> views = {"iso"};
   nlohmann::json cameras;  // null, or a list of camera objects
@@ -91,7 +94,7 @@ struct RunOptions {
   Precision precision = Precision::kStandard;
   double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
-  double timeout_s = 0;
+  std::optional<double> timeout_s;  // none: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
   Inspection inspection;

@@ -85,7 +85,8 @@ class Run {
         context_(context),
         command_(command),
         start_(Clock::now()),
-        deadline_(options.timeout_s, context.cancel) {}
+        timeout_s_(options.timeout_s.value_or(kRunTimeoutS)),
+        deadline_(timeout_s_, context.cancel) {}
 
   const std::atomic<bool>* cancel() const { return deadline_.flag(); }
   // What does not depend on the view.
@@ -176,7 +177,7 @@ class Run {
   Error Explained(const Error& error) const {
     if (error.code != ErrorCode::kCancelled || !deadline_.expired()) return error;
     char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%g", options_.timeout_s);
+    std::snprintf(seconds, sizeof seconds, "%g", timeout_s_);
     return {ErrorCode::kLimitExceeded, imported_.model->info.file + ": rendering took longer than " +
                                            seconds + " s; --timeout allows more"};
   }
@@ -194,6 +195,7 @@ class Run {
   const Clock::time_point start_;
   double scene_ms_ = 0;
   Json notes_ = Json::object();
+  const double timeout_s_;
   Deadline deadline_;
 };
 

@@ -58,7 +58,8 @@ class Sweep {
         options_(options),
         directory_(directory),
         context_(context),
-        deadline_(options.timeout_s, context.cancel) {}
+        timeout_s_(options.timeout_s.value_or(kTradeTimeoutS)),
+        deadline_(timeout_s_, context.cancel) {}
 
   Result<TradeResult> Run() {
     auto done = Measure();
@@ -288,7 +289,7 @@ class Sweep {
   Error Explained(const Error& error) const {
     if (!deadline_.expired()) return error;
     return {ErrorCode::kLimitExceeded, model().info.file + ": the measurements took longer than " +
-                                           NumberText(options_.timeout_s) + " s; --timeout allows more"};
+                                           NumberText(timeout_s_) + " s; --timeout allows more"};
   }
 
   Result<TradeResult> Report() {
@@ -384,6 +385,7 @@ class Sweep {
   const RunOptions& options_;
   const std::string directory_;
   const RunContext& context_;
+  const double timeout_s_;
   Deadline deadline_;
   std::vector<TradeView> views_;
   std::vector<TradeSetting> over_budget_;

@@ -15,7 +15,7 @@ constexpr double kPlacingUnits = 32;
 // Derivatives at the stated root stand for those within its error; there they vary by less than this factor.
 constexpr double kDerivativeSlack = 2;
 // Pieces narrower than this many pixels are left to Newton's method.
-constexpr double kNewtonPixels = 1.0 / 64;
+constexpr double kNewtonPixels = 1.0 / 4;
 constexpr int kNewtonSteps = 12;
 constexpr int kMostHalvings = 96;
 // What makes a hit certain: the sine of the angle between the images of the tangents, the distance to the border of the patch in
@@ -84,11 +84,16 @@ Vec3 TranslationOf(const Placement& placement) {
   return {placement.m[0][3], placement.m[1][3], placement.m[2][3]};
 }
 
+// The longest that a placement makes a unit vector along an axis, times √3: what it makes of any.
+double ScaleOf(const Placement& placement) {
+  return std::sqrt(3.0) * std::max({Length(placement.Vector({1, 0, 0})), Length(placement.Vector({0, 1, 0})),
+                                    Length(placement.Vector({0, 0, 1}))});
+}
+
 // The rounding of a point of a patch that is placed and seen from the eye, mm.
 double RoundingOf(const Surface& surface, double face_size, const Placement& placement,
                   const CameraFrame& frame) {
-  const double scale = std::max({Length(placement.Vector({1, 0, 0})), Length(placement.Vector({0, 1, 0})),
-                                 Length(placement.Vector({0, 0, 1}))});
+  const double scale = ScaleOf(placement);
   const double size =
       scale * face_size + LargestCoordinate(TranslationOf(placement)) + LargestCoordinate(frame.eye);
   return kEpsilon * (kPlacingUnits + 8 * (surface.degree_u + surface.degree_v)) * size;
@@ -111,6 +116,11 @@ CertificateCheck::CertificateCheck(const Scene::Data& scene, const CameraFrame& 
   face_sizes_.reserve(model.faces.size());
   for (const FaceData& face : scene.faces)
     face_sizes_.push_back(std::max(LargestCoordinate(face.bounds.low), LargestCoordinate(face.bounds.high)));
+  first_ball_.reserve(model.faces.size());
+  for (const Face& face : model.faces) {
+    first_ball_.push_back(balls_.size());
+    AddBalls(model.surfaces[face.surface]);
+  }
   boxes_.resize(model.PlacedFaceCount());
   ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
     const Instance& instance = model.instances[i];
@@ -140,6 +150,16 @@ CertificateCheck::FaceBox CertificateCheck::BoxOf(const Box3& box, const Placeme
   return in_front ? image : FaceBox{-INFINITY, INFINITY, -INFINITY, INFINITY, -INFINITY};
 }
 
+void CertificateCheck::AddBalls(const Surface& surface) {
+  for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
+    const Vec4* points = PatchPoints(*scene_.model, surface, patch);
+    Box3 box;
+    for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k)
+      box.Add({points[k].x / points[k].w, points[k].y / points[k].w, points[k].z / points[k].w});
+    balls_.push_back({box.center(), 0.5 * box.diagonal()});
+  }
+}
+
 bool CertificateCheck::RootHolds(const StatedRoot& root) const {
   const Model& model = *scene_.model;
   const Surface& surface = model.surfaces[model.faces[root.face].surface];
@@ -167,9 +187,12 @@ bool CertificateCheck::RootHolds(const StatedRoot& root) const {
 RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double depth_error) const {
   const Model& model = *scene_.model;
   Budget budget;
+  const Ray ray = PixelRay(frame_, x, y);
+  const Vec3 along = Normalized(ray.direction);
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
     const Instance& instance = model.instances[i];
     const Range faces = model.parts[instance.part].faces;
+    const double scale = ScaleOf(instance.placement);
     for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
       const FaceBox& box = boxes_[instance.first_placed_face + (face - faces.first)];
       if (x < box.x_low || x > box.x_high || y < box.y_low || y > box.y_high) continue;
@@ -179,6 +202,11 @@ RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double dep
       if (box.near_depth > limit) continue;
       for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
         if (scene_.faces[face].patches[patch] == RectClass::kOutside) continue;
+        const PatchBall& ball = balls_[first_ball_[face] + patch];
+        const Vec3 to_center = instance.placement.Point(ball.center) - ray.origin;
+        const Vec3 off = to_center - Dot(to_center, along) * along;
+        const double reach = scale * ball.radius + rounding;
+        if (Dot(off, off) > reach * reach) continue;
         if (PatchMeetsRay(i, face, patch, x, y, limit, &budget)) return RayCheck::kContradicted;
         if (budget.pieces <= 0) return RayCheck::kOpen;
       }
@@ -224,7 +252,7 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
   }
 
   while (!open.empty()) {
-    const Piece piece = std::move(open.back());
+    Piece piece = std::move(open.back());
     open.pop_back();
     if (--budget->pieces <= 0) return false;
 
@@ -267,8 +295,10 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
       }
     }
     const bool halve_u = pu * along_u > pv * along_v;
-    Piece low = piece, high = piece;
-    low.level = high.level = piece.level + 1;
+    const double size_u = piece.size_u, size_v = piece.size_v;
+    const int level_of_halves = piece.level + 1;
+    Piece low = piece, high = std::move(piece);
+    low.level = high.level = level_of_halves;
     const int degree = halve_u ? pu : pv, lines = halve_u ? pv : pu, step = halve_u ? stride : 1,
               next_line = halve_u ? 1 : stride;
     for (int line = 0; line <= lines; ++line) {
@@ -279,10 +309,10 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
       }
     }
     if (halve_u) {
-      low.size_u = high.size_u = 0.5 * piece.size_u;
+      low.size_u = high.size_u = 0.5 * size_u;
       high.u += low.size_u;
     } else {
-      low.size_v = high.size_v = 0.5 * piece.size_v;
+      low.size_v = high.size_v = 0.5 * size_v;
       high.v += low.size_v;
     }
     open.push_back(std::move(low));

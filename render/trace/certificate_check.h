@@ -55,8 +55,14 @@ class CertificateCheck {
   struct FaceBox {
     double x_low, x_high, y_low, y_high, near_depth;
   };
+  // Of a patch, in part coordinates: no control point lies farther from the centre.
+  struct PatchBall {
+    Vec3 center;
+    double radius;
+  };
   struct Budget;
   FaceBox BoxOf(const Box3& box, const Placement& placement) const;
+  void AddBalls(const Surface& surface);
   bool PatchMeetsRay(std::uint32_t instance, std::uint32_t face, std::uint32_t patch, double x, double y,
                      double limit, Budget* budget) const;
   bool IsCertainHit(std::uint32_t instance, std::uint32_t face, std::uint32_t patch, double u, double v,
@@ -64,8 +70,10 @@ class CertificateCheck {
 
   const Scene::Data& scene_;
   const CameraFrame& frame_;
-  std::vector<FaceBox> boxes_;      // of the placed faces
-  std::vector<double> face_sizes_;  // of Model::faces: the largest coordinate of a control point, mm
+  std::vector<FaceBox> boxes_;           // of the placed faces
+  std::vector<double> face_sizes_;       // of Model::faces: the largest coordinate of a control point, mm
+  std::vector<PatchBall> balls_;         // of the patches of all faces, in their order
+  std::vector<std::size_t> first_ball_;  // of Model::faces
 };
 
 }  // namespace facetless

@@ -25,18 +25,52 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Asks the independent check about sample `k` of a tile, if it is certified. Roots of hard leaves have been asked about.
-std::uint8_t Recheck(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
-                     CheckStats* stats) {
-  if (!shared.check || tile.doubt[k] != 0) return 0;
-  if (tile.leaf[k] == kNoIndex) return shared.CheckRay(column, row, INFINITY, 0, stats);
+// Asks the independent check about the root of sample `k` of a tile, if it is certified and one of the share that is checked. Roots
+// of hard leaves have been asked about.
+std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
+                         CheckStats* stats) {
+  if (!shared.check || !shared.IsRootChecked(column, row) || tile.doubt[k] != 0 || tile.leaf[k] == kNoIndex)
+    return 0;
   const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
-  std::uint8_t doubt = shared.CheckRay(column, row, tile.depth[k], tile.error[k], stats);
-  if (leaf.flags & kLeafHard) return doubt;
+  if (leaf.flags & kLeafHard) return 0;
   const double x = column + 0.5 - shared.frame.center_x, y = row + 0.5 - shared.frame.center_y;
-  doubt |= shared.CheckRoot(leaf, {tile.s[k], tile.t[k], leaf.root_error, leaf.root_error}, x, y,
-                            tile.depth[k], tile.error[k], stats);
-  return doubt;
+  return shared.CheckRoot(leaf, {tile.s[k], tile.t[k], leaf.root_error, leaf.root_error}, x, y, tile.depth[k],
+                          tile.error[k], stats);
+}
+
+// Asks the independent check whether the rays of some samples of a tile, hits and misses, are clear up to the stated depth, and puts
+// those in doubt that are not.
+void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
+  if (!shared.check) return;
+  // So many rays of every tile, or one ray of every so many tiles, at places that are the same on every machine.
+  const int rays = std::max(1, TileTracer::kSamples / shared.rays_per_checked_ray);
+  const std::uint32_t tiles =
+      static_cast<std::uint32_t>(std::max(1, shared.rays_per_checked_ray / TileTracer::kSamples));
+  constexpr std::uint32_t kFactor = 2654435761u;  // D. Knuth's multiplicative hash
+  const auto scrambled = [](std::uint32_t number) { return number * kFactor >> 8; };
+  const std::uint32_t number = scrambled(static_cast<std::uint32_t>(tile.row()) * 4096u +
+                                         static_cast<std::uint32_t>(tile.column()) / kTileSize);
+  if (number % tiles != 0) return;
+  for (int ray = 0; ray < rays; ++ray) {
+    const std::uint32_t place = scrambled(number + static_cast<std::uint32_t>(ray));
+    const int i = static_cast<int>(place / kTileSize % kTileSize), j = static_cast<int>(place % kTileSize);
+    if (i >= tile.rows() || j >= tile.columns()) continue;
+    const int column = tile.column() + j, row = tile.row() + i;
+    const std::size_t out = std::size_t(row) * samples->width + column;
+    if (samples->certificate[out] != Certificate::kCertified) continue;
+    const bool hit = samples->face[out] != kNoIndex;
+    const double error = hit ? tile.error[i * kTileSize + j] : 0;
+    ++tally->check.rays;
+    const RayCheck answer = shared.check->CheckRay(column + 0.5, row + 0.5, samples->depth[out], error);
+    tally->check.rays_open += answer == RayCheck::kOpen;
+    if (answer != RayCheck::kContradicted) continue;
+    ++tally->check.rays_contradicted;
+    samples->doubt[out] = kDoubtContradicted;
+    samples->certificate[out] = CertificateOf(kDoubtContradicted);
+    tally->AddDoubts(kDoubtContradicted);
+    --tally->certified;
+    tally->certified_hits -= hit;
+  }
 }
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
@@ -56,21 +90,8 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       std::fill_n(samples->uv.begin() + first, tile.columns(), std::array<double, 2>{0, 0});
   }
   if (tile.empty()) {
-    // No leaf is seen here: that, too, is a claim.
-    std::uint64_t contradicted = 0;
-    for (int i = 0; shared.check && i < tile.rows(); ++i) {
-      for (int j = 0; j < tile.columns(); ++j) {
-        const std::uint8_t doubt =
-            shared.CheckRay(tile.column() + j, tile.row() + i, INFINITY, 0, &tally->check);
-        if (doubt == 0) continue;
-        const std::size_t out = std::size_t(tile.row() + i) * samples->width + tile.column() + j;
-        samples->certificate[out] = CertificateOf(doubt);
-        samples->doubt[out] = doubt;
-        tally->AddDoubts(doubt);
-        ++contradicted;
-      }
-    }
-    tally->certified += std::uint64_t(tile.rows()) * tile.columns() - contradicted;
+    tally->certified += std::uint64_t(tile.rows()) * tile.columns();
+    CheckRays(shared, tile, samples, tally);  // that no leaf is seen here is a claim, too
     return;
   }
   std::uint32_t known_face = kNoIndex;  // what `placed` is of: neighbours mostly share it
@@ -81,7 +102,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       const int k = i * kTileSize + j;
       const int column = tile.column() + j;
       const std::size_t out = std::size_t(row) * samples->width + column;
-      const std::uint8_t doubt = tile.doubt[k] | Recheck(shared, tile, k, column, row, &tally->check);
+      const std::uint8_t doubt = tile.doubt[k] | CheckSample(shared, tile, k, column, row, &tally->check);
       const Certificate certificate = CertificateOf(doubt);
       if (doubt != 0) {
         samples->certificate[out] = certificate;
@@ -119,6 +140,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       tally->depth_error_max = std::max(tally->depth_error_max, tile.error[k]);
     }
   }
+  CheckRays(shared, tile, samples, tally);
 }
 
 CheckLevel LevelOf(const DirectOptions& options) {
@@ -152,6 +174,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   if (const CheckLevel level = LevelOf(options); level != CheckLevel::kNone) {
     check.emplace(scene.data(), result.frame);
     shared.check = &*check;
+    shared.roots_per_checked_root = level == CheckLevel::kAll ? 1 : kRootsPerCheckedRoot;
     shared.rays_per_checked_ray = level == CheckLevel::kAll ? kRaysPerAuditedRay : kRaysPerCheckedRay;
   }
   result.stats.prepare_ms = MillisecondsSince(start);

@@ -33,10 +33,12 @@ enum class Precision : std::uint8_t {
 enum class CheckLevel : std::uint8_t {
   kAuto,  // kShare with Precision::kCertified, kAll with an audit, else kNone
   kNone,
-  kShare,  // every root, and one ray in kRaysPerCheckedRay
+  kShare,  // one root in kRootsPerCheckedRoot (of leaves without a certificate, every one), one ray in kRaysPerCheckedRay
   kAll,    // every root, and one ray in kRaysPerAuditedRay
 };
-inline constexpr std::uint32_t kRaysPerCheckedRay = 4096, kRaysPerAuditedRay = 64;
+// Chosen so that the share costs less than a tenth of a view's instructions; the command is in docs/accuracy.md.
+inline constexpr int kRootsPerCheckedRoot = 16;
+inline constexpr int kRaysPerCheckedRay = 32768, kRaysPerAuditedRay = 512;  // powers of two
 
 // What the check said, of this view's samples.
 struct CheckStats {

@@ -187,7 +187,7 @@ class Preparation {
   // A leaf of one sample for every seam sample: front to back it takes its turn among the others.
   void VisitSeams() {
     if (budget_.Stopped()) return;
-    const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_);
+    const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_, &budget_);
     Worker& worker = workers_.local();
     const SeamSample* before = nullptr;
     const double* coefficients = nullptr;
@@ -225,7 +225,6 @@ class Preparation {
       leaf.patch = sample.patch;
       worker.leaves.push_back(leaf);
     }
-    budget_.bytes_left.fetch_sub(static_cast<std::int64_t>(samples.size() * sizeof(Leaf)));
   }
 
   // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may lie

@@ -140,7 +140,7 @@ namespace {
 class Finder {
  public:
   Finder(const Model& model, const SeamTable& table, const Camera& camera, const CameraFrame& frame,
-         std::uint32_t instance, std::vector<SeamSample>* found)
+         std::uint32_t instance, SplitBudget* budget, std::vector<SeamSample>* found)
       : model_(model),
         table_(table),
         frame_(frame),
@@ -149,6 +149,7 @@ class Finder {
         instance_(instance),
         perspective_(frame.projection == Projection::kPerspective),
         edges_(model, model.instances[instance].placement, frame),
+        budget_(budget),
         found_(found) {}
 
   void Visit(std::uint32_t index) {
@@ -171,7 +172,10 @@ class Finder {
                                     return a.row == b.row && a.column == b.column;
                                   }),
                       candidates_.end());
-    for (const Candidate& candidate : candidates_) AddUses(candidate);
+    for (const Candidate& candidate : candidates_) {
+      if (budget_->Stopped()) return;
+      AddUses(candidate);
+    }
   }
 
  private:
@@ -259,7 +263,7 @@ class Finder {
     const bool by_rows = std::fabs(chord.y) >= std::fabs(chord.x);
     const double across = 1.5 * (reach + bend);
     const Samples steps = by_rows ? rows : columns;
-    for (int step = steps.begin; step < steps.end; ++step) {
+    for (int step = steps.begin; step < steps.end && !budget_->Stopped(); ++step) {
       const double run = by_rows ? chord.y : chord.x, from = by_rows ? first.y : first.x;
       const double t = run != 0 ? std::clamp((step + 0.5 - from) / run, 0.0, 1.0) : 0.5;
       const Vec2 at = first + t * chord;
@@ -327,6 +331,7 @@ class Finder {
     sample.u = std::clamp(NativeToBezier(model_.spans[surface.u_spans.first + i], uv.x), 0.0, 1.0);
     sample.v = std::clamp(NativeToBezier(model_.spans[surface.v_spans.first + j], uv.y), 0.0, 1.0);
     found_->push_back(sample);
+    budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf)), std::memory_order_relaxed);
   }
 
   // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest point
@@ -365,6 +370,7 @@ class Finder {
   const std::uint32_t instance_;
   const bool perspective_;
   const ProjectedEdges edges_;
+  SplitBudget* const budget_;
   std::vector<SeamSample>* found_;
   const SeamTable::Source* source_ = nullptr;
   std::uint32_t source_index_ = 0;
@@ -378,12 +384,12 @@ auto Place(const SeamSample& s) {
 }  // namespace
 
 std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
-                                        const CameraFrame& frame) {
+                                        const CameraFrame& frame, SplitBudget* budget) {
   PerThread<std::vector<SeamSample>> found;
   ParallelFor(std::uint32_t{0}, static_cast<std::uint32_t>(model.instances.size()), [&](std::uint32_t i) {
     const Range sources = table.of_part[model.instances[i].part];
     ParallelForBlocks(sources.first, sources.end(), 16, [&](std::size_t first, std::size_t last) {
-      Finder finder(model, table, camera, frame, i, &found.local());
+      Finder finder(model, table, camera, frame, i, budget, &found.local());
       for (std::size_t s = first; s < last; ++s) finder.Visit(static_cast<std::uint32_t>(s));
     });
   });

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "render/model/model.h"
+#include "render/nurbs/leaf_splitter.h"
 #include "render/trace/camera.h"
 
 namespace facetless {
@@ -57,8 +58,9 @@ struct SeamSample {
   std::uint32_t source;  // this one of SeamTable::sources
 };
 
-// All of a view, by instance, face, row and column. The result doesn't depend on the number of threads.
+// All of a view, by instance, face, row and column. The result doesn't depend on the number of threads. Each sample takes
+// the bytes of a leaf from `budget`; once that is stopped, what is returned is a part, and the caller gives the view up.
 std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
-                                        const CameraFrame& frame);
+                                        const CameraFrame& frame, SplitBudget* budget);
 
 }  // namespace facetless

@@ -76,7 +76,7 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       if (shared_.check && found.crossing && found.doubt == 0) {
         const Leaf& leaf = shared_.view.tiles->leaves()[found.crossing->leaf];
         const TileHit& hit = found.crossing->hit;
-        if (!(leaf.flags & kLeafHard)) {
+        if (!(leaf.flags & kLeafHard) && shared_.IsRootChecked(column, row)) {
           found.doubt = shared_.CheckRoot(
               leaf, {hit.s, hit.t, leaf.root_error, leaf.root_error}, column + 0.5 - shared_.frame.center_x,
               row + 0.5 - shared_.frame.center_y, found.depth, found.error, &tally->check);

@@ -85,25 +85,6 @@ std::uint8_t TraceShared::CheckRoot(const Leaf& leaf, const LeafRoot& root, doub
   return kDoubtContradicted;
 }
 
-std::uint8_t TraceShared::CheckRay(int column, int row, double depth, double error, CheckStats* stats) const {
-  // A multiplicative hash spreads the share over the picture, in the same way on every machine.
-  const std::uint32_t sample = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(camera.width_px) +
-                               static_cast<std::uint32_t>(column);
-  if ((sample * 2654435761u >> 8) % rays_per_checked_ray != 0) return 0;
-  ++stats->rays;
-  switch (check->CheckRay(column + 0.5, row + 0.5, depth, error)) {
-    case RayCheck::kClear:
-      return 0;
-    case RayCheck::kOpen:
-      ++stats->rays_open;
-      return 0;
-    case RayCheck::kContradicted:
-      break;
-  }
-  ++stats->rays_contradicted;
-  return kDoubtContradicted;
-}
-
 RootTwin::RootTwin(const Leaf& leaf, const TileHit& hit) : depth(hit.depth) {
   const double border = 1 - 2 * leaf.overlap();
   on_border = !(leaf.flags & kLeafSeam) &&

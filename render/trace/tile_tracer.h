@@ -52,11 +52,13 @@ struct TraceShared {
   // Requires a check.
   std::uint8_t CheckRoot(const Leaf& leaf, const LeafRoot& root, double x, double y, double depth,
                          double error, CheckStats* stats) const;
-  // The same about all that lies before a certified sample's depth, if the sample is one of the share that is checked.
-  std::uint8_t CheckRay(int column, int row, double depth, double error, CheckStats* stats) const;
+  // Whether the root of a certified sample is one of the share that is asked about. The pattern meets every place in a packet.
+  bool IsRootChecked(int column, int row) const {
+    return ((column + 7 * row) & (roots_per_checked_root - 1)) == 0;
+  }
 
-  const CertificateCheck* check = nullptr;  // null: certificates are not asked again
-  std::uint32_t rays_per_checked_ray = 0;
+  const CertificateCheck* check = nullptr;                   // null: certificates are not asked again
+  int roots_per_checked_root = 1, rays_per_checked_ray = 1;  // powers of two
 
   std::vector<ProjectedEdges> edges;  // per instance
 

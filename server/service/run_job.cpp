@@ -231,14 +231,15 @@ class JobRun {
 
   Result<Json> Report(const ImportedModel& imported, const std::string& mesh_path, const std::string& out) {
     const RunContext context = {watch_.deadline->flag(), watch_.progress};
-    if (job_.kind == "render") return RunRender(imported, request_.options, out, context);
+    RunOptions options = request_.options;
+    options.timeout_s = 0;  // the job's own deadline ends it
+    if (job_.kind == "render") return RunRender(imported, options, out, context);
     if (job_.kind == "comparison") {
       const MeshLoadOptions how = {.unit = request_.options.mesh_unit, .up = request_.options.mesh_up};
       auto mesh = LoadMesh(mesh_path, how, imported.model.get());
       if (!mesh) return mesh.error();
-      return RunCompare(imported, mesh.value(), request_.options, out, context);
+      return RunCompare(imported, mesh.value(), options, out, context);
     }
-    RunOptions options = request_.options;
     const double budget_s = limits_.timeout_s / (request_.budget_given ? 1 : kTradePoints);
     options.trade.budget_s = std::min(options.trade.budget_s, budget_s);
     options.trade.budget_mb = std::min(options.trade.budget_mb, limits_.import_memory_mb);

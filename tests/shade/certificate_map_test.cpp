@@ -33,7 +33,7 @@ TEST(CertificateMap, HitsMissesAndEachDoubtHaveColoursOfTheirOwn) {
 
 TEST(CertificateMap, TheGravestDoubtDecides) {
   SampleBuffer samples = OneOfEach();
-  samples.doubt[10] = kDoubtSilhouette | kDoubtUnresolved;
+  samples.doubt[10] = kDoubtSilhouette | kDoubtContradicted;
   const CertificateMap map = DrawCertificates(samples);
   EXPECT_EQ(ColorAt(map.image, 10, 0), ColorAt(map.image, static_cast<int>(kDoubtNames.size()) - 1, 0));
 }

@@ -41,7 +41,9 @@ DirectStats AuditOf(const Model& model, const Camera& camera) {
 
 std::size_t SeamsIn(const Model& model, const Camera& camera) {
   const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
-  return FindSeamSamples(model, SeamTable(model), camera, frame).size();
+  SplitBudget budget;
+  budget.bytes_left = std::int64_t{1} << 40;
+  return FindSeamSamples(model, SeamTable(model), camera, frame, &budget).size();
 }
 
 TEST(Seams, ALooseBoxLetsNoLightThroughFromAnySide) {
@@ -93,7 +95,9 @@ TEST(Seams, TheyAreThePixelsWithinReachOfAnEdge) {
   const Model model = testing::LooseBox({10, 8, 6}, gap, 2);
   const Camera camera = From({0, 0, 1}, model.bounds, Projection::kOrthographic, 400);
   const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
-  const std::vector<SeamSample> samples = FindSeamSamples(model, SeamTable(model), camera, frame);
+  SplitBudget budget;
+  budget.bytes_left = std::int64_t{1} << 40;
+  const std::vector<SeamSample> samples = FindSeamSamples(model, SeamTable(model), camera, frame, &budget);
   ASSERT_GT(samples.size(), 1000u);
   for (const SeamSample& sample : samples) {
     const Vec3 at = PixelRay(frame, sample.column + 0.5, sample.row + 0.5).origin;
