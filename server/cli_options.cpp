@@ -99,6 +99,10 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
       "What pictures show: studio (default), zebra, isophotes, reflection, curvature, draft, thickness, "
       "faces, unseen, back; with settings as in zebra:stripes=24,axis=z (docs/inspection.md)",
       "NAME[:...]");
+  options.Text(app, "orient",
+               "Which side of a surface is outside, for draft, curvature and thickness: file (default), or "
+               "viewer, the side that is seen",
+               "NAME");
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
 }
 

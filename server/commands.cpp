@@ -1,5 +1,6 @@
 #include "server/commands.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -44,11 +45,26 @@ int LossExitCode(const RunOptions& options, std::size_t lost) {
   return options.strict ? kExitFailed : kExitLost;
 }
 
-// Prints the path of the report, and returns the verdict's exit code.
+constexpr std::size_t kMostNamed = 20;  // faces, on standard error
+
+// Names the faces of which the mesher made no triangle.
+void WarnOfUnmeshed(const std::vector<std::string>& faces) {
+  for (std::size_t i = 0; i < std::min(faces.size(), kMostNamed); ++i)
+    std::fprintf(stderr,
+                 "facetless: warning: the mesh lacks the face %s: the mesher made no triangle of it\n",
+                 faces[i].c_str());
+  if (faces.size() > kMostNamed)
+    std::fprintf(stderr, "facetless: warning: the mesh lacks %zu more faces\n", faces.size() - kMostNamed);
+}
+
+// Prints the path of the report and what fails the run, and returns the verdict's exit code.
 int PrintReport(const Result<nlohmann::json>& report, const std::string& directory) {
   if (!report) return PrintError(report.error());
   Print((std::filesystem::path(directory) / "report.json").string());
-  return report.value().at("verdict").at("exit_code").get<int>();
+  const nlohmann::json& verdict = report.value().at("verdict");
+  for (const nlohmann::json& problem : verdict.at("problems"))
+    std::fprintf(stderr, "facetless: %s\n", problem.get<std::string>().c_str());
+  return verdict.at("exit_code").get<int>();
 }
 
 }  // namespace
@@ -101,7 +117,10 @@ int MeshCommand(const CommandArguments& arguments) {
   if (auto moved = MoveFile(files.value().mesh_paths.front(), arguments.out); !moved)
     return PrintError(moved.error());
   Print(arguments.out);
-  return LossExitCode(arguments.options, LossCount(model.value()));
+  const auto unmeshed =
+      files.value().summary.at("meshes").at(0).at("faces_unmeshed").get<std::vector<std::string>>();
+  WarnOfUnmeshed(unmeshed);
+  return LossExitCode(arguments.options, LossCount(model.value()) + unmeshed.size());
 }
 
 int CompareCommand(const CommandArguments& arguments) {
@@ -121,6 +140,7 @@ int CompareCommand(const CommandArguments& arguments) {
     if (!mesh) return PrintError(mesh.error());
     imported.value().meshes.push_back(std::move(mesh).value());
   }
+  WarnOfUnmeshed(imported.value().meshes.front().faces_unmeshed);
   return PrintReport(RunCompare(imported.value(), imported.value().meshes.front(), options, arguments.out,
                                 ToContext(progress)),
                      arguments.out);

@@ -156,6 +156,7 @@ std::vector<std::pair<std::string, Parser>> MakeParsers() {
       {"mesh_deviation", BoolParser("mesh_deviation", &RunOptions::mesh_deviation)},
       {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
       {"shade", [](const Json& json, RunOptions& o) { return Store(ParseShade(json), o.inspection); }},
+      {"orient", WordParser("orient", {"file", "viewer"}, &RunOptions::orient)},
       {"lines", WordParser("lines", {"none", "visible", "hidden"}, &RunOptions::lines)},
       {"svg", BoolParser("svg", &RunOptions::svg)},
       {"section", [](const Json& json, RunOptions& o) { return Store(ParseSections(json), o.sections); }},

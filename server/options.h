@@ -20,6 +20,7 @@
 // mesh_deviation  the same: of a comparison, measure every triangle               false
 // background      studio | transparent                                           studio
 // shade           NAME or NAME:KEY=VALUE,…, or an object: see ParseShade          studio
+// orient          file | viewer: which side is outside for draft, curvature, thickness     file
 // lines           none | visible | hidden: exact edges and silhouettes over the pictures   none
 // svg             true: the view's lines as NAME.lines.svg                       false
 // section         one or a list: "x,y,z,nx,ny,nz", "z=12.5", "-z=50%", … (section_options.h)
@@ -98,6 +99,7 @@ struct RunOptions {
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
   Inspection inspection;
+  Orient orient = Orient::kFile;  // goes into the inspection when a view is made
   LineMode lines = LineMode::kNone;
   bool svg = false;
   std::vector<SectionRequest> sections;

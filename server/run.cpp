@@ -40,6 +40,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.find_lines = options.svg;
   view.background = options.background;
   view.inspection = options.inspection;
+  view.inspection.orient = options.orient;
   view.coloring = options.picture.coloring;
   view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
@@ -70,9 +71,71 @@ Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std:
   if (auto written = WriteFileAtomically(directory + "/mesh.bin", EncodeMeshDeviation(mesh, deviation));
       !written)
     return written.error();
-  return Json{
-      {"triangles", deviation.triangles}, {"max_mm", deviation.largest_mm}, {"p99_mm", deviation.p99_mm}};
+  return Json{{"triangles", deviation.triangles},
+              {"max_mm", deviation.largest_mm},
+              {"max_mm_at_least", deviation.largest_at_least_mm},
+              {"p99_mm", deviation.p99_mm},
+              {"faces_missing", deviation.faces_missing.size()},
+              {"faces_missing_named", deviation.faces_missing}};
 }
+
+// Whether there is a view, and the exact picture of each is empty.
+bool ShowsNothing(const Json& views) {
+  for (const Json& view : views)
+    if (view.at("direct").at("hits").get<std::uint64_t>() > 0) return false;
+  return !views.empty();
+}
+
+// What says that a mesh has nothing to do with the model, or is turned inside out: of all views together.
+class MeshCheck {
+ public:
+  explicit MeshCheck(double diagonal_mm) : diagonal_mm_(diagonal_mm) {}
+
+  void Add(const Difference& difference) {
+    direct_ += difference.direct_hits;
+    baseline_ += difference.baseline_hits;
+    both_ += difference.both_hit;
+    oriented_ += difference.oriented_pixels;
+    opposite_ += difference.opposite_pixels;
+    nearest_mm_ =
+        difference.depth_mm.count > 0 ? std::min(nearest_mm_, difference.depth_mm.p50) : nearest_mm_;
+  }
+  // Sentences, none where nothing is wrong.
+  std::vector<std::string> Problems() const {
+    std::vector<std::string> problems;
+    const std::uint64_t any = direct_ + baseline_ - both_;
+    if (direct_ > 0 && baseline_ > 0 &&
+        static_cast<double>(both_) < kLeastShared * static_cast<double>(any)) {
+      problems.push_back("the mesh has hardly anything in common with the model: of " + std::to_string(any) +
+                         " pixels that show one of the two, " + std::to_string(both_) + " show both");
+    } else if (direct_ > 0 && baseline_ == 0) {
+      problems.push_back("the mesh is not to be seen: none of the " + std::to_string(direct_) +
+                         " pixels that show the model shows it");
+    } else if (both_ > 0 && nearest_mm_ > kMostApart * diagonal_mm_) {
+      char text[160];
+      std::snprintf(text, sizeof text,
+                    "the mesh has hardly anything in common with the model: in every view half of the depths "
+                    "differ by more than %.3g mm, and the model is %.3g mm large",
+                    nearest_mm_, diagonal_mm_);
+      problems.push_back(text);
+    }
+    if (oriented_ > 0 && static_cast<double>(opposite_) > kMostOpposite * static_cast<double>(oriented_))
+      problems.push_back("the mesh is turned inside out: " + std::to_string(opposite_) + " of " +
+                         std::to_string(oriented_) +
+                         " pixels show its inside where the model shows its outside");
+    return problems;
+  }
+
+ private:
+  // A coarse mesh shares nine tenths of its pixels with the model, a part of an assembly rarely less than a tenth.
+  static constexpr double kLeastShared = 0.05;
+  // Shares of the model's size, and of the pixels.
+  static constexpr double kMostApart = 0.1, kMostOpposite = 0.9;
+
+  const double diagonal_mm_;
+  std::uint64_t direct_ = 0, baseline_ = 0, both_ = 0, oriented_ = 0, opposite_ = 0;
+  double nearest_mm_ = INFINITY;
+};
 
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
 class Run {
@@ -146,14 +209,21 @@ class Run {
     return views;
   }
 
+  // Says a sentence that fails the run, once.
+  void Problem(const std::string& sentence) { findings_.problems.push_back(sentence); }
+  void Unmeshed(std::size_t faces) { findings_.unmeshed = faces; }
+
   // Completes the report and writes it.
   Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
+    if (!options_.sections.empty() && ShowsNothing(views))
+      Problem("no view shows anything: the section planes remove all of the model that the views look at");
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
                     {{"samples", options_.samples},
                      {"precision", PrecisionName(options_.precision)},
                      {"shade", FormatInspection(options_.inspection)},
+                     {"orient", options_.orient == Orient::kViewer ? "viewer" : "file"},
                      {"edges", options_.edges},
                      {"audit", options_.audit}}},
                    {"model", ImportedModelJson(imported_)},
@@ -163,7 +233,7 @@ class Run {
                      {"load", imported_.load_ms},
                      {"scene", scene_ms_},
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
-                   {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+                   {"verdict", VerdictJson(options_, LossCount(*imported_.model), values, findings_)}};
     if (ShowsSmoothness(options_.inspection.kind))
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
@@ -194,6 +264,7 @@ class Run {
   const char* command_;
   const Clock::time_point start_;
   double scene_ms_ = 0;
+  Findings findings_;
   Json notes_ = Json::object();
   const double timeout_s_;
   Deadline deadline_;
@@ -240,7 +311,8 @@ Result<void> WriteReport(const Json& report, const std::string& directory) {
   return WriteFileAtomically(directory + "/report.html", html.value());
 }
 
-Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values) {
+Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values,
+                 const Findings& findings) {
   Json broken = Json::array();
   for (const ViewValues& view : values) {
     const auto check = [&](const char* name, const std::optional<double>& limit, double value) {
@@ -257,14 +329,17 @@ Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<
     check("fail_flip", options.fail.flip, view.flip);
     check("fail_share", options.fail.share, view.share);
   }
-  const bool failed = !broken.empty() || (options.strict && lost > 0);
+  const bool failed = !broken.empty() || !findings.problems.empty() ||
+                      (options.strict && (lost > 0 || findings.unmeshed > 0));
   return {{"passed", !failed},
           {"strict", options.strict},
           {"lost", lost},
+          {"unmeshed", findings.unmeshed},
+          {"problems", findings.problems},
           {"broken", broken},
-          {"exit_code", failed     ? 2
-                        : lost > 0 ? 1
-                                   : 0}};
+          {"exit_code", failed                              ? 2
+                        : lost > 0 || findings.unmeshed > 0 ? 1
+                                                            : 0}};
 }
 
 Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
@@ -316,6 +391,7 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
     return Error{baseline.error().code, imported.model->info.file + ": " + baseline.error().message};
   const auto sections = run.Sections(scene, &mesh);
   if (!sections) return sections.error();
+  MeshCheck check(imported.model->Diagonal());
   ContactSheet sheet(options.picture.sheet, 3);
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
@@ -349,6 +425,7 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
       files.Pixels(*pixels);
     }
     const Difference& d = view.difference;
+    check.Add(d);
     values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                       d.color.flip_mean, d.color.share_over_threshold});
     Json json = ComparisonJson(view, baseline.value());
@@ -367,6 +444,12 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
     run.Note("mesh_deviation", std::move(measured).value());
     run.files()["mesh"] = "mesh.bin";
   }
+  // With sections an empty picture is the planes' doing.
+  for (const std::string& problem : check.Problems()) run.Problem(problem);
+  if (const std::size_t turned = TrianglesAgainstNormals(mesh); turned > 0)
+    run.Problem("the mesh is turned inside out: all of its " + std::to_string(turned) +
+                " triangles run against their normals");
+  run.Unmeshed(mesh.faces_unmeshed.size());
   return run.Finish(std::move(views).value(), values);
 }
 

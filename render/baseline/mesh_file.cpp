@@ -213,4 +213,21 @@ Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, c
   return mesh;
 }
 
+std::size_t TrianglesAgainstNormals(const Mesh& mesh) {
+  std::size_t with = 0, against = 0;
+  for (const MeshPart& part : mesh.parts) {
+    const auto vector = [](const std::array<float, 3>& v) { return Vec3{v[0], v[1], v[2]}; };
+    for (const auto& t : part.triangles) {
+      const Vec3 a = vector(part.positions[t[0]]), b = vector(part.positions[t[1]]),
+                 c = vector(part.positions[t[2]]);
+      const Vec3 normals =
+          vector(part.normals[t[0]]) + vector(part.normals[t[1]]) + vector(part.normals[t[2]]);
+      const double along = Dot(Cross(b - a, c - a), normals);
+      with += along > 0;
+      against += along < 0;
+    }
+  }
+  return against > 9 * with ? against : 0;
+}
+
 }  // namespace facetless

@@ -47,6 +47,9 @@ Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, c
 // is empty or a point.
 Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model);
 
+// How many triangles run against the normals at their corners, if nine tenths of those that have a direction do; else 0.
+std::size_t TrianglesAgainstNormals(const Mesh& mesh);
+
 // Of all placed triangles' corners, mm.
 Box3 MeshBounds(const Mesh& mesh);
 

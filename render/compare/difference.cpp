@@ -226,8 +226,20 @@ Result<Difference> ComputeDifference(const DifferenceInput& input) {
   const std::vector<std::uint8_t> border = BorderPixels(direct, baseline, input.frame, input.faces_known);
   Collector depth, deviation, normal;
   std::map<std::uint32_t, FaceSums> faces;
+  // Only a closed solid says which side is its outside.
+  std::vector<bool> closed(input.model.PlacedFaceCount(), false);
+  for (const Instance& instance : input.model.instances) {
+    const Range of_part = input.model.parts[instance.part].faces;
+    for (std::uint32_t f = of_part.first; f < of_part.end(); ++f) {
+      const std::uint32_t solid = input.model.faces[f].solid;
+      closed[instance.first_placed_face + (f - of_part.first)] =
+          solid != kNoIndex && input.model.solids[solid].closed;
+    }
+  }
   for (std::size_t i = 0; i < direct.size(); ++i) {
+    difference.baseline_hits += Hit(baseline, i);
     if (!Hit(direct, i)) continue;
+    ++difference.direct_hits;
     FaceSums& sums = faces[direct.face[i]];
     FaceDifference& face = sums.face;
     ++face.pixels;
@@ -252,6 +264,10 @@ Result<Difference> ComputeDifference(const DifferenceInput& input) {
     const Vec3 n{direct.normal[i][0], direct.normal[i][1], direct.normal[i][2]};
     const double apart = std::fabs(change) * std::fabs(Dot(n, ray.direction));
     const double turned = NormalAngle(direct.normal[i], baseline.normal[i], input.faces_known);
+    if (direct.face[i] < closed.size() && closed[direct.face[i]]) {
+      ++difference.oriented_pixels;
+      difference.opposite_pixels += NormalAngle(direct.normal[i], baseline.normal[i], true) > 90;
+    }
     deviation.Add(apart, i);
     normal.Add(turned, i);
     face.deviation_mm_max = std::max(face.deviation_mm_max, apart);

@@ -16,6 +16,7 @@ namespace {
 using Rgb = std::array<std::uint8_t, 3>;
 constexpr Rgb kBackground = {222, 221, 217}, kPaper = {250, 249, 246}, kInk = {40, 40, 44};
 constexpr Rgb kOnlyDirect = {24, 24, 28}, kOnlyBaseline = {250, 200, 20};
+constexpr Rgb kBorder = {150, 152, 158};  // as the page's heat map has it
 // Lines of the surface, faint, so that one sees what one looks at: the share of the light that they leave.
 constexpr double kLineLight = 0.80, kLineCosine = 0.94;  // creases of more than 20 degrees
 constexpr double kSmallestRange = 1e-9;                  // mm, where the pictures agree in every digit
@@ -30,9 +31,8 @@ double RoundUp(double x) {
 }
 
 // Law 2 of the header.
-double RobustRange(const SampleBuffer& direct, const SampleBuffer& baseline, const CameraFrame& frame,
-                   const Difference& difference) {
-  const std::vector<std::uint8_t> border = BorderPixels(direct, baseline, frame, difference.faces_known);
+double RobustRange(const SampleBuffer& direct, const SampleBuffer& baseline,
+                   const std::vector<std::uint8_t>& border, const Difference& difference) {
   std::vector<double> sizes;
   for (std::size_t i = 0; i < direct.size(); ++i)
     if (!border[i] && std::isfinite(direct.depth[i]) && std::isfinite(baseline.depth[i]))
@@ -72,14 +72,14 @@ bool OnLine(const SampleBuffer& direct, const CameraFrame& frame, int x, int y) 
 }
 
 void DrawView(Image8& image, const SampleBuffer& direct, const SampleBuffer& baseline,
-              const CameraFrame& frame, double range) {
+              const std::vector<std::uint8_t>& border, const CameraFrame& frame, double range) {
   ParallelFor(0, direct.height, [&](int y) {
     for (int x = 0; x < direct.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * direct.width + x;
       const bool in_direct = std::isfinite(direct.depth[i]), in_baseline = std::isfinite(baseline.depth[i]);
       Rgb color = kBackground;
       if (in_direct && in_baseline) {
-        color = DivergingColor((baseline.depth[i] - direct.depth[i]) / range);
+        color = border[i] ? kBorder : DivergingColor((baseline.depth[i] - direct.depth[i]) / range);
         if (OnLine(direct, frame, x, y)) color = Dimmed(color);
       } else if (in_direct) {
         color = kOnlyDirect;
@@ -147,10 +147,11 @@ void DrawLegend(Image8& image, int top, const Layout& layout, const Difference& 
   const std::string only_direct =
       "only surface: " + std::to_string(difference.silhouette.only_direct) + " px";
   const std::string only_mesh = "only mesh: " + std::to_string(difference.silhouette.only_baseline) + " px";
+  const std::string borders = "border: " + std::to_string(difference.border_pixels) + " px";
   const int box = static_cast<int>(layout.text);
   double x = left;
-  for (const auto& [words, color] :
-       {std::pair{only_direct, kOnlyDirect}, std::pair{only_mesh, kOnlyBaseline}}) {
+  for (const auto& [words, color] : {std::pair{only_direct, kOnlyDirect}, std::pair{only_mesh, kOnlyBaseline},
+                                     std::pair{borders, kBorder}}) {
     FillBox(image, static_cast<int>(x), static_cast<int>(y) - box, static_cast<int>(x) + box,
             static_cast<int>(y), color);
     DrawText(image, x + 1.5 * box, y, words, style);
@@ -176,14 +177,15 @@ Result<DifferencePicture> DrawDifference(const SampleBuffer& direct, const Sampl
                                               std::to_string(i / direct.width) + ") is not a number"};
 
   const Layout layout(direct.width);
+  const std::vector<std::uint8_t> border = BorderPixels(direct, baseline, frame, difference.faces_known);
   DifferencePicture picture;
   picture.range_mm =
-      options.range_mm > 0 ? options.range_mm : RobustRange(direct, baseline, frame, difference);
+      options.range_mm > 0 ? options.range_mm : RobustRange(direct, baseline, border, difference);
   picture.legend_height = options.legend ? layout.height : 0;
   picture.image.width = direct.width;
   picture.image.height = direct.height + picture.legend_height;
   picture.image.bytes.resize(static_cast<std::size_t>(picture.image.width) * picture.image.height * 3);
-  DrawView(picture.image, direct, baseline, frame, picture.range_mm);
+  DrawView(picture.image, direct, baseline, border, frame, picture.range_mm);
   if (options.legend) DrawLegend(picture.image, direct.height, layout, difference, picture.range_mm);
   return picture;
 }

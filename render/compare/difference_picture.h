@@ -5,7 +5,7 @@
 //  2. The range is symmetric. Unless given, it is the 99th percentile of |depth difference| without border
 //     pixels, rounded up to 1, 2 or 5 times a power of ten, and never below the noise of float32 positions;
 //     what exceeds it takes the end's colour.
-//  3. Pixels that only one tracer hits have colours of their own, as the legend says; the background is
+//  3. Pixels that only one tracer hits, and border pixels, have colours of their own, as the legend says; the background is
 //     plain.
 #pragma once
 

@@ -1,12 +1,17 @@
 #include "render/compare/mesh_deviation.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
+#include "render/compare/surface_pieces.h"
 #include "render/nurbs/surface_eval.h"
 #include "render/trace/parallel.h"
 
@@ -15,10 +20,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
-// The raster of starts: so many points in each span, so few and so many in all.
+// Places along each border where starts, and the proof of closing, are taken.
 constexpr int kPerSpan = 4, kFewest = 6, kMost = 40;
-// In a direction without curvature the parameter of the nearest point is linear.
-constexpr int kStraight = 3;
+// Pieces of the surface from which one point is tried, the nearest first, after the last point's foot.
+constexpr int kMostStarts = 8;
+// How far a normal is looked for beside a collapsed border, and where tangents span no plane.
+constexpr double kBackFromPole = 0x1p-16,
+                 kSingular = 0x1p-26;  // shares of a parameter's range; of the tangents' squares
+// Triangles whose foot points are proven, the largest deviations first: to kProven of the distance, by that many pieces.
+constexpr std::size_t kMostProven = 256;
+constexpr double kProven = 0x1p-10;
+constexpr int kMostProofPieces = 1 << 12;
 constexpr int kMostIterations = 24, kMostHalvings = 4;
 // At a collapsed border all parameters are one point, and no step leads on: nobody goes there before the other parameter has settled.
 constexpr int kTimidIterations = 8;
@@ -67,22 +79,21 @@ struct Start {
   Vec3 point;
 };
 
+// One side of the grid: points on it, and how far apart they are at most.
+struct Border {
+  std::vector<Start> starts;
+  double spacing = 0;
+};
+
 // The surface of one face, with points to start from.
 class FaceSurface {
  public:
   FaceSurface(const Model& model, const Face& face)
-      : surface_(model, face.surface), sign_(face.reversed ? -1 : 1) {
+      : surface_(model, face.surface), pieces_(model, face.surface), sign_(face.reversed ? -1 : 1) {
     const Surface& grid = model.surfaces[face.surface];
     u_ = {surface_.u_begin(), surface_.u_end()};
     v_ = {surface_.v_begin(), surface_.v_end()};
-    const int nu = Count(grid.u_spans.count, grid.degree_u), nv = Count(grid.v_spans.count, grid.degree_v);
-    starts_.reserve(static_cast<std::size_t>(nu) * nv);
-    for (int i = 0; i < nu; ++i) {
-      for (int j = 0; j < nv; ++j) {
-        const Parameters at = {u_.At((i + 0.5) / nu), v_.At((j + 0.5) / nv)};
-        starts_.push_back({at, surface_.Position(at.u, at.v)});
-      }
-    }
+    const int nu = Count(grid.u_spans.count), nv = Count(grid.v_spans.count);
     // Where both ends are one curve, the way goes on over it.
     const auto meet = [&](Vec3 a, Vec3 b) { return Length(a - b) <= kSamePoint * surface_.magnitude(); };
     bool closed_u = true, closed_v = true;
@@ -96,29 +107,48 @@ class FaceSurface {
     }
     if (closed_u) u_.Close();
     if (closed_v) v_.Close();
+    for (int side = 0; side < 4; ++side) {
+      Border& border = borders_[side];
+      const int n = side < 2 ? nv : nu;
+      for (int k = 0; k <= n; ++k) {
+        const double along = static_cast<double>(k) / n, across = side % 2;
+        const Parameters at =
+            side < 2 ? Parameters{u_.At(across), v_.At(along)} : Parameters{u_.At(along), v_.At(across)};
+        border.starts.push_back({at, surface_.Position(at.u, at.v)});
+        if (k > 0)
+          border.spacing =
+              std::max(border.spacing, Length(border.starts[k].point - border.starts[k - 1].point));
+      }
+    }
   }
 
   // The signed distance of `point`. `hint` is a start that may be near, and becomes the foot point.
-  double Distance(Vec3 point, Start& hint) const {
-    const Start* nearest = &starts_.front();
-    for (const Start& start : starts_) {
-      if (SquaredTo(point, start.point) < SquaredTo(point, nearest->point)) nearest = &start;
-    }
-    // No start lies on the grid's border: at a pole no step leads to another meridian.
-    Foot foot = Descend(point, *nearest);
-    if (!u_.OnBorder(hint.at.u) && !v_.OnBorder(hint.at.v)) {
-      const Foot other = Descend(point, hint);
+  double Distance(Vec3 point, Start& hint, int most_starts = kMostStarts) const {
+    Foot foot = Descend(point, hint);
+    int starts = 0;
+    // A box that lies nearer than the foot point may hold a nearer one.
+    pieces_.VisitNear(point, foot.squared, [&](const SurfacePieces::Piece& piece, double) {
+      const Foot other = Descend(point, {{piece.u, piece.v}, surface_.Position(piece.u, piece.v)});
       if (other.squared < foot.squared) foot = other;
-    }
+      return ++starts < most_starts ? foot.squared : 0;
+    });
+    const Foot border = NearestOnBorders(point, foot);
+    if (border.squared < foot.squared) foot = border;
     hint = foot.at;
     const Vec3 off = point - foot.surface.position;
-    return std::copysign(std::sqrt(foot.squared), sign_ * Dot(off, Cross(foot.surface.du, foot.surface.dv)));
+    return std::copysign(std::sqrt(foot.squared), sign_ * Dot(off, NormalAt(foot)));
   }
-  const Start& first() const { return starts_.front(); }
+  // A lower bound of the distance, which is `found` at most.
+  double LeastDistance(Vec3 point, double found) const {
+    return std::min(found, pieces_.LowerBound(point, (1 - kProven) * found, kMostProofPieces));
+  }
+  Start first() const {
+    const Parameters at = {u_.At(0.5), v_.At(0.5)};
+    return {at, surface_.Position(at.u, at.v)};
+  }
 
  private:
-  static int Count(std::uint32_t spans, int degree) {
-    if (degree == 1 && spans == 1) return kStraight;
+  static int Count(std::uint32_t spans) {
     return std::clamp(static_cast<int>(std::min(spans, 1000u)) * kPerSpan, kFewest, kMost);
   }
   static double SquaredTo(Vec3 a, Vec3 b) { return Dot(a - b, a - b); }
@@ -128,6 +158,44 @@ class FaceSurface {
     SurfacePoint surface;
     double squared = 0;
   };
+
+  // At a collapsed border the tangents span no plane: the normal is that of a place a little inside.
+  Vec3 NormalAt(const Foot& foot) const {
+    Vec3 normal = Cross(foot.surface.du, foot.surface.dv);
+    const double longest =
+        std::max(Dot(foot.surface.du, foot.surface.du), Dot(foot.surface.dv, foot.surface.dv));
+    for (double back = kBackFromPole; back < 1 && !(Length(normal) > kSingular * longest); back *= 4) {
+      const SurfacePoint inside = surface_.First(foot.at.at.u + back * (u_.At(0.5) - foot.at.at.u),
+                                                 foot.at.at.v + back * (v_.At(0.5) - foot.at.at.v));
+      normal = Cross(inside.du, inside.dv);
+    }
+    return normal;
+  }
+
+  // The nearest of the borders' points, where they may be nearer than `best`; else `best`. A border is a curve of its own: on it
+  // Newton's method has one parameter, and none where it has collapsed.
+  Foot NearestOnBorders(Vec3 point, const Foot& best) const {
+    Foot nearest = best;
+    for (int side = 0; side < 4; ++side) {
+      const Border& border = borders_[side];
+      const Start* start = &border.starts.front();
+      for (const Start& one : border.starts)
+        if (SquaredTo(point, one.point) < SquaredTo(point, start->point)) start = &one;
+      if (std::sqrt(SquaredTo(point, start->point)) - border.spacing > std::sqrt(nearest.squared)) continue;
+      Foot foot = {*start, surface_.Second(start->at.u, start->at.v), SquaredTo(point, start->point)};
+      for (int i = 0; i < kMostIterations; ++i) {
+        const bool along_v = side < 2;
+        const Vec3 off = foot.surface.position - point, d = along_v ? foot.surface.dv : foot.surface.du,
+                   dd = along_v ? foot.surface.dvv : foot.surface.duu;
+        const double slope = Dot(off, d), square = Dot(d, d), bend = square + Dot(off, dd);
+        if (!(square > 0)) break;
+        const double step = -slope / (bend > 0 ? bend : square);
+        if (!Improve(point, along_v ? Parameters{0, step} : Parameters{step, 0}, false, foot)) break;
+      }
+      if (foot.squared < nearest.squared) nearest = foot;
+    }
+    return nearest;
+  }
 
   // Goes down half the squared distance, within the grid: by Newton's step if it leads nearer, else by Gauss's, which leaves out the
   // second derivatives, else along each parameter for itself.
@@ -172,9 +240,10 @@ class FaceSurface {
   }
 
   SurfaceEval surface_;
+  SurfacePieces pieces_;
   double sign_;
   Direction u_, v_;
-  std::vector<Start> starts_;
+  Border borders_[4];  // u low, u high, v low, v high
 };
 
 Vec3 Corner(const MeshPart& part, std::uint32_t vertex) {
@@ -220,14 +289,19 @@ Result<Prototype> PrototypeOf(const Model& model, const Mesh& mesh, std::size_t 
   return Error{ErrorCode::kInternal, "a part of the mesh belongs to no part of the model"};
 }
 
-float TriangleDeviation(const FaceSurface& surface, const MeshPart& part, const Placement& place,
-                        std::size_t triangle, Start& hint) {
+// The four places of a triangle at which it is measured.
+std::array<Vec3, 4> PlacesOf(const MeshPart& part, const Placement& place, std::size_t triangle) {
   const auto& t = part.triangles[triangle];
   const Vec3 a = place.Point(Corner(part, t[0])), b = place.Point(Corner(part, t[1])),
              c = place.Point(Corner(part, t[2]));
+  return {(1.0 / 3) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)};
+}
+
+float TriangleDeviation(const FaceSurface& surface, const MeshPart& part, const Placement& place,
+                        std::size_t triangle, Start& hint, int most_starts = kMostStarts) {
   double largest = 0;
-  for (const Vec3 point : {(1.0 / 3) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
-    const double distance = surface.Distance(point, hint);
+  for (const Vec3 point : PlacesOf(part, place, triangle)) {
+    const double distance = surface.Distance(point, hint, most_starts);
     if (!(std::fabs(distance) <= std::fabs(largest))) largest = distance;
   }
   return static_cast<float>(largest);
@@ -247,6 +321,47 @@ std::vector<FaceRun> FaceRuns(const MeshPart& part) {
   return runs;
 }
 
+// Looks again at the triangles of the largest deviations, from as many starts as there are, and proves lower bounds of what is left,
+// until one of them is as large as whatever comes next. False: cancelled.
+bool ProveLargest(const Model& model, const Mesh& mesh, const std::vector<Prototype>& prototypes,
+                  const std::atomic<bool>* cancel, MeshDeviation* deviation) {
+  struct Candidate {
+    float size;
+    std::size_t part, triangle;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t p = 0; p < deviation->parts.size(); ++p)
+    for (std::size_t i = 0; i < deviation->parts[p].size(); ++i)
+      candidates.push_back({std::fabs(deviation->parts[p][i]), p, i});
+  const auto order = [](const Candidate& a, const Candidate& b) {
+    return std::tuple{-a.size, a.part, a.triangle} < std::tuple{-b.size, b.part, b.triangle};
+  };
+  const std::size_t most = std::min(kMostProven, candidates.size());
+  std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(most),
+                    candidates.end(), order);
+  std::map<std::uint32_t, std::unique_ptr<FaceSurface>> surfaces;
+  for (std::size_t k = 0; k < most && deviation->largest_at_least_mm < candidates[k].size; ++k) {
+    if (cancel != nullptr && *cancel) return false;
+    const Candidate& at = candidates[k];
+    const MeshPart& part = mesh.parts[at.part];
+    const Prototype& prototype = prototypes[at.part];
+    const std::uint32_t face = prototype.faces.first + part.face_of_triangle[at.triangle];
+    std::unique_ptr<FaceSurface>& surface = surfaces[face];
+    if (surface == nullptr) surface = std::make_unique<FaceSurface>(model, model.faces[face]);
+    float& value = deviation->parts[at.part][at.triangle];
+    double least = 0, largest = 0;
+    for (const Vec3 point : PlacesOf(part, prototype.to, at.triangle)) {
+      Start hint = surface->first();
+      const double distance = surface->Distance(point, hint, std::numeric_limits<int>::max());
+      if (!(std::fabs(distance) <= std::fabs(largest))) largest = distance;
+      least = std::max(least, surface->LeastDistance(point, std::fabs(distance)));
+    }
+    if (std::fabs(largest) < std::fabs(value)) value = static_cast<float>(largest);
+    deviation->largest_at_least_mm = std::max(deviation->largest_at_least_mm, least);
+  }
+  return true;
+}
+
 void Append(std::string& bytes, const void* data, std::size_t size) {
   bytes.append(static_cast<const char*>(data), size);
 }
@@ -260,19 +375,20 @@ Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
                  "the deviation of triangles is measured on our own tessellation only: a mesh of yours names "
                  "no faces"};
   MeshDeviation deviation;
+  deviation.faces_missing = mesh.faces_unmeshed;
   for (const MeshPart& part : mesh.parts) deviation.triangles += part.triangles.size();
   if (deviation.triangles > kMostMeasuredTriangles)
     return Error{ErrorCode::kLimitExceeded,
                  "the mesh has " + std::to_string(deviation.triangles) + " triangles, and the deviation of " +
                      std::to_string(kMostMeasuredTriangles) + " at most is measured; ask for a coarser mesh"};
 
-  std::vector<float> sizes;
-  sizes.reserve(deviation.triangles);
+  std::vector<Prototype> prototypes;
   for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
     const MeshPart& part = mesh.parts[p];
     std::vector<float> values(part.triangles.size());
     const auto prototype = PrototypeOf(model, mesh, p);
     if (!prototype) return prototype.error();
+    prototypes.push_back(prototype.value());
     const Range faces = prototype.value().faces;
     const std::vector<FaceRun> runs = FaceRuns(part);
     ParallelFor(std::size_t{0}, runs.size(), [&](std::size_t r) {
@@ -291,10 +407,15 @@ Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
       });
     });
     if (cancel != nullptr && *cancel) return Error{ErrorCode::kCancelled, "stopped"};
-    for (const float value : values) sizes.push_back(std::fabs(value));
     deviation.parts.push_back(std::move(values));
   }
+  if (!ProveLargest(model, mesh, prototypes, cancel, &deviation))
+    return Error{ErrorCode::kCancelled, "stopped"};
 
+  std::vector<float> sizes;
+  sizes.reserve(deviation.triangles);
+  for (const std::vector<float>& values : deviation.parts)
+    for (const float value : values) sizes.push_back(std::fabs(value));
   if (sizes.empty()) return deviation;
   deviation.largest_mm = *std::max_element(sizes.begin(), sizes.end());
   const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.99 * static_cast<double>(sizes.size()))) - 1;

@@ -12,9 +12,8 @@
 
 namespace facetless {
 
-// One entry for each plane: {"point", "normal", "area_mm2", "area_error_mm2", "solids": [{"name", "area_mm2"}],
-// "solid_count", "rows", "odd_rows", "coincident_faces", "moved_mm", "open_faces", "ms"}, and with a mesh "mesh_area_mm2", null where
-// several planes clip each other. Errors: those of MeasureSection.
+// One entry for each plane, as docs/sections.md has it: "area_mm2" and its error are null, and "no_area" says why, where nothing but
+// faces of open shells is cut; with a mesh "mesh_area_mm2", null where several planes clip each other. Errors: those of MeasureSection.
 Result<nlohmann::json> SectionsJson(const Scene& scene, const Mesh* mesh,
                                     std::span<const SectionPlane> planes, const SectionAreaOptions& options);
 

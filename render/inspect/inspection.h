@@ -31,6 +31,12 @@ enum class InspectionKind : std::uint8_t {
   kBack,
 };
 
+// Which side of a surface counts as its outside, for what has a sign or a way in: draft, curvature, thickness.
+enum class Orient : std::uint8_t {
+  kFile,    // the file's outward side
+  kViewer,  // the side that is seen
+};
+
 enum class CurvatureKind : std::uint8_t { kGaussian, kMean, kMax, kMin };
 
 // In the model's axes, or in the viewer's: x right, y up, z towards the viewer.
@@ -52,6 +58,7 @@ struct Inspection {
   double limit_deg = 3;             // draft: what is enough
   std::optional<ValueRange> range;  // curvature and thickness; none: a robust one of each view
   int few_pixels = 16;              // unseen: a face with fewer pixel centres is hardly seen
+  Orient orient = Orient::kFile;    // no setting of the text, but an option of its own
 };
 
 // "studio", "zebra", …, in the order of InspectionKind.

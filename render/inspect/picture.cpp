@@ -17,8 +17,6 @@ namespace {
 
 // How much light a surface keeps that turns away entirely.
 constexpr double kDarkest = 0.75;
-// Sines closer than this to a border lie on it: eight units in the last place of a normal in float32.
-constexpr double kSettled = 0x1p-20;
 
 constexpr std::size_t kNoPixel = std::numeric_limits<std::size_t>::max();
 
@@ -102,7 +100,8 @@ class Painter {
     const double side = SideOf(normal, toward);
     switch (view_.inspection.kind) {
       case InspectionKind::kDraft: {
-        const double sine = Dot(normal, direction_);
+        const bool turned = side < 0 && view_.inspection.orient == Orient::kViewer;
+        const double sine = Dot(turned ? -normal : normal, direction_);
         return sine > enough_ - kSettled ? 0 : sine < kSettled - enough_ ? 2 : 1;
       }
       case InspectionKind::kBack:
@@ -202,6 +201,8 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
     for (std::uint32_t face : centres.face)
       if (face < view.face_pixels.size()) ++view.face_pixels[face];
   }
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    view.back_pixels += IsNumber(centres, i) && !IsCap(model, centres.face[i]) && IsBack(centres, frame, i);
   view.classes = ClassesOf(inspection);
   if (view.classes.empty()) return view;
   const Painter painter(view, centres, view.values, frame, model.bounds);

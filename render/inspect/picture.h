@@ -9,7 +9,8 @@
 //  4. back: faces seen from inside, in a signal colour. unseen: those too, and faces with fewer pixel centres than `few_pixels`; a face
 //     with none cannot be shown, and is listed.
 //  5. Caps of sections are grey and hatched: no number and no class is theirs.
-//  6. Normals, except for law 4, are turned to the viewer. Two tracers that agree in the samples agree in every byte; no libm.
+//  6. Stripes and light are turned to the viewer. Draft, curvature and thickness have the outside that Inspection::orient says, and
+//     back_pixels counts where the file's is turned away. Two tracers that agree in the samples agree in every byte; no libm.
 #pragma once
 
 #include <atomic>
@@ -39,6 +40,7 @@ struct InspectionView {
   ValueRange range;
   std::vector<InspectionClass> classes;
   std::vector<std::uint32_t> face_pixels;  // by placed face; of unseen
+  std::uint64_t back_pixels = 0;  // pixel centres where the viewer looks at the inside, as the file has it
 };
 
 // `centres` are the samples at pixel centres, of the model's `scene` or, where it is null, of a mesh.

@@ -58,7 +58,9 @@ json EdgeJson(const EdgeContinuity& edge, const Model& model) {
 }  // namespace
 
 json InspectionJson(const InspectionView& view, const Model& model) {
-  json out = {{"shade", FormatInspection(view.inspection)}};
+  json out = {{"shade", FormatInspection(view.inspection)},
+              {"orient", view.inspection.orient == Orient::kViewer ? "viewer" : "file"},
+              {"back_pixels", view.back_pixels}};
   if (HasValues(view.inspection.kind)) {
     const ValueStatistics& s = view.statistics;
     out["quantity"] = view.quantity.name;

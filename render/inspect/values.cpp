@@ -17,8 +17,6 @@ constexpr double kNone = INFINITY;
 constexpr double kLowShare = 0.02, kHighShare = 0.98;
 // A curvature below this share of 1/diagonal bends the whole model by less than an eight-thousandth of its size: flat.
 constexpr double kFlat = 1e-3;
-// A thickness that varies by less than this share of itself is one thickness.
-constexpr double kUniform = 1e-3;
 
 double Chosen(const Curvature& curvature, CurvatureKind kind) {
   switch (kind) {
@@ -41,6 +39,7 @@ class Evaluator {
       : model_(model),
         samples_(samples),
         inspection_(inspection),
+        frame_(frame),
         pull_(Resolved(inspection.direction, frame)) {
     for (std::uint32_t i = 0; i < model_.instances.size(); ++i) {
       const Range faces = model_.parts[model_.instances[i].part].faces;
@@ -62,8 +61,10 @@ class Evaluator {
     const auto& n = samples_.normal[i];
     const Vec3 rough = Normalized({n[0], n[1], n[2]});
     if (samples_.face[i] >= placed_.size() && samples_.face[i] != kNoIndex) return kNone;  // a section's cap
-    if (samples_.uv.empty() || samples_.face[i] >= placed_.size()) return DraftOf(rough);
-    const PlacedFace& placed = placed_[samples_.face[i]];
+    const double turn = inspection_.orient == Orient::kViewer && IsBack(samples_, frame_, i) ? -1 : 1;
+    if (samples_.uv.empty() || samples_.face[i] >= placed_.size()) return DraftOf(turn * rough);
+    PlacedFace placed = placed_[samples_.face[i]];
+    placed.outward *= turn;
     const SurfaceEval& surface = surfaces_[placed.face];
     const Placement& placement = model_.instances[placed.instance].placement;
     const double u = samples_.uv[i][0], v = samples_.uv[i][1];
@@ -77,7 +78,7 @@ class Evaluator {
     // At a pole the tracer's own one-sided normal must do.
     const std::optional<TangentFrame> frame =
         FrameAt(Placed(surface.First(u, v), placement), placed.outward, extent_u, extent_v);
-    const Vec3 normal = frame ? frame->normal : rough;
+    const Vec3 normal = frame ? frame->normal : turn * rough;
     if (inspection_.kind == InspectionKind::kDraft) return DraftOf(normal);
     return thickness_->At(placed.face, placement, u, v, normal).value_or(kNone);
   }
@@ -93,6 +94,7 @@ class Evaluator {
   const Model& model_;
   const SampleBuffer& samples_;
   const Inspection& inspection_;
+  const CameraFrame& frame_;
   const Vec3 pull_;
   std::vector<PlacedFace> placed_;
   std::vector<SurfaceEval> surfaces_;  // by Model::faces
@@ -100,6 +102,13 @@ class Evaluator {
 };
 
 }  // namespace
+
+bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i) {
+  const auto width = static_cast<std::size_t>(samples.width);
+  const Ray ray = PixelRay(frame, static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
+  const auto& n = samples.normal[i];
+  return Dot(Normalized({n[0], n[1], n[2]}), Normalized(ray.direction)) > kSettled;
+}
 
 bool HasValues(InspectionKind kind) {
   return kind == InspectionKind::kCurvature || kind == InspectionKind::kDraft ||
@@ -192,8 +201,8 @@ ValueRange RangeOf(const Inspection& inspection, const ValueStatistics& statisti
     return {-most, most};
   }
   if (statistics.count == 0) return {0, 1};
-  const bool uniform = !(statistics.p98 - statistics.p2 > kUniform * statistics.p98);
-  return {uniform ? 0 : statistics.p2, statistics.p98};
+  // A thickness is compared with none at all: its scale starts there.
+  return {0, statistics.p98 > 0 ? statistics.p98 : 1};
 }
 
 }  // namespace facetless

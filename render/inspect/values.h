@@ -4,8 +4,10 @@
 //     is of the samples' own normals, and curvature and thickness are kBadUsage.
 //  2. No number is +inf, as in a depth image: nothing hit, a pole, an open shell. Never NaN.
 //  3. A robust range runs from the 2nd to the 98th percentile of the numbers; for curvature it is symmetric about 0, and never
-//     narrower than what is flat for a model of this size. Thickness begins at 0 where it is the same nearly everywhere.
-//  4. The same values for any number of threads and any instruction set: no libm but sqrt.
+//     narrower than what is flat for a model of this size. Thickness begins at 0.
+//  4. The outside is the file's, or with Orient::kViewer the side that is seen: a surface that is drawn inside out then has the draft,
+//     curvature and thickness of one that is not.
+//  5. The same values for any number of threads and any instruction set: no libm but sqrt.
 #pragma once
 
 #include <atomic>
@@ -27,6 +29,10 @@ struct Quantity {
 };
 bool HasValues(InspectionKind kind);
 Quantity QuantityOf(const Inspection& inspection);
+
+// Whether the viewer sees the surface from inside, by more than the rounding of a normal in float32 (kSettled).
+inline constexpr double kSettled = 0x1p-20;  // eight units in the last place
+bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i);
 
 // Whether the tracer must fill uv for Values to be exact.
 bool WantsUv(InspectionKind kind);

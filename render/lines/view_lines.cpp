@@ -1,5 +1,6 @@
 #include "render/lines/view_lines.h"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -30,6 +31,34 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
   return lines;
 }
 
+// By placed face, the placed faces that share an edge with it.
+std::vector<std::vector<std::uint32_t>> JoinedFaces(const Model& model) {
+  std::vector<std::vector<std::uint32_t>> of_edge(model.edges.size()), joined(model.PlacedFaceCount());
+  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
+    for (std::uint32_t l = model.faces[f].loops.first; l < model.faces[f].loops.end(); ++l) {
+      const Range coedges = model.loops[l].coedges;
+      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
+        if (model.coedges[c].edge != kNoIndex) of_edge[model.coedges[c].edge].push_back(f);
+    }
+  }
+  std::vector<std::vector<std::uint32_t>> of_face(model.faces.size());
+  for (const std::vector<std::uint32_t>& faces : of_edge)
+    for (const std::uint32_t a : faces)
+      for (const std::uint32_t b : faces)
+        if (a != b) of_face[a].push_back(b);
+  for (const Instance& instance : model.instances) {
+    const Range faces = model.parts[instance.part].faces;
+    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
+      std::vector<std::uint32_t>& own = joined[instance.first_placed_face + (f - faces.first)];
+      for (const std::uint32_t other : of_face[f])
+        own.push_back(instance.first_placed_face + (other - faces.first));
+      std::sort(own.begin(), own.end());
+      own.erase(std::unique(own.begin(), own.end()), own.end());
+    }
+  }
+  return joined;
+}
+
 }  // namespace
 
 std::vector<ViewLine> FindLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
@@ -37,7 +66,8 @@ std::vector<ViewLine> FindLines(const Scene& scene, const Camera& camera, const 
                                 const LineOptions& options) {
   std::vector<ViewLine> lines;
   RunWithThreads(options.threads, [&] {
-    lines = SplitByVisibility(Find(scene, camera, frame, options), frame, samples, sample_frame);
+    lines = SplitByVisibility(Find(scene, camera, frame, options), frame, samples, sample_frame,
+                              JoinedFaces(scene.model()));
   });
   return lines;
 }

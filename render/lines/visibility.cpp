@@ -12,6 +12,13 @@ namespace {
 constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
 // Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own face.
 constexpr double kSteepest = 30;
+// How far beside a line one looks for what lies behind it, samples.
+constexpr double kBeside = 2;
+
+// Classes that are drawn paler than a silhouette.
+bool IsPaler(LineClass kind) {
+  return kind == LineClass::kSeam || kind == LineClass::kSmooth;
+}
 
 double Distance(const LinePoint& a, const LinePoint& b) {
   return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
@@ -19,9 +26,11 @@ double Distance(const LinePoint& a, const LinePoint& b) {
 
 class Judge {
  public:
-  Judge(const CameraFrame& frame, const SampleBuffer& samples, const CameraFrame& sample_frame)
+  Judge(const CameraFrame& frame, const SampleBuffer& samples, const CameraFrame& sample_frame,
+        const std::vector<std::vector<std::uint32_t>>& joined)
       : samples_(samples),
         sample_frame_(sample_frame),
+        joined_(joined),
         scale_x_(frame.pixel_x / sample_frame.pixel_x),
         scale_y_(frame.pixel_y / sample_frame.pixel_y) {}
 
@@ -47,23 +56,65 @@ class Judge {
     // Continue the sample's tangent plane to the line.
     const Ray ray = PixelRay(sample_frame_, column + 0.5, row + 0.5), through = PixelRay(sample_frame_, x, y);
     const Vec3 normal{samples_.normal[i][0], samples_.normal[i][1], samples_.normal[i][2]};
-    const bool own = samples_.face[i] == line.faces[0] || samples_.face[i] == line.faces[1];
+    // A smooth edge may run along the contour.
+    const bool contour = line.kind == LineClass::kSilhouette || IsPaler(line.kind);
+    const bool own = samples_.face[i] == line.faces[0] || samples_.face[i] == line.faces[1] ||
+                     (contour && Joined(line, samples_.face[i]));
     const double rate = Dot(normal, through.direction), most = own ? INFINITY : kSteepest * pixel;
     const double there = Dot(normal, ray.origin + depth * ray.direction - through.origin) / rate;
-    const double change = std::isfinite(there) ? std::clamp(there - depth, -most, most) : most;
+    double change = std::isfinite(there) ? std::clamp(there - depth, -most, most) : most;
+    if (own) {
+      // The contour itself may run beside the line's chord, away from the surface.
+      const double steep = SlopeOf(normal, ray.direction);
+      change = std::fabs(change) + kFlatness * scale() * steep * pixel;
+    }
     return p.depth <= depth + std::max(change, 0.0) + 2 * std::fabs(change) + kSlack * pixel;
   }
 
+  // Whether the line at p, which runs in the direction (dx, dy), is the outline of what is seen there.
+  bool IsOutline(const LinePoint& p, double dx, double dy) const {
+    const double length = std::sqrt(dx * dx + dy * dy);
+    if (!(length > 0)) return false;
+    const double pixel = std::max(sample_frame_.pixel_x, sample_frame_.pixel_y) *
+                         (sample_frame_.projection == Projection::kPerspective ? p.depth : 1);
+    bool farther[2] = {false, false};
+    for (int side = 0; side < 2; ++side) {
+      const double reach = side == 0 ? kBeside : -kBeside;
+      const double x = p.x * scale_x_ - reach * dy / length, y = p.y * scale_y_ + reach * dx / length;
+      if (!(x >= 0 && y >= 0 && x < samples_.width && y < samples_.height)) return false;
+      const std::size_t i = static_cast<std::size_t>(y) * samples_.width + static_cast<std::size_t>(x);
+      // Farther than a surface could fall away from the line.
+      farther[side] = !(samples_.depth[i] < p.depth + kBeside * kSteepest * pixel);
+    }
+    return farther[0] != farther[1];
+  }
+
  private:
+  bool Joined(const ViewLine& line, std::uint32_t face) const {
+    for (const std::uint32_t own : line.faces)
+      if (own < joined_.size() && std::binary_search(joined_[own].begin(), joined_[own].end(), face))
+        return true;
+    return false;
+  }
+  // How many pixels of depth the surface falls in one of the picture.
+  static double SlopeOf(Vec3 normal, Vec3 direction) {
+    const double toward = std::fabs(Dot(normal, direction)) / Length(direction);
+    const double square = Dot(normal, normal) - toward * toward;
+    return toward > 0 ? std::sqrt(std::max(square, 0.0)) / toward : INFINITY;
+  }
+
   const SampleBuffer& samples_;
   const CameraFrame& sample_frame_;
+  const std::vector<std::vector<std::uint32_t>>& joined_;
   const double scale_x_, scale_y_;
 };
 
 struct Run {
-  bool visible;
+  std::uint8_t state;      // kVisible and kOutline
   std::size_t begin, end;  // of the points
 };
+
+constexpr std::uint8_t kVisible = 1, kOutline = 2;
 
 std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, const Judge& judge) {
   // Walk in steps; remember which points are the line's own.
@@ -84,9 +135,13 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
   // Judge between the points: ends of lines lie in the corners of others.
   std::vector<Run> runs;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const bool visible = judge.Sees(line, Between(frame, points[i], points[i + 1], 0.5));
-    if (runs.empty() || runs.back().visible != visible) {
-      runs.push_back({visible, i, i + 1});
+    const LinePoint middle = Between(frame, points[i], points[i + 1], 0.5);
+    std::uint8_t state = judge.Sees(line, middle) ? kVisible : 0;
+    if (state == kVisible && IsPaler(line.kind) &&
+        judge.IsOutline(middle, points[i + 1].x - points[i].x, points[i + 1].y - points[i].y))
+      state |= kOutline;
+    if (runs.empty() || runs.back().state != state) {
+      runs.push_back({state, i, i + 1});
     } else {
       runs.back().end = i + 1;
     }
@@ -103,10 +158,13 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
     for (std::size_t k = 0; k < runs.size(); ++k)
       if (const double length = length_of(runs[k]); length < least) least = length, shortest = k;
     if (least >= kShortest) break;
-    runs[shortest].visible = !runs[shortest].visible;
+    // Its state becomes that of the longer neighbour.
+    const std::size_t before = shortest > 0 ? shortest - 1 : shortest + 1,
+                      after = shortest + 1 < runs.size() ? shortest + 1 : before;
+    runs[shortest].state = runs[length_of(runs[after]) > length_of(runs[before]) ? after : before].state;
     std::vector<Run> merged;
     for (const Run& run : runs) {
-      if (!merged.empty() && merged.back().visible == run.visible) {
+      if (!merged.empty() && merged.back().state == run.state) {
         merged.back().end = run.end;
       } else {
         merged.push_back(run);
@@ -116,7 +174,8 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
   }
   std::vector<ViewLine> out;
   for (const Run& run : runs) {
-    ViewLine piece{line.kind, run.visible, {}};
+    const LineClass kind = (run.state & kOutline) != 0 ? LineClass::kSilhouette : line.kind;
+    ViewLine piece{kind, (run.state & kVisible) != 0, {}};
     for (std::size_t i = run.begin; i <= run.end; ++i)
       if (own[i] || i == run.begin || i == run.end) piece.points.push_back(points[i]);
     out.push_back(std::move(piece));
@@ -127,8 +186,9 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
 }  // namespace
 
 std::vector<ViewLine> SplitByVisibility(const std::vector<ViewLine>& lines, const CameraFrame& frame,
-                                        const SampleBuffer& samples, const CameraFrame& sample_frame) {
-  const Judge judge(frame, samples, sample_frame);
+                                        const SampleBuffer& samples, const CameraFrame& sample_frame,
+                                        const std::vector<std::vector<std::uint32_t>>& joined) {
+  const Judge judge(frame, samples, sample_frame, joined);
   std::vector<std::vector<ViewLine>> split(lines.size());
   ParallelFor(std::size_t{0}, lines.size(), [&](std::size_t i) {
     std::vector<ViewLine> pieces;

@@ -9,6 +9,7 @@
 
 #include "render/kernels/dispatch.h"
 #include "render/trace/parallel.h"
+#include "render/trace/section_contact.h"
 #include "render/trace/section_rows.h"
 
 namespace facetless {
@@ -30,6 +31,17 @@ constexpr double kThinnestFace = 1e-6;
 // A face lies in the plane if its control points do, to the rounding of a model whose numbers went through a text
 // file and a few placements: 2^-36 of the size. The plane is moved by four times that.
 constexpr double kCoincident = 0x1p-36, kMoves = 4;
+// Where the plane is tangent at its new place, too, it goes on, twice as far each time.
+constexpr int kMostMoves = 4;
+// Pieces of surfaces that one look at a plane may divide: a tenth of a second.
+constexpr std::size_t kMostPieces = 1 << 16;
+// Below this height, as a share of the size, a surface's own rounding hides what is above the plane and what is below.
+constexpr double kFinestHeight = 0x1p-48;
+// Rows that may come out undecided, each after the fallback solver's full budget of some milliseconds; then blocks that hold such rows are
+// left as they are.
+constexpr std::uint64_t kMostUndecidedRows = 1024;
+// Roundings of a chord's two ends, of the model's size, for each of the rows of a block.
+constexpr double kChordRounding = 0x1p-48;
 
 // Weights of the open formulas of four and eight equidistant midpoints, by row: exact to degree three and seven.
 constexpr std::array<double, 4> kFour = {13.0 / 48, 11.0 / 48, 11.0 / 48, 13.0 / 48};
@@ -39,10 +51,11 @@ constexpr std::array<double, kBlockRows> kEight = {295627.0 / 1935360, 71329.0 /
 
 // What is left of a block when it has been measured.
 struct Block {
-  double begin = 0, end = 0, error = 0;
+  double begin = 0, end = 0, error = 0, odd = 0;  // odd: of the rows' own errors and doubts
   std::vector<SectionArea::OfSolid> solids;
   double area = 0;
-  bool forced = false;  // to be divided, whatever its error
+  bool forced = false;     // to be divided, whatever its error
+  bool undecided = false;  // some row of it came out without an answer
 };
 
 double Difference(double a, double b) {
@@ -66,7 +79,7 @@ Block Integrate(double begin, double end, const SectionRow* rows) {
   for (int i = 0; i < kBlockRows; ++i) {
     eight += kEight[i] * rows[i].length;
     four += 0.5 * kFour[i % 4] * rows[i].length;
-    odd += rows[i].odd_length / kBlockRows;
+    odd += (rows[i].unsure + rows[i].error) / kBlockRows;
     for (const SectionArea::OfSolid& chord : rows[i].solids) {
       auto sum = std::find_if(block.solids.begin(), block.solids.end(),
                               [&](const auto& s) { return s.solid == chord.solid; });
@@ -78,7 +91,8 @@ Block Integrate(double begin, double end, const SectionRow* rows) {
   const double before = Difference(Continued(rows + 5, -1), rows[-1].length),
                after = Difference(Continued(rows + 2, 1), rows[kBlockRows].length);
   block.area = width * eight;
-  block.error = width * (Difference(eight, four) + odd) + width / kBlockRows * (before + after);
+  block.error = width * Difference(eight, four) + width / kBlockRows * (before + after);
+  block.odd = width * odd;
   return block;
 }
 
@@ -127,19 +141,71 @@ std::vector<std::uint32_t> FacesIn(const Model& model, const SectionPlane& plane
   return found;
 }
 
+// Where the plane is measured, and why not where it was asked for.
+struct Place {
+  double offset = 0;  // along the normal
+  double error = 0;   // what the surfaces between cover
+  std::vector<std::uint32_t> coincident, touching;
+};
+
+Place PlaceOf(const Scene::Data& scene, const SectionPlane& plane, const SectionSolids& solids) {
+  const Model& model = *scene.model;
+  const double size = std::max({model.Diagonal(), Length(model.bounds.center()), Length(plane.point)});
+  const double thickness = kCoincident * size;
+  const SectionScan scan(plane, model.bounds);
+  Place place;
+  if (!(scan.begin < scan.end)) return place;
+  place.coincident = FacesIn(model, plane, thickness);
+  const auto touching = [&](double offset) {
+    return MeetSlab(scene, scan, solids, offset - thickness, offset + thickness, 2 * thickness, kMostPieces,
+                    place.coincident)
+        .touching_faces;
+  };
+  place.touching = touching(0);
+  if (place.coincident.empty() && place.touching.empty()) return place;
+
+  // Leave the plane of a face for the kept side, and a tangent's for the side where less changes.
+  place.error = INFINITY;
+  double move = kMoves * thickness;
+  for (int k = 0; k < kMostMoves; ++k, move *= 2) {
+    for (const double offset : {-move, move}) {
+      if (offset > 0 && !place.coincident.empty()) continue;
+      if (k + 1 < kMostMoves && !touching(offset).empty()) continue;
+      const SlabMeeting between = MeetSlab(scene, scan, solids, std::min(offset, 0.0), std::max(offset, 0.0),
+                                           kFinestHeight * size, kMostPieces, place.coincident);
+      if (between.area_mm2 < place.error) place.offset = offset, place.error = between.area_mm2;
+    }
+    if (place.error < INFINITY) break;
+  }
+  return place;
+}
+
 class Measurement {
  public:
   Measurement(const Scene::Data& scene, std::span<const SectionPlane> planes, std::size_t index,
-              const SectionAreaOptions& options, TileKernel kernel)
+              const SectionSolids& solids, const SectionAreaOptions& options, TileKernel kernel)
       : scene_(scene),
-
-        solids_(*scene.model),
+        solids_(solids),
         rows_(scene, planes, index, solids_, options.max_bytes, options.cancel, kernel) {}
 
   Result<SectionArea> Run() {
     const SectionScan& scan = rows_.scan();
     if (!(scan.begin < scan.end)) return area_;
+    const double extent = scan.end - scan.begin;
+    const SlabMeeting cut =
+        MeetSlab(scene_, scan, solids_, 0, 0, kFinestHeight * scan.size(), kMostPieces, {});
+    area_.outline_mm = cut.outline_mm;
+    area_.error_parts.gaps = cut.gap_mm2;
     thin_ = ThinFaces(scene_, scan);
+    for (const SlabComponent& part :
+         ThinComponents(cut.pieces, extent / kFirstBlocks, kThinnestFace * 1e-3 * extent)) {
+      if (part.axis_high - part.axis_low >= kThinnestFace * extent) {
+        thin_.emplace_back(part.axis_low, part.axis_high);
+      } else {
+        area_.error_parts.missed += part.box_mm2;
+      }
+    }
+    std::sort(thin_.begin(), thin_.end());
     std::vector<Block> blocks;
     if (auto measured = Measure({{scan.begin, scan.end}}, kFirstBlocks, &blocks); !measured.ok())
       return measured.error();
@@ -152,10 +218,16 @@ class Measurement {
       for (const Block& block : blocks) area += block.area;
       for (const Block& block : good) area += block.area;
       std::stable_sort(blocks.begin(), blocks.end(),
-                       [](const Block& a, const Block& b) { return a.error > b.error; });
+                       [](const Block& a, const Block& b) { return a.error + a.odd > b.error + b.odd; });
       std::vector<std::pair<double, double>> again;
+      std::uint64_t risked = 0;
       for (Block& block : blocks) {
-        if ((block.error > kBlockTolerance * area || block.forced) && divided + again.size() < kMostDivided) {
+        const bool worth = block.forced || block.error + block.odd > kBlockTolerance * area;
+        // Its rows may all come out undecided again.
+        const std::uint64_t risk = block.undecided ? kPieces * kBlockRows + 2 : 0;
+        if (worth && (risk == 0 || area_.undecided_rows + risked + risk <= kMostUndecidedRows) &&
+            divided + again.size() < kMostDivided) {
+          risked += risk;
           again.emplace_back(block.begin, block.end);
         } else {
           good.push_back(std::move(block));
@@ -173,12 +245,14 @@ class Measurement {
     std::vector<double> per_solid(solids_.stride(), 0.0);
     for (const Block& block : good) {
       area_.area_mm2 += block.area;
-      area_.error_mm2 += block.error;
+      area_.error_parts.rows += block.error;
+      area_.error_parts.odd += block.odd;
       for (const auto& [solid, mm2] : block.solids) per_solid[solid] += mm2;
     }
     for (std::uint32_t s = 0; s < per_solid.size(); ++s)
       if (per_solid[s] > 0) area_.solids.push_back({s, per_solid[s]});
-    area_.open_faces = static_cast<std::uint32_t>(open_faces_.size());
+    area_.error_parts.rows += kChordRounding * scan.size() * (cut.pieces.empty() ? 0 : extent);
+    area_.open_faces = open_faces_;
     return area_;
   }
 
@@ -202,10 +276,13 @@ class Measurement {
                                     begin + (end - begin) * (k + 1) / pieces,
                                     &answer.rows[1 + std::size_t(k) * kBlockRows]));
         blocks->back().forced = HoldsThinFace(thin_, blocks->back().begin, blocks->back().end);
+        for (int r = 0; r < kBlockRows; ++r)
+          blocks->back().undecided |= answer.rows[1 + std::size_t(k) * kBlockRows + r].undecided;
       }
       area_.rows += answer.rows.size();
       area_.doubtful_rows += answer.doubtful_rows;
       area_.odd_rows += answer.odd_rows;
+      area_.undecided_rows += answer.undecided_rows;
       std::vector<std::uint32_t> all;
       std::set_union(open_faces_.begin(), open_faces_.end(), answer.open_faces.begin(),
                      answer.open_faces.end(), std::back_inserter(all));
@@ -215,8 +292,7 @@ class Measurement {
   }
 
   const Scene::Data& scene_;
-
-  const SectionSolids solids_;
+  const SectionSolids& solids_;
   const SectionRows rows_;
   std::vector<std::pair<double, double>> thin_;
   std::vector<std::uint32_t> open_faces_;
@@ -232,23 +308,23 @@ Result<SectionArea> MeasureSection(const Scene& scene, std::span<const SectionPl
   const Result<Kernels>& kernels = ActiveKernels();
   if (!kernels.ok()) return kernels.error();
 
-  // Leave the plane of a face for the kept side.
-  const Model& model = scene.model();
+  const SectionSolids solids(scene.model());
+  Place place = PlaceOf(scene.data(), planes[index], solids);
   std::vector<SectionPlane> moved(planes.begin(), planes.end());
-  const double size =
-      std::max({model.Diagonal(), Length(model.bounds.center()), Length(planes[index].point)});
-  std::vector<std::uint32_t> coincident = FacesIn(model, planes[index], kCoincident * size);
-  const double moved_mm = coincident.empty() ? 0 : kMoves * kCoincident * size;
-  moved[index].point = moved[index].point - moved_mm * moved[index].normal;
+  moved[index].point = moved[index].point + place.offset * moved[index].normal;
 
   std::optional<Result<SectionArea>> result;
   RunWithThreads(options.threads, [&] {
-    result = Measurement(scene.data(), moved, index, options, kernels.value().trace_tile).Run();
+    result = Measurement(scene.data(), moved, index, solids, options, kernels.value().trace_tile).Run();
   });
   if (!result->ok()) return *std::move(result);
   SectionArea area = std::move(*result).value();
-  area.coincident_faces = std::move(coincident);
-  area.moved_mm = moved_mm;
+  area.coincident_faces = std::move(place.coincident);
+  area.touching_faces = std::move(place.touching);
+  area.moved_mm = place.offset == 0 ? 0 : -place.offset;
+  area.error_parts.move = place.error;
+  const SectionArea::ErrorParts& parts = area.error_parts;
+  area.error_mm2 = parts.rows + parts.odd + parts.move + parts.gaps + parts.missed;
   area.ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   return area;
 }

@@ -34,6 +34,7 @@ SectionScan::SectionScan(const SectionPlane& section, const Box3& bounds) : plan
     // A plane that touches the bounds' face must not lose its ends to rounding.
     const double margin = 1e-6 * bounds.diagonal();
     begin = range->first - margin, end = range->second + margin;
+    size_ = bounds.diagonal() + Length(origin);
   }
 }
 
@@ -99,8 +100,25 @@ SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> c
     entered.erase(inside);
     if (entered.empty()) row.length += depth - since;
   }
-  if (!entered.empty()) row.odd_length = clipped(crossings.back().depth) - clipped(crossings.front().depth);
+  for (const SolidCrossing& crossing : crossings)
+    if (crossing.solid != kNoIndex) row.error += crossing.error;
+  row.odd = !entered.empty();
   return row;
+}
+
+double SectionRows::WayThroughModel(const Ray& ray) const {
+  const KeptInterval kept = KeptOf(ray, others_, -INFINITY);
+  double begin = kept.begin, end = kept.end;
+  const Box3& box = scene_.model->bounds;
+  const double origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z},
+               direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z},
+               low[3] = {box.low.x, box.low.y, box.low.z}, high[3] = {box.high.x, box.high.y, box.high.z};
+  for (int k = 0; k < 3; ++k) {
+    if (direction[k] == 0) continue;
+    const double a = (low[k] - origin[k]) / direction[k], b = (high[k] - origin[k]) / direction[k];
+    begin = std::max(begin, std::min(a, b)), end = std::min(end, std::max(a, b));
+  }
+  return std::max(end - begin, 0.0);
 }
 
 Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int count) const {
@@ -139,12 +157,20 @@ Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int cou
         const std::uint32_t face = view.tiles->leaves()[next->leaf].placed_face,
                             solid = solids_.SolidOf(face);
         doubt |= next->doubt;
-        row.push_back({next->hit.depth, 0, solid});
+        row.push_back({next->hit.depth, ErrorOf(*next), solid});
         if (solid == kNoIndex) answer.open_faces.push_back(face);
       }
       answer.rows[sample] = Measure(PixelRay(frame, 0.5, sample + 0.5), row);
       answer.doubtful_rows += doubt != 0;
-      answer.odd_rows += answer.rows[sample].odd_length > 0;
+      answer.odd_rows += answer.rows[sample].odd;
+    }
+    if (tracer.empty()) continue;
+    for (int i = 0; i < tracer.rows(); ++i) {
+      SectionRow& measured = answer.rows[tracer.row() + i];
+      measured.undecided = (tracer.doubt[i * kTileSize] & kDoubtUnresolved) != 0;
+      answer.undecided_rows += measured.undecided;
+      if (measured.odd || measured.undecided)
+        measured.unsure = WayThroughModel(PixelRay(frame, 0.5, tracer.row() + i + 0.5));
     }
   }
   std::sort(answer.open_faces.begin(), answer.open_faces.end());

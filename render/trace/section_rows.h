@@ -25,14 +25,21 @@ struct SectionScan {
   double begin = 0, end = 0;  // of what the plane meets of the bounds; begin >= end: nothing
 
   SectionScan(const SectionPlane& plane, const Box3& bounds);
+  // What a coordinate's rounding is relative to, mm.
+  double size() const { return size_; }
   // What the plane meets of a placed box, on the axis.
   std::optional<std::pair<double, double>> RangeOf(const Box3& box, const Placement& placement) const;
+
+ private:
+  double size_ = 0;
 };
 
 struct SectionRow {
   double length = 0;  // inside any solid, mm
-  double odd_length =
-      0;  // from the first to the last crossing, where a solid is crossed an odd number of times
+  double error = 0;   // of the ends of its chords
+  double unsure =
+      0;  // its way through the model's box where a solid is crossed an odd number of times or a crossing may be missing
+  bool odd = false, undecided = false;       // why: the latter, where the fallback solver gave up
   std::vector<SectionArea::OfSolid> solids;  // lengths, here
 };
 
@@ -46,7 +53,7 @@ class SectionRows {
 
   struct Answer {
     std::vector<SectionRow> rows;
-    std::uint64_t doubtful_rows = 0, odd_rows = 0;
+    std::uint64_t doubtful_rows = 0, odd_rows = 0, undecided_rows = 0;
     std::vector<std::uint32_t> open_faces;  // ascending
   };
   // The centres of `count` equal strips of [begin, end]. Errors: those of PrepareView.
@@ -54,6 +61,8 @@ class SectionRows {
 
  private:
   SectionRow Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const;
+  // How much of the ray lies within the model's box and what the other planes keep.
+  double WayThroughModel(const Ray& ray) const;
 
   const Scene::Data& scene_;
   const SectionSolids& solids_;

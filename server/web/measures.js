@@ -8,7 +8,7 @@ const rest = (list) => (list.length > shownRows ? element("p", { class: "facts" 
 
 export const sectionTables = (sections) =>
   !sections?.length ? null : element("section", { class: "truth" }, element("h2", {}, "Sections"),
-    table("Areas of the cuts", ["Plane, normal", "area, mm²", "known to, mm²", "the mesh's, mm²"], sections.map((cut) => [`${triple(cut.point)}; ${triple(cut.normal)}`, number(cut.area_mm2), number(cut.area_error_mm2), number(cut.mesh_area_mm2)])),
+    table("Areas of the cuts", ["Plane, normal", "area, mm²", "known to, mm²", "the mesh's, mm²"], sections.map((cut) => [`${triple(cut.point)}; ${triple(cut.normal)}`, cut.area_mm2 === null ? "no closed solid" : number(cut.area_mm2), number(cut.area_error_mm2), number(cut.mesh_area_mm2)])),
     sections.some((cut) => cut.solids.length > 1) ? table("Areas by solid", ["Solid", "area, mm²"], sections.flatMap((cut) => cut.solids).slice(0, shownRows).map((solid) => [solid.name, number(solid.area_mm2)])) : null,
     sections.some((cut) => cut.open_faces > 0) ? element("p", { class: "facts" }, "Faces of no closed solid are cut, and have no cap.") : null);
 

@@ -18,7 +18,12 @@ export const lossNotice = (model) =>
     element("p", {}, "What is listed here is missing from all pictures and numbers below. Repair it in the program that made the file, or export it again."),
     lossKinds.map(([what, key]) => lossList(what, model[key] || [])));
 
-export const verdictNotice = (verdict) =>
+const problemNotice = (verdict) =>
+  !(verdict?.problems?.length) ? null : element("section", { class: "notice" }, element("h2", {}, "This run fails"), verdict.problems.map((problem) => element("p", {}, problem)));
+
+export const verdictNotice = (verdict) => [problemNotice(verdict), thresholdNotice(verdict)];
+
+const thresholdNotice = (verdict) =>
   !verdict || (verdict.broken || []).length === 0 ? null : element("section", { class: "notice" }, element("h2", {}, "Thresholds are broken"),
     table("Broken thresholds", ["View and threshold", "limit", "value"], verdict.broken.map((b) => [`${b.view}: ${b.threshold.replace("fail_", "")}`, number(b.limit), b.value === null ? "infinite" : number(b.value)])));
 

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <random>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "render/nurbs/surface_eval.h"
 #include "tests/support/shapes.h"
 
 namespace facetless {
@@ -115,6 +118,104 @@ TEST(MeshDeviation, OfAPlacedPartIsThatOfThePrototype) {
   const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
   ASSERT_TRUE(deviation.ok()) << deviation.error().message;
   ExpectDeviations(mesh, deviation.value(), [](Vec3 p) { return Length(p) - 10; });
+}
+
+// The distance of a point to a surface, from n × n points of it and then from finer ones around the nearest.
+double ByForce(const SurfaceEval& surface, Vec3 point, int n) {
+  double u0 = surface.u_begin(), u1 = surface.u_end(), v0 = surface.v_begin(), v1 = surface.v_end();
+  double best = INFINITY;
+  for (int round = 0; round < 12; ++round) {
+    double bu = 0, bv = 0, nearest = INFINITY;
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        const double u = u0 + (u1 - u0) * i / n, v = v0 + (v1 - v0) * j / n;
+        const double distance = Length(surface.Position(u, v) - point);
+        if (distance < nearest) nearest = distance, bu = u, bv = v;
+      }
+    }
+    best = std::min(best, nearest);
+    const double du = 4 * (u1 - u0) / n, dv = 4 * (v1 - v0) / n;
+    u0 = std::max(surface.u_begin(), bu - du), u1 = std::min(surface.u_end(), bu + du);
+    v0 = std::max(surface.v_begin(), bv - dv), v1 = std::min(surface.v_end(), bv + dv);
+  }
+  return best;
+}
+
+// Every triangle has the distance that search by force finds, and the largest is proven.
+void ExpectNearest(const Model& model, const Mesh& mesh, int n, const std::string& what) {
+  const auto measured = MeasureMeshDeviation(model, mesh, nullptr);
+  ASSERT_TRUE(measured.ok()) << measured.error().message;
+  const MeshDeviation& deviation = measured.value();
+  const SurfaceEval surface(model, 0);
+  const MeshPart& part = mesh.parts[0];
+  double largest_of_all = 0;
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    Vec3 corner[3];
+    for (int k = 0; k < 3; ++k) {
+      const auto& p = part.positions[part.triangles[i][k]];
+      corner[k] = {p[0], p[1], p[2]};
+    }
+    double largest = 0;
+    for (const Vec3 p : {(1.0 / 3) * (corner[0] + corner[1] + corner[2]), 0.5 * (corner[0] + corner[1]),
+                         0.5 * (corner[1] + corner[2]), 0.5 * (corner[2] + corner[0])})
+      largest = std::max(largest, ByForce(surface, p, n));
+    EXPECT_NEAR(std::fabs(deviation.parts[0][i]), largest, 2e-3 * largest + 1e-6) << what << " " << i;
+    largest_of_all = std::max(largest_of_all, largest);
+  }
+  EXPECT_NEAR(deviation.largest_mm, largest_of_all, 2e-3 * largest_of_all + 1e-6) << what;
+  EXPECT_LE(deviation.largest_at_least_mm, largest_of_all * (1 + 1e-6) + 1e-6) << what;
+  EXPECT_GE(deviation.largest_at_least_mm, 0.995 * largest_of_all - 1e-6) << what;
+}
+
+TEST(MeshDeviation, AtAConesApexAndASpheresPoles) {
+  // Few and long triangles, which end in the collapsed border.
+  const Model cone = testing::ModelOf({testing::Frustum({0, 0, 0}, 5, 0, 8)});
+  ExpectNearest(cone,
+                Tessellated(
+                    [](double u, double v) {
+                      const double r = 5 * (1 - v / 8);
+                      return Vec3{r * std::cos(u), r * std::sin(u), v};
+                    },
+                    5, 0, 2 * kPi, 0, 8),
+                48, "cone");
+  const Model sphere = testing::ModelOf({testing::Sphere({0, 0, 0}, 10)});
+  ExpectNearest(
+      sphere,
+      Tessellated(
+          [](double u, double v) {
+            return Vec3{10 * std::cos(u) * std::cos(v), 10 * std::sin(u) * std::cos(v), 10 * std::sin(v)};
+          },
+          4, 0, 2 * kPi, -kPi / 2, kPi / 2),
+      48, "sphere");
+}
+
+TEST(MeshDeviation, OfRandomPatchesWithACollapsedSideIsTheNearest) {
+  std::mt19937 random(20261122);
+  std::uniform_real_distribution<double> even(-1, 1);
+  for (int round = 0; round < 12; ++round) {
+    // A bicubic patch that waves, one side of which is a point.
+    testing::PatchGrid grid;
+    grid.degree_u = grid.degree_v = 3;
+    grid.u_spans = grid.v_spans = {Span{}};
+    for (int k = 0; k < 4; ++k)
+      for (int l = 0; l < 4; ++l)
+        grid.points.push_back({10.0 * k / 3, (k == 0 ? 0 : 6.0 * l / 3) + (k == 0 ? 0 : even(random)),
+                               k == 0 ? 0 : 3 * even(random), 1});
+    const Model model = testing::ModelOf({grid});
+    const SurfaceEval surface(model, 0);
+    ExpectNearest(model,
+                  Tessellated([&](double u, double v) { return surface.Position(u, v); }, 3, 0, 1, 0, 1), 32,
+                  "patch " + std::to_string(round));
+  }
+}
+
+TEST(MeshDeviation, NamesTheFacesThatHaveNoTriangle) {
+  const Model model = testing::ModelOf({testing::Sphere({0, 0, 0}, 10)});
+  Mesh mesh = testing::BallMesh(10, 12);
+  mesh.faces_unmeshed = {"cone #12"};
+  const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
+  ASSERT_TRUE(deviation.ok());
+  EXPECT_EQ(deviation.value().faces_missing, mesh.faces_unmeshed);
 }
 
 TEST(MeshDeviation, OfAPlaneIsNothing) {

@@ -132,6 +132,41 @@ TEST(Values, CanBeCancelled) {
   EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
 }
 
+TEST(Orient, ByTheViewerTurnsASurfaceThatIsDrawnInsideOut) {
+  // A ball of a file, and the same inside out.
+  Model outward = testing::ModelOf({testing::Sphere({0, 0, 0}, 10)});
+  Model inward = outward;
+  inward.faces[0].reversed = !inward.faces[0].reversed;
+  const testing::Traced right(std::move(outward)), wrong(std::move(inward));
+  const auto values = [](const testing::Traced& traced, const char* shade, Orient orient) {
+    Inspection inspection = ParseInspection(shade).value();
+    inspection.orient = orient;
+    return Measure(traced.model, &traced.scene, traced.result.samples, traced.result.frame, inspection, 0)
+        .value();
+  };
+  for (const char* shade : {"draft", "curvature"}) {
+    const InspectionView file = values(right, shade, Orient::kFile),
+                         turned = values(wrong, shade, Orient::kViewer),
+                         back = values(wrong, shade, Orient::kFile);
+    EXPECT_EQ(file.back_pixels, 0u);
+    EXPECT_EQ(back.back_pixels, back.statistics.count + back.statistics.none);
+    EXPECT_EQ(turned.back_pixels, back.back_pixels) << "what the file says is counted all the same";
+    for (std::size_t i = 0; i < right.size(); ++i) {
+      if (!std::isfinite(file.values[i])) continue;
+      EXPECT_NEAR(turned.values[i], file.values[i], 1e-9) << shade << " " << i;
+      EXPECT_NEAR(back.values[i], -file.values[i], 1e-9) << shade << " " << i;
+    }
+    for (std::size_t k = 0; k < file.classes.size(); ++k)
+      EXPECT_EQ(turned.classes[k].pixels, file.classes[k].pixels) << file.classes[k].name;
+  }
+  // A ball is as thick as it is wide in the middle; from the wrong side there is nothing to meet.
+  EXPECT_EQ(values(wrong, "thickness", Orient::kFile).statistics.count, 0u);
+  const InspectionView thick = values(wrong, "thickness", Orient::kViewer);
+  EXPECT_NEAR(thick.statistics.min, 20, 1e-6);
+  EXPECT_NEAR(thick.statistics.max, 20, 1e-6);
+  EXPECT_EQ(thick.range.low, 0);
+}
+
 TEST(Range, IgnoresFewOutliersAndIsSymmetric) {
   SampleBuffer samples;
   samples.Resize(1000, 1);

@@ -11,6 +11,7 @@
 
 #include "render/lines/draw_lines.h"
 #include "render/lines/edge_lines.h"
+#include "render/lines/visibility.h"
 #include "tests/support/shapes.h"
 
 namespace facetless {
@@ -137,6 +138,62 @@ TEST(ViewLines, AreWholeHoweverNearOneLooks) {
     EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 300 / 0.8, 2) << height;
     EXPECT_EQ(LengthOf(lines, LineClass::kSilhouette, false), 0) << height;
   }
+}
+
+// Lines of pixels, hidden by a picture of n × n samples for each.
+std::vector<ViewLine> FineLinesOf(const Model& model, const Camera& camera, int n) {
+  const Scene scene(model);
+  const Camera fine = camera.Supersampled(n, n);
+  const DirectResult direct = TraceDirect(scene, fine, {}).value();
+  return FindLines(scene, camera, MakeFrame(camera, model.Diagonal()).value(), direct.samples, direct.frame,
+                   {});
+}
+
+TEST(ViewLines, OfSmoothBodiesDoNotHideThemselvesHoweverManySamples) {
+  const Model ball = ModelOf({Sphere({3, -2, 5}, 10)}), ring = ModelOf({Torus({0, 0, 0}, 20, 6)});
+  for (const char* name : {"iso", "front", "top"}) {
+    const Camera camera = ViewOf(ball, name, Projection::kOrthographic);
+    for (const int n : {1, 2, 4, 8}) {
+      const auto lines = FineLinesOf(ball, camera, n);
+      EXPECT_EQ(LengthOf(lines, LineClass::kSilhouette, false), 0) << name << " " << n;
+      ExpectCircle(lines, LineClass::kSilhouette, 150, 150, 10 * 300 / camera.height);
+    }
+  }
+  // A ring from above: nothing of it is hidden.
+  const Camera camera = ViewOf(ring, "top", Projection::kOrthographic);
+  for (const int n : {1, 4, 8}) {
+    const auto lines = FineLinesOf(ring, camera, n);
+    EXPECT_EQ(LengthOf(lines, LineClass::kSilhouette, false), 0) << n;
+    EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 2 * pi * (26 + 14) * 300 / camera.height, 2);
+  }
+}
+
+TEST(Visibility, MakesASmoothEdgeOnTheOutlineASilhouette) {
+  // Samples left of x = 50 show a plane across the view; nothing is to its right. Seen are three lines: on the outline, inside, and
+  // a sharp edge on the outline, which keeps its name.
+  Camera camera;
+  camera.width_px = camera.height_px = 100;
+  camera.eye = {0, 0, 10}, camera.target = {0, 0, 0}, camera.up = {0, 1, 0};
+  camera.height = 100;
+  const CameraFrame frame = MakeFrame(camera, 10).value();
+  SampleBuffer samples;
+  samples.Resize(100, 100);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i % 100 >= 50) continue;
+    samples.depth[i] = 10;
+    samples.face[i] = 0;
+    samples.normal[i] = {0, 0, 1};
+  }
+  const auto line = [](LineClass kind, double x) {
+    return ViewLine{kind, true, {{x, 10, 10}, {x, 90, 10}}, {0, 1}};
+  };
+  const auto lines = SplitByVisibility(
+      {line(LineClass::kSmooth, 50), line(LineClass::kSmooth, 30), line(LineClass::kFeature, 50)}, frame,
+      samples, frame, {{1}, {0}});
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0].kind, LineClass::kSilhouette);
+  EXPECT_EQ(lines[1].kind, LineClass::kSmooth);
+  EXPECT_EQ(lines[2].kind, LineClass::kFeature);
 }
 
 TEST(ViewLines, AreHiddenToThePixelHoweverFarTheyRunBesideThePicture) {
