@@ -1,6 +1,7 @@
 // What a reader makes of a CAD file: OpenCASCADE shapes as prototypes, where they are placed, and what the file says about them.
 #pragma once
 
+#include <TopLoc_Location.hxx>
 #include <TopoDS_Shape.hxx>
 #include <cstdint>
 #include <gp_Trsf.hxx>
@@ -8,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "import/step_placements.h"
 #include "render/model/model.h"
 
 namespace facetless {
@@ -31,14 +33,23 @@ struct Occurrence {
   bool has_color = false;
   Color color;
   std::string name;
+  TopLoc_Location
+      location;  // what `placement` is made of; identity where nothing in it stands for anything else
+};
+
+// A face that the file declares; what became of it is counted when all is converted.
+struct DeclaredFace {
+  std::string entity, name;
 };
 
 struct CadDocument {
   ImportInfo info;  // what reading knows; conversion adds the rest
+  std::vector<DeclaredFace> declared;
   std::vector<Prototype> prototypes;
   std::vector<Occurrence> occurrences;
   std::unordered_map<const void*, FaceOrigin> origins;  // by TShape
   bool pcurves_in_file = false;
+  std::vector<LinearMap> linear_maps;  // what stand-ins among the placements stand for (step_placements.h)
 };
 
 }  // namespace facetless

@@ -163,6 +163,14 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
                                std::to_string(source.step.last_entity) + " is lost.");
       changed = true;
     }
+    source.step_repair = RepairStep(bytes);
+    if (source.step_repair.changed) {
+      bytes = std::move(source.step_repair.bytes);
+      changed = true;
+    }
+    source.step_repair.bytes.clear();
+    source.repairs.insert(source.repairs.end(), source.step_repair.warnings.begin(),
+                          source.step_repair.warnings.end());
   } else if (*format == CadFormat::kIges) {
     Result<IgesFacts> facts = ScanIges(source.name, bytes);
     if (!facts.ok()) return facts.error();

@@ -27,6 +27,7 @@ ImportRequest ToImportRequest(const CommandArguments& arguments, Progress& progr
   ImportRequest request;
   request.input = arguments.file;
   request.limits = arguments.options.import_limits;
+  request.unit_mm = arguments.options.unit_mm;
   request.cancel = &InterruptFlag();
   request.progress = [&progress](const std::string& stage, double fraction) {
     progress.Report(stage, fraction);
@@ -39,8 +40,9 @@ RunContext ToContext(Progress& progress) {
           [&progress](const std::string& stage, double fraction) { progress.Report(stage, fraction); }};
 }
 
-int LossExitCode(const RunOptions& options, std::size_t lost) {
-  if (lost == 0) return kExitDone;
+int LossExitCode(const RunOptions& options, const Model& model) {
+  if (options.strict && !KnowsUnit(model)) return kExitFailed;
+  if (LossCount(model) == 0) return kExitDone;
   return options.strict ? kExitFailed : kExitLost;
 }
 
@@ -65,7 +67,7 @@ int InspectCommand(const CommandArguments& arguments) {
   const nlohmann::json answer = {{"facetless", ProgramJson(arguments.options.threads)},
                                  {"model", ImportedModelJson(imported.value())}};
   Print(JsonText(answer));
-  return LossExitCode(arguments.options, LossCount(*imported.value().model));
+  return LossExitCode(arguments.options, *imported.value().model);
 }
 
 int ContinuityCommand(const CommandArguments& arguments) {
@@ -79,7 +81,7 @@ int ContinuityCommand(const CommandArguments& arguments) {
        {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
       {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
   Print(JsonText(answer));
-  return LossExitCode(arguments.options, LossCount(model));
+  return LossExitCode(arguments.options, model);
 }
 
 int RenderCommand(const CommandArguments& arguments) {
@@ -101,7 +103,7 @@ int MeshCommand(const CommandArguments& arguments) {
   if (auto moved = MoveFile(files.value().mesh_paths.front(), arguments.out); !moved)
     return PrintError(moved.error());
   Print(arguments.out);
-  return LossExitCode(arguments.options, LossCount(model.value()));
+  return LossExitCode(arguments.options, model.value());
 }
 
 int CompareCommand(const CommandArguments& arguments) {

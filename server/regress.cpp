@@ -225,6 +225,7 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   ImportRequest import;
   import.input = entry.file;
   import.limits = entry.options.import_limits;
+  import.unit_mm = entry.options.unit_mm;
   import.cancel = request.context.cancel;
   auto imported = Import(import);
   if (!imported) return imported.error();

@@ -147,22 +147,23 @@ class Run {
 
   // Completes the report and writes it.
   Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
-    Json report = {{"facetless", ProgramJson(options_.threads)},
-                   {"command", command_},
-                   {"options",
-                    {{"samples", options_.samples},
-                     {"precision", PrecisionName(options_.precision)},
-                     {"shade", FormatInspection(options_.inspection)},
-                     {"edges", options_.edges},
-                     {"audit", options_.audit}}},
-                   {"model", ImportedModelJson(imported_)},
-                   {"views", std::move(views)},
-                   {"timing_ms",
-                    {{"import", imported_.import_ms},
-                     {"load", imported_.load_ms},
-                     {"scene", scene_ms_},
-                     {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
-                   {"verdict", VerdictJson(options_, LossCount(*imported_.model), values)}};
+    Json report = {
+        {"facetless", ProgramJson(options_.threads)},
+        {"command", command_},
+        {"options",
+         {{"samples", options_.samples},
+          {"precision", PrecisionName(options_.precision)},
+          {"shade", FormatInspection(options_.inspection)},
+          {"edges", options_.edges},
+          {"audit", options_.audit}}},
+        {"model", ImportedModelJson(imported_)},
+        {"views", std::move(views)},
+        {"timing_ms",
+         {{"import", imported_.import_ms},
+          {"load", imported_.load_ms},
+          {"scene", scene_ms_},
+          {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
+        {"verdict", VerdictJson(options_, LossCount(*imported_.model), values, KnowsUnit(*imported_.model))}};
     if (ShowsSmoothness(options_.inspection.kind))
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
@@ -226,6 +227,10 @@ Json ImportedModelJson(const ImportedModel& imported) {
   return json;
 }
 
+bool KnowsUnit(const Model& model) {
+  return !model.info.unit.empty();
+}
+
 std::size_t LossCount(const Model& model) {
   return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
 }
@@ -238,7 +243,8 @@ Result<void> WriteReport(const Json& report, const std::string& directory) {
   return WriteFileAtomically(directory + "/report.html", html.value());
 }
 
-Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values) {
+Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values,
+                 bool unit_known) {
   Json broken = Json::array();
   for (const ViewValues& view : values) {
     const auto check = [&](const char* name, const std::optional<double>& limit, double value) {
@@ -255,14 +261,10 @@ Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<
     check("fail_flip", options.fail.flip, view.flip);
     check("fail_share", options.fail.share, view.share);
   }
-  const bool failed = !broken.empty() || (options.strict && lost > 0);
-  return {{"passed", !failed},
-          {"strict", options.strict},
-          {"lost", lost},
-          {"broken", broken},
-          {"exit_code", failed     ? 2
-                        : lost > 0 ? 1
-                                   : 0}};
+  const bool failed = !broken.empty() || (options.strict && (lost > 0 || !unit_known));
+  return {{"passed", !failed}, {"strict", options.strict},
+          {"lost", lost},      {"unit_known", unit_known},
+          {"broken", broken},  {"exit_code", failed ? 2 : lost > 0 ? 1 : 0}};
 }
 
 Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,

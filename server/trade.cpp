@@ -328,7 +328,7 @@ class Sweep {
                        {"mesher_threads", 1},
                        {"load_at_start", load_at_start_},
                        {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
-                     {"verdict", VerdictJson(options_, LossCount(model()), {})}};
+                     {"verdict", VerdictJson(options_, LossCount(model()), {}, KnowsUnit(model()))}};
     if (auto written = WriteReport(result.report, directory_); !written) return written.error();
     return result;
   }

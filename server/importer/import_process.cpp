@@ -321,6 +321,8 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   child.program = ImporterPath();
   child.arguments = {std::filesystem::absolute(request.input, path_error).string(), "--model",
                      files.model_path};
+  if (request.unit_mm > 0)
+    child.arguments.insert(child.arguments.end(), {"--unit-mm", Number(request.unit_mm)});
   for (std::size_t i = 0; i < request.meshes.size(); ++i) {
     const TessellationOptions& mesh = request.meshes[i];
     files.mesh_paths.push_back(files.directory.File("mesh" + std::to_string(i) + ".glb"));
