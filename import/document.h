@@ -19,6 +19,9 @@ struct FaceOrigin {
   std::string entity, name;
   int bounds = 0;  // that have edges; 0: not known
   int edges = 0;   // different ones, of all bounds; 0: not known
+  int sense = 0;   // 1: the face looks where its surface does, −1: the other way; 0: not known
+  // Of a torus that meets its axis the face has the outer part, the apple (1), or the inner one, the lemon (−1); 0: no such torus.
+  int torus_part = 0;
 };
 
 struct Prototype {

@@ -119,6 +119,63 @@ bool AreNeighbours(const Curve& a, const Curve& b) {
   return high - low <= 1 || (low == 0 && high + 1 == a.count);
 }
 
+// A loop as a polygon, with a point within each of its segments.
+struct Outline {
+  std::vector<Vec2> corners, middles, ends;  // ends: where the segment of each middle ends
+  Box box;
+};
+
+Outline OutlineOf(const FaceLoop& loop) {
+  constexpr int kSteps = 8;
+  Outline outline;
+  for (const LoopCoedge& coedge : loop.coedges) {
+    for (const LoopSegment& segment : coedge.segments) {
+      const int steps = segment.points.size() == 2 ? 1 : kSteps;
+      for (int i = 0; i < steps; ++i)
+        outline.corners.push_back(Point(EvaluateBezier(segment.points, static_cast<double>(i) / steps)));
+      if (!coedge.edge.IsNull() && !coedge.degenerate) {
+        outline.middles.push_back(Point(EvaluateBezier(segment.points, 0.5)));
+        outline.ends.push_back(Point(segment.points.back()));
+      }
+      const Box box = BoxOf(segment.points);
+      outline.box.Add({box.u0, box.v0});
+      outline.box.Add({box.u1, box.v1});
+    }
+  }
+  return outline;
+}
+
+// 1 inside the polygon, −1 outside, 0 nearer to it than `tolerance`.
+int SideOf(Vec2 p, const std::vector<Vec2>& polygon, double tolerance) {
+  bool inside = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()], chord = b - a;
+    const double square = Dot(chord, chord);
+    const double t = square > 0 ? std::clamp(Dot(p - a, chord) / square, 0.0, 1.0) : 0;
+    if (Length(p - a - t * chord) <= tolerance) return 0;
+    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
+  }
+  return inside ? 1 : -1;
+}
+
+// True if one loop lies on both sides of the other. OpenCASCADE splits edges where loops cross: there they only meet.
+bool Straddles(const Outline& loop, const Outline& other, Vec2& at) {
+  // A polygon of eighths of arcs of an eighth of a turn is off the arc by less than this share of its size.
+  constexpr double kOffArc = 2e-2;
+  if (!loop.box.Meets(other.box)) return false;
+  const double tolerance = kOffArc * std::min(loop.box.Size(), other.box.Size());
+  int before = 0;
+  for (std::size_t i = 0; i < loop.middles.size(); ++i) {
+    const int side = SideOf(loop.middles[i], other.corners, tolerance);
+    if (side * before < 0) {
+      at = loop.ends[i - 1];
+      return true;
+    }
+    if (side != 0) before = side;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<LoopCrossing> CrossingsOf(const std::vector<FaceLoop>& loops) {
@@ -146,6 +203,16 @@ std::vector<LoopCrossing> CrossingsOf(const std::vector<FaceLoop>& loops) {
   std::vector<LoopCrossing> crossings;
   std::set<std::pair<std::size_t, std::size_t>> found;
   int steps = 0;
+  std::vector<Outline> outlines;
+  for (const FaceLoop& loop : loops) outlines.push_back(OutlineOf(loop));
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    for (std::size_t j = i + 1; j < loops.size(); ++j) {
+      Vec2 at;
+      if (!Straddles(outlines[i], outlines[j], at) && !Straddles(outlines[j], outlines[i], at)) continue;
+      found.insert({i, j});
+      crossings.push_back({i, j, at});
+    }
+  }
   for (std::size_t i = 0; i < curves.size(); ++i) {
     for (std::size_t j = i + 1; j < curves.size() && curves[j].box.u0 <= curves[i].box.u1; ++j) {
       if (++steps > kMostFaceSteps) return crossings;

@@ -1,18 +1,21 @@
 #include "import/mend_face.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom_Curve.hxx>
 #include <Geom_Surface.hxx>
+#include <Geom_ToroidalSurface.hxx>
 #include <Precision.hxx>
-#include <ShapeFix_Face.hxx>
 #include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "import/surface_patches.h"
 
@@ -99,14 +102,27 @@ MendedFace MendFace(const std::vector<TopoDS_Face>& pieces) {
       for (const TopoDS_Edge& edge : edges) builder.Add(wire, edge);
       builder.Add(face, wire);
     }
-    ShapeFix_Face fix(face);
-    fix.FixAddNaturalBoundMode() = 0;
-    fix.Perform();
-    if (fix.Face().IsNull() || fix.Result().ShapeType() != TopAbs_FACE) return mended;
-    mended.face = TopoDS::Face(fix.Result());
+    mended.face = face;
   }
   if (pieces.front().Orientation() == TopAbs_REVERSED) mended.face.Reverse();
   return mended;
+}
+
+TopoDS_Face TorusPart(const TopoDS_Face& face, int part) {
+  TopLoc_Location location;
+  const auto torus = Handle(Geom_ToroidalSurface)::DownCast(Untrimmed(BRep_Tool::Surface(face, location)));
+  if (part == 0 || torus.IsNull() || !(torus->MinorRadius() > torus->MajorRadius())) return face;
+  double u0, u1, v0, v1;
+  BRepTools::UVBounds(face, u0, u1, v0, v1);
+  constexpr double kTurn = 2 * std::numbers::pi;
+  if (u1 - u0 < kTurn - Precision::PConfusion() || v1 - v0 < kTurn - Precision::PConfusion()) return face;
+  const double pole = std::acos(-torus->MajorRadius() / torus->MinorRadius());
+  BRepBuilderAPI_MakeFace made(torus, 0, kTurn, part > 0 ? -pole : pole, part > 0 ? pole : kTurn - pole,
+                               Precision::Confusion());
+  if (!made.IsDone()) return face;
+  TopoDS_Face result = TopoDS::Face(made.Face().Moved(location));
+  if (face.Orientation() == TopAbs_REVERSED) result.Reverse();
+  return result;
 }
 
 }  // namespace facetless

@@ -18,4 +18,8 @@ struct MendedFace {
 // `pieces` are one face of a file, on one surface. May raise OpenCASCADE's exceptions.
 MendedFace MendFace(const std::vector<TopoDS_Face>& pieces);
 
+// The apple (`part` 1) or the lemon (−1) of a torus that meets its axis, if `face` is the whole of that torus, where the file means one of
+// the two; else `face` itself. May raise OpenCASCADE's exceptions.
+TopoDS_Face TorusPart(const TopoDS_Face& face, int part);
+
 }  // namespace facetless

@@ -1,6 +1,8 @@
 #include "import/part_converter.h"
 
+#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
 #include <OSD_Signal.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
@@ -174,7 +176,8 @@ void PartConverter::AddFace(std::size_t index) {
   try {
     OCC_CATCH_SIGNALS
     mended_edges_ = 0;
-    reason = TryFace(member, member.face);
+    const FaceOrigin* from = OriginOf(member.face);
+    reason = TryFace(member, from != nullptr ? TorusPart(member.face, from->torus_part) : member.face);
     stored_[index] = reason.empty();
     if (reason.empty()) return;
     const TopoDS_Face mended = Mended(index);
@@ -401,6 +404,32 @@ bool PartConverter::IsClosed(int group) const {
                      [](const auto& use) { return use.second.first == 1 && use.second.second == 1; });
 }
 
+// OpenCASCADE turns solids whose faces look inwards. In other formats than STEP it leaves them: their volume is negative.
+void PartConverter::WarnOfTurning(int group) {
+  std::size_t turned = 0, known = 0, all = 0;
+  std::uint32_t example = 0;
+  double volume = 0;
+  for (std::size_t i = 0; i < face_groups_.size(); ++i) {
+    if (face_groups_[i] != group) continue;
+    const std::uint32_t index = first_face_ + static_cast<std::uint32_t>(i);
+    const FaceOrigin* origin = OriginOf(faces_[index]);
+    if (all++ == 0) example = index;
+    if (origin != nullptr && origin->sense != 0) {
+      ++known;
+      if ((origin->sense < 0) != model_.faces[index].reversed) ++turned;
+    } else {
+      GProp_GProps properties;
+      BRepGProp::VolumeProperties(faces_[index], properties);
+      volume += properties.Mass();
+    }
+  }
+  const bool by_senses = known == all && turned == all;
+  if (!by_senses && !(known == 0 && volume < 0)) return;
+  model_.info.warnings.push_back("The solid with face " + FaceName(example) +
+                                 " is inside out: its faces look inwards" +
+                                 (by_senses ? ", and were turned." : "."));
+}
+
 void PartConverter::End() {
   CheckAgainstFile();
   // Make solids of the groups: those that the file calls solids, and shells that turn out closed.
@@ -414,6 +443,7 @@ void PartConverter::End() {
       continue;
     const bool closed = IsClosed(static_cast<int>(g));
     if (!groups_[g].solid && !closed) continue;
+    if (closed) WarnOfTurning(static_cast<int>(g));
     solid_of_group[g] = Size(model_.solids.size());
     model_.solids.push_back({Size(model_.parts.size()), closed, groups_[g].name});
   }

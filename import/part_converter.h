@@ -77,6 +77,7 @@ class PartConverter {
   bool SameOrigin(const TopoDS_Face& face, const FaceOrigin& origin) const;
   bool HasLosses(std::uint32_t face) const;
   bool IsClosed(int group) const;
+  void WarnOfTurning(int group);
 
   const CadDocument& document_;
   const Prototype& prototype_;

@@ -95,7 +95,9 @@ TopoDS_Shape BakedShape(const TopoDS_Shape& shape, const gp_Trsf& transformation
     const void* before = face.Current().TShape().get();
     const void* after = transform.ModifiedShape(face.Current()).TShape().get();
     if (const auto origin = document.origins.find(before); origin != document.origins.end()) {
-      const FaceOrigin copy = origin->second;
+      FaceOrigin copy = origin->second;
+      // A mirrored face looks the other way.
+      if (transformation.IsNegative()) copy.sense = -copy.sense;
       document.origins[after] = copy;
     }
     if (const auto color = colors.find(before); color != colors.end()) {

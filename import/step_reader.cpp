@@ -18,12 +18,18 @@
 #include <StepAP214.hxx>
 #include <StepAP214_Protocol.hxx>
 #include <StepBasic_ProductDefinition.hxx>
+#include <StepBasic_ProductDefinitionRelationship.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepGeom_CartesianPoint.hxx>
+#include <StepGeom_DegenerateToroidalSurface.hxx>
 #include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
 #include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepGeom_Surface.hxx>
+#include <StepRepr_CharacterizedDefinition.hxx>
 #include <StepRepr_GlobalUnitAssignedContext.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_ProductDefinitionShape.hxx>
+#include <StepShape_ContextDependentShapeRepresentation.hxx>
 #include <StepShape_EdgeCurve.hxx>
 #include <StepShape_EdgeLoop.hxx>
 #include <StepShape_FaceBound.hxx>
@@ -217,6 +223,7 @@ class StepReader {
       OCC_CATCH_SIGNALS
       xcaf_ = NewXcafDocument();
       if (reader_.Transfer(xcaf_)) AddAssembly(xcaf_, source_.name, document_);
+      whole_ = !document_.prototypes.empty();
     } catch (const Standard_Failure&) {
       Discard();
     }
@@ -229,6 +236,7 @@ class StepReader {
     document_.linear_maps = source_.step_repair.linear_maps;
     ResolvePlacements(document_);
     NoteLosses();
+    if (whole_) NoteOccurrences();
     NoteExternalFiles();
   }
 
@@ -360,6 +368,10 @@ class StepReader {
     origin.entity = EntityOf(face);
     if (const auto name = names_.find(origin.entity); name != names_.end()) origin.name = name->second;
     CountBounds(face, origin);
+    origin.sense = face->SameSense() ? 1 : -1;
+    if (const auto torus = Handle(StepGeom_DegenerateToroidalSurface)::DownCast(face->FaceGeometry());
+        !torus.IsNull())
+      origin.torus_part = torus->SelectOuter() ? 1 : -1;
     return origin;
   }
 
@@ -394,6 +406,29 @@ class StepReader {
     }
     for (const StepLostItem& item : repair.lost)
       document_.info.faces_lost.push_back({kNoIndex, item.name, item.entity, item.reason});
+  }
+
+  // Occurrences that have a placement, but whose shape OpenCASCADE did not place.
+  void NoteOccurrences() {
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const auto placed = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(model->Value(i));
+      if (placed.IsNull() || !TransferBRep::ShapeResult(process, placed).IsNull()) continue;
+      const Handle(StepRepr_ProductDefinitionShape) shape = placed->RepresentedProductRelation();
+      if (shape.IsNull()) continue;
+      const auto usage = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(
+          shape->Definition().ProductDefinitionRelationship());
+      if (usage.IsNull() || !TransferBRep::ShapeResult(process, usage).IsNull()) continue;
+      // A part without a shape has none to place.
+      const Handle(StepBasic_ProductDefinition) part = usage->RelatedProductDefinition();
+      if (part.IsNull() || TransferBRep::ShapeResult(process, part).IsNull()) continue;
+      const Handle(TCollection_HAsciiString) name = usage->Name();
+      document_.info.faces_lost.push_back({kNoIndex,
+                                           name.IsNull() ? std::string() : DecodeStepText(name->ToCString()),
+                                           Label(static_cast<std::uint64_t>(model->IdentLabel(usage))),
+                                           "OpenCASCADE could not place this occurrence of a part"});
+    }
   }
 
   // Parts whose shape is in another file are lost: what comes to us is one file, and the sandbox opens no other.
@@ -437,6 +472,7 @@ class StepReader {
     if (reason.empty()) reason = FirstMessage(process->Check(face->FaceGeometry()));
     if (reason.empty()) reason = FirstMessage(process->Check(face));
     if (!reason.empty()) reason = "OpenCASCADE: " + Tidied(reason);
+    if (reason.empty() && !Session()->Graph().Sharings(face).More()) return "nothing in the file holds it";
     return reason.empty() ? "OpenCASCADE made no face of it and gave no reason" : reason;
   }
 
@@ -459,6 +495,7 @@ class StepReader {
   STEPCAFControl_Reader reader_;
   Handle(TDocStd_Document) xcaf_;
   CadDocument document_;
+  bool whole_ = false;                                  // read with its product structure
   std::unordered_map<std::string, std::string> names_;  // of faces, by entity
   std::set<std::string> arrived_;                       // entities of faces that OpenCASCADE made shapes of
 };

@@ -319,6 +319,7 @@ class Repairer {
     for (const StepEntity& entity : entities_.all()) {
       if (entity.structure == 0 && !dropped_.contains(&entity)) Check(entity);
     }
+    LeaveOutSpurs();
     TakeOut();
     MapReplicas();
     MapOperators();
@@ -397,6 +398,7 @@ class Repairer {
     const bool listed = complex || std::any_of(kNeeded.begin(), kNeeded.end(), named);
     const bool sensed = std::any_of(kSenses.begin(), kSenses.end(), named);
     const bool curve = IsSurfaceCurve(keyword) || keyword == "TRIMMED_CURVE";
+    if (keyword == "CARTESIAN_POINT") CheckCoordinates(entity);
     if (!listed && !sensed && !curve) return;
     std::optional<StepRecord> record = entities_.Record(entity);
     if (!record) return;
@@ -412,6 +414,25 @@ class Repairer {
       if (rule.keyword == keyword) CheckSense(entity, *record, rule);
     }
     if (curve) CheckCurve(entity, *record);
+  }
+
+  // Points have at most three coordinates. More of them, none with a point, are numbers with decimal commas.
+  void CheckCoordinates(const StepEntity& entity) {
+    const std::string_view body = entity.Body(entities_.bytes());
+    if (std::count(body.begin(), body.end(), ',') <= 3) return;
+    const auto record = entities_.Record(entity);
+    const StepValue* list = record ? Value(*record, 1) : nullptr;
+    if (list == nullptr || !list->IsList() || list->items.size() <= 3) return;
+    const bool pointed = std::any_of(list->items.begin(), list->items.end(), [](const StepValue& item) {
+      return item.text.find('.') != std::string_view::npos;
+    });
+    const std::string count = std::to_string(list->items.size());
+    if (pointed) {
+      Warn("The point " + Label(entity.id) + " has " + count + " coordinates, of which three are read.");
+    } else if (repair_.refusal.empty()) {
+      repair_.refusal = "writes its numbers with decimal commas: the point " + Label(entity.id) + " has " +
+                        count + " coordinates instead of three; export the model again with decimal points.";
+    }
   }
 
   static bool IsSurfaceCurve(std::string_view keyword) {
@@ -471,6 +492,69 @@ class Repairer {
     Warn("The " + Lower(entity.keyword) + " " + Label(entity.id) +
          (trimmed ? " has no trims" : " has no curves on surfaces") + "; curve " + Label(basis->reference) +
          " was used in its place.");
+  }
+
+  static std::vector<std::uint64_t> ReferencesIn(std::string_view body) {
+    std::vector<std::uint64_t> references;
+    ForEachReference(body, [&](std::uint64_t id) { references.push_back(id); });
+    return references;
+  }
+
+  // On a cylinder and on a torus an edge that is followed by itself in the other sense encloses nothing; OpenCASCADE takes it for the seam.
+  // Elsewhere it may be one: on a cone and on a sphere the seam turns back at a pole.
+  void LeaveOutSpurs() {
+    const std::string_view bytes = entities_.bytes();
+    for (const StepEntity& face : entities_.all()) {
+      if (!IsFaceKeyword(face.keyword) || face.structure != 0 || dropped_.contains(&face)) continue;
+      const std::vector<std::uint64_t> parts = ReferencesIn(face.Body(bytes));
+      const StepEntity* surface = parts.empty() ? nullptr : entities_.Find(parts.back());
+      if (surface == nullptr ||
+          (surface->keyword != "CYLINDRICAL_SURFACE" && surface->keyword != "TOROIDAL_SURFACE"))
+        continue;
+      for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
+        const StepEntity* bound = entities_.Find(parts[i]);
+        if (bound == nullptr) continue;
+        const std::vector<std::uint64_t> loops = ReferencesIn(bound->Body(bytes));
+        const StepEntity* loop = loops.size() == 1 ? entities_.Find(loops.front()) : nullptr;
+        if (loop != nullptr && loop->keyword == "EDGE_LOOP" && !gone_.contains(loop)) LeaveOutSpurs(*loop);
+      }
+    }
+  }
+
+  void LeaveOutSpurs(const StepEntity& loop) {
+    struct Use {
+      std::uint64_t oriented = 0, edge = 0;
+      bool forward = true;
+    };
+    std::vector<Use> uses;
+    std::unordered_set<std::uint64_t> edges;
+    for (const std::uint64_t id : ReferencesIn(loop.Body(entities_.bytes()))) {
+      const StepEntity* oriented = entities_.Find(id);
+      if (oriented == nullptr || oriented->keyword != "ORIENTED_EDGE") return;
+      const std::vector<std::uint64_t> edge = ReferencesIn(oriented->Body(entities_.bytes()));
+      if (edge.empty()) return;
+      uses.push_back(
+          {id, edge.back(), oriented->Body(entities_.bytes()).find(".F.") == std::string_view::npos});
+      edges.insert(edge.back());
+    }
+    if (edges.size() == uses.size()) return;
+    std::vector<Use> kept = uses;
+    for (bool found = true; found && kept.size() > 2;) {
+      found = false;
+      for (std::size_t i = 0; i < kept.size() && !found; ++i) {
+        const std::size_t next = (i + 1) % kept.size();
+        if (kept[i].edge != kept[next].edge || kept[i].forward == kept[next].forward) continue;
+        Warn("The edge loop " + Label(loop.id) + " walks edge " + Label(kept[i].edge) +
+             " there and back, which was left out.");
+        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(std::max(i, next)));
+        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(std::min(i, next)));
+        found = true;
+      }
+    }
+    if (kept.size() == uses.size()) return;
+    std::string body = "EDGE_LOOP('',(";
+    for (std::size_t i = 0; i < kept.size(); ++i) body += (i == 0 ? "" : ",") + Label(kept[i].oriented);
+    edits_[&loop] = body + "))";
   }
 
   void Remove(const StepEntity& entity, const char* what) {
@@ -950,7 +1034,8 @@ class Repairer {
         const bool comment = at + 1 < text.size() && text[at + 1] == '*';
         const std::size_t end = comment ? text.find("*/", at + 2) : at;
         const std::size_t behind = !comment ? at + 1 : end == std::string_view::npos ? text.size() : end + 2;
-        out.append(text.substr(at, behind - at));
+        // The reader has no room for a long comment, either; nobody misses it.
+        if (behind - at <= kLongestText) out.append(text.substr(at, behind - at));
         at = behind;
         continue;
       }
@@ -1056,6 +1141,11 @@ class Repairer {
 
   bool HasLongText() const {
     const std::string_view bytes = entities_.bytes();
+    for (std::size_t begin = 0; (begin = bytes.find("/*", begin)) != std::string_view::npos; ++begin) {
+      const std::size_t end = bytes.find("*/", begin);
+      if (end == std::string_view::npos || end - begin > kLongestText) return true;
+      begin = end;
+    }
     std::size_t at = 0;
     while ((at = bytes.find('\'', at)) != std::string_view::npos) {
       const std::size_t end = bytes.find('\'', at + 1);
@@ -1093,6 +1183,46 @@ class Repairer {
 
 StepRepair RepairStep(std::string_view bytes) {
   return Repairer(bytes).Run();
+}
+
+std::size_t FlattenScopes(std::string& bytes) {
+  constexpr std::string_view kBegin = "&SCOPE", kEnd = "ENDSCOPE";
+  if (bytes.find(kBegin) == std::string::npos) return 0;
+  std::string out;
+  std::vector<std::string> open;          // what begins an entity, before its scope
+  std::size_t scopes = 0, statement = 0;  // statement: where the last one began in `out`
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::string_view rest = std::string_view(bytes).substr(at);
+    if (rest.front() == '\'') {
+      const std::size_t end = std::min(rest.find('\'', 1), rest.size() - 1) + 1;
+      out += rest.substr(0, end);
+      at += end;
+    } else if (rest.starts_with("/*")) {
+      const std::size_t end = rest.find("*/");
+      at += end == std::string_view::npos ? rest.size() : end + 2;
+    } else if (rest.starts_with(kBegin)) {
+      open.push_back(out.substr(statement));
+      out.resize(statement);
+      at += kBegin.size();
+      ++scopes;
+    } else if (rest.starts_with(kEnd) && !open.empty()) {
+      at += kEnd.size();
+      // The list of what is seen from outside.
+      const std::size_t list = rest.find_first_not_of(" \t\n", kEnd.size());
+      if (list != std::string_view::npos && rest[list] == '/') {
+        const std::size_t end = rest.find('/', list + 1);
+        at += (end == std::string_view::npos ? rest.size() : end + 1) - kEnd.size();
+      }
+      out += open.back();
+      open.pop_back();
+    } else {
+      out += rest.front();
+      if (rest.front() == ';') statement = out.size();
+      ++at;
+    }
+  }
+  bytes = std::move(out);
+  return scopes;
 }
 
 std::vector<StepFace> DeclaredFaces(std::string_view bytes) {

@@ -31,10 +31,15 @@ struct StepRepair {
   std::vector<StepLostItem> lost;  // bodies, occurrences; and what stands beside the first file
   std::unordered_map<std::uint64_t, std::string> faces_out;  // declared faces that were taken out, and why
   std::vector<LinearMap> linear_maps;                        // what each stand-in stands for
-  bool unit_missing = false;                                 // a representation of bodies has no length unit
+  std::string refusal;        // why the file must not be read at all, to follow its name; empty: it may
+  bool unit_missing = false;  // a representation of bodies has no length unit
 };
 
 StepRepair RepairStep(std::string_view bytes);
+
+// Takes the entities of scopes out of them: "#1=&SCOPE #2=A(); ENDSCOPE/#2/ B(#2);" becomes "#2=A(); #1=B(#2);". Returns the number of
+// scopes.
+std::size_t FlattenScopes(std::string& bytes);
 
 // Faces that the file declares: ADVANCED_FACE, FACE_SURFACE and FACE, whatever their names, of all exchange structures; and the surfaces
 // that stand for themselves in a GEOMETRIC_SET.
