@@ -119,6 +119,7 @@ void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
     Occurrence occurrence;
     occurrence.prototype = known->second;
     occurrence.placement = node.Location.Transformation();
+    occurrence.location = node.Location;
     for (int depth = 0; depth <= explorer.CurrentDepth(); ++depth) {
       const XCAFPrs_DocumentNode& step = explorer.Current(depth);
       std::string text = NameOf(step.Label);
@@ -134,7 +135,7 @@ void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
   }
   if (has_loose) {
     loose.shape = loose_shapes;
-    document.occurrences.push_back({document.prototypes.size(), gp_Trsf(), false, {}, {}});
+    document.occurrences.push_back({document.prototypes.size(), gp_Trsf(), false, {}, {}, {}});
     document.prototypes.push_back(std::move(loose));
   }
 }
@@ -174,7 +175,8 @@ void Place(const TopoDS_Shape& shape, Placing& placing, const std::string& name,
   const auto [known, added] =
       placing.prototypes.try_emplace(shape.TShape().get(), document.prototypes.size());
   if (added) document.prototypes.push_back({name, shape.Located(TopLoc_Location()), {}});
-  document.occurrences.push_back({known->second, shape.Location().Transformation(), false, {}, {}});
+  document.occurrences.push_back(
+      {known->second, shape.Location().Transformation(), false, {}, {}, shape.Location()});
 }
 
 }  // namespace
@@ -186,7 +188,7 @@ void AddShape(const TopoDS_Shape& shape, const std::string& name, CadDocument& d
   BRep_Builder().MakeCompound(placing.rest);
   Place(shape, placing, name, document);
   if (!placing.has_rest) return;
-  document.occurrences.push_back({document.prototypes.size(), gp_Trsf(), false, {}, {}});
+  document.occurrences.push_back({document.prototypes.size(), gp_Trsf(), false, {}, {}, {}});
   document.prototypes.push_back({name, placing.rest, {}});
 }
 

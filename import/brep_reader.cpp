@@ -26,9 +26,13 @@ Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress) {
     AddShape(shape, source.name, document);
     TopTools_IndexedMapOfShape faces;
     TopExp::MapShapes(shape, TopAbs_FACE, faces);
-    for (int i = 1; i <= faces.Extent(); ++i)
-      document.origins[faces(i).TShape().get()].entity = "face " + std::to_string(i);
-    document.info.faces_declared = document.origins.size();
+    for (int i = 1; i <= faces.Extent(); ++i) {
+      // A face in two places is one.
+      std::string& entity = document.origins[faces(i).TShape().get()].entity;
+      if (!entity.empty()) continue;
+      entity = "face " + std::to_string(i);
+      document.declared.push_back({entity, {}});
+    }
   } catch (const Standard_Failure& failure) {
     return Error{ErrorCode::kFormatBroken, source.name + " is a BREP file that cannot be parsed (" +
                                                failure.DynamicType()->Name() + "); export the model again."};

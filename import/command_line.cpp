@@ -24,6 +24,7 @@ constexpr char kHelp[] =
     "                       one out (depth in directions, infinite for a miss)\n"
     "    --rays-seconds S     answer as many as S seconds allow (default 10)\n"
     "    --rays-near D        only hits at a depth of at least D count\n"
+    "  --unit-mm MM         one unit of the file in millimetres, whatever the file says\n"
     "  --deadline-s N       give up after N seconds\n"
     "\n"
     "Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.\n";
@@ -67,11 +68,16 @@ Result<CommandLine> ParseCommandLine(int argc, const char* const* argv) {
       line.meshes.push_back({});
       line.meshes.back().path = value;
     } else if (option == "--deflection" || option == "--deflection-mm" || option == "--angular" ||
-               option == "--deadline-s" || option == "--rays-seconds" || option == "--rays-near") {
+               option == "--deadline-s" || option == "--unit-mm" || option == "--rays-seconds" ||
+               option == "--rays-near") {
       const double number = PositiveNumber(value);
       if (number == 0) return Usage(option + " needs a number above 0, not \"" + value + "\".");
       if (option == "--deadline-s") {
         line.deadline_s = static_cast<unsigned>(std::ceil(std::fmin(number, 1e9)));
+        continue;
+      }
+      if (option == "--unit-mm") {
+        line.unit_mm = number;
         continue;
       }
       if (option.starts_with("--rays-")) {

@@ -21,6 +21,7 @@ struct CommandLine {
   std::string input, model;
   std::vector<MeshRequest> meshes;
   unsigned deadline_s = 0;  // 0: none
+  double unit_mm = 0;       // above 0: one unit of the file in mm, whatever the file says
   // Rays for OpenCASCADE's exact intersector (exact_intersector.h); none if `rays` is empty.
   std::string rays, depths;
   double rays_seconds = 10;

@@ -2,13 +2,19 @@
 
 #include <TopLoc_Location.hxx>
 #include <TopoDS.hxx>
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <unordered_set>
 
 #include "import/bounds.h"
 #include "import/part_converter.h"
 
 namespace facetless {
 namespace {
+
+// Of a face of which some pieces are shown.
+const std::string kInPart = "a part of it is missing: ";
 
 Placement ToPlacement(const gp_Trsf& transformation) {
   Placement placement;
@@ -46,10 +52,48 @@ void FindLargestGap(Model& model) {
   }
 }
 
-Error NothingUsable(const ImportInfo& info) {
+// Makes what the file declares, what is shown and what is lost add up: faces_declared = faces_imported + faces_lost. A face counts once,
+// however many pieces OpenCASCADE makes of it and however many parts hold it; it is shown if nothing of it is lost. What is lost and is
+// no face (a body of another kind, an occurrence) counts as one that was declared.
+void Balance(const std::vector<DeclaredFace>& declared, Model& model) {
+  ImportInfo& info = model.info;
+  std::unordered_set<std::string> lost, shown;
+  std::erase_if(info.faces_lost,
+                [&](const Loss& loss) { return !loss.entity.empty() && !lost.insert(loss.entity).second; });
+  std::uint64_t unnamed = 0;
+  for (const Face& face : model.faces) {
+    if (face.entity.empty()) {
+      ++unnamed;
+    } else if (!lost.contains(face.entity)) {
+      shown.insert(face.entity);
+    }
+  }
+  for (const DeclaredFace& face : declared) {
+    if (shown.contains(face.entity) || !lost.insert(face.entity).second) continue;
+    info.faces_lost.push_back({kNoIndex, face.name, face.entity, "no shape that is shown holds it"});
+  }
+  info.faces_imported = shown.size() + unnamed;
+  info.faces_declared = info.faces_imported + info.faces_lost.size();
+  // A face of which one piece of several is lost is not shown as it should be.
+  for (const Face& face : model.faces) {
+    if (face.entity.empty() || !lost.contains(face.entity)) continue;
+    const auto loss = std::find_if(info.faces_lost.begin(), info.faces_lost.end(),
+                                   [&](const Loss& l) { return l.entity == face.entity; });
+    if (loss != info.faces_lost.end() && !loss->reason.starts_with(kInPart))
+      loss->reason = kInPart + loss->reason;
+  }
+}
+
+Error NothingUsable(const ImportInfo& info, bool declares_faces) {
   std::string message;
-  if (info.faces_declared == 0) {
+  if (!declares_faces) {
     message = info.file + " holds no face: no trimmed surface, shell or solid to render.";
+    if (!info.faces_lost.empty()) {
+      const Loss& loss = info.faces_lost.front();
+      message += " It holds " + std::to_string(info.faces_lost.size()) +
+                 (info.faces_lost.size() == 1 ? " other body, " : " other bodies, the first ") + loss.entity +
+                 ": " + loss.reason + ".";
+    }
   } else {
     message =
         "None of the " + std::to_string(info.faces_declared) + " faces of " + info.file + " can be used";
@@ -80,8 +124,8 @@ Result<Conversion> Convert(CadDocument document, const Progress& progress) {
   }
   AddInstances(document, model);
   for (const Occurrence& occurrence : document.occurrences) result.placements.push_back(occurrence.placement);
-  model.info.faces_imported = model.faces.size();
-  if (model.PlacedFaceCount() == 0) return NothingUsable(model.info);
+  Balance(document.declared, model);
+  if (model.PlacedFaceCount() == 0) return NothingUsable(model.info, !document.declared.empty());
   FindLargestGap(model);
   model.bounds = PlacedBounds(model);
   return result;

@@ -1,6 +1,7 @@
 // What a reader makes of a CAD file: OpenCASCADE shapes as prototypes, where they are placed, and what the file says about them.
 #pragma once
 
+#include <TopLoc_Location.hxx>
 #include <TopoDS_Shape.hxx>
 #include <cstdint>
 #include <gp_Trsf.hxx>
@@ -8,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "import/step_placements.h"
 #include "render/model/model.h"
 
 namespace facetless {
@@ -17,6 +19,9 @@ struct FaceOrigin {
   std::string entity, name;
   int bounds = 0;  // that have edges; 0: not known
   int edges = 0;   // different ones, of all bounds; 0: not known
+  int sense = 0;   // 1: the face looks where its surface does, −1: the other way; 0: not known
+  // Of a torus that meets its axis the face has the outer part, the apple (1), or the inner one, the lemon (−1); 0: no such torus.
+  int torus_part = 0;
 };
 
 struct Prototype {
@@ -31,14 +36,23 @@ struct Occurrence {
   bool has_color = false;
   Color color;
   std::string name;
+  TopLoc_Location
+      location;  // what `placement` is made of; identity where nothing in it stands for anything else
+};
+
+// A face that the file declares; what became of it is counted when all is converted.
+struct DeclaredFace {
+  std::string entity, name;
 };
 
 struct CadDocument {
   ImportInfo info;  // what reading knows; conversion adds the rest
+  std::vector<DeclaredFace> declared;
   std::vector<Prototype> prototypes;
   std::vector<Occurrence> occurrences;
   std::unordered_map<const void*, FaceOrigin> origins;  // by TShape
   bool pcurves_in_file = false;
+  std::vector<LinearMap> linear_maps;  // what stand-ins among the placements stand for (step_placements.h)
 };
 
 }  // namespace facetless

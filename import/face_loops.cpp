@@ -9,6 +9,7 @@
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "import/pcurve.h"
@@ -19,8 +20,29 @@ namespace {
 // Ends closer than this, relative to the loop's size, differ by rounding only and are made equal.
 constexpr double kSnap = 64 * std::numeric_limits<double>::epsilon();
 
+// More than this share of a loop's length must not be invented to close it.
+constexpr double kMostInvented = 0.5;
+
+// A face whose edges lie farther off its surface than this share of its longest loop is not the face that was meant: a tenth of the
+// diameter of a circle of that length. Its surface was read in another unit, or is another one.
+constexpr double kFarOff = 0.03;
+
+// Loops of less area than this share of their box enclose nothing: edges that are walked there and back leave rounding. A sliver of a
+// nanometre along a metre has a hundred times as much.
+constexpr double kNoArea = 1e-11;
+
 struct Period {
   double u = 0, v = 0;
+};
+
+// Points of the face's surface, for lengths in millimetres.
+struct SurfacePoints {
+  const Handle(Geom_Surface) & surface;
+  double scale = 1;
+
+  double Distance(Vec2 a, Vec2 b) const {
+    return scale * surface->Value(a.x, a.y).Distance(surface->Value(b.x, b.y));
+  }
 };
 
 // One use of an edge before it has its place in a loop.
@@ -292,8 +314,14 @@ void Gather(std::vector<FaceLoop>& loops, const Period& period) {
   }
 }
 
+// How long the lines are that close a loop, in millimetres.
+struct Opening {
+  double longest = 0, all = 0;
+};
+
 // Makes consecutive ends equal: bit by bit where they differ by rounding, with a straight segment where the file leaves a gap.
-void Close(FaceLoop& loop, double size) {
+Opening Close(FaceLoop& loop, double size, const SurfacePoints& points) {
+  Opening opening;
   const auto link = [&](const Vec2& end, LoopCoedge& next, std::size_t index) {
     LoopSegment& segment = next.segments[index];
     Vec4& first = segment.points.front();
@@ -305,6 +333,9 @@ void Close(FaceLoop& loop, double size) {
       return false;
     }
     const Vec2 start = Point(first);
+    const double length = points.Distance(end, start);
+    opening.longest = std::fmax(opening.longest, length);
+    opening.all += length;
     LoopSegment connector{
         {{end.x, end.y, 0, 1}, {start.x, start.y, 0, 1}}, segment.edge_begin, segment.edge_begin};
     next.segments.insert(next.segments.begin() + static_cast<std::ptrdiff_t>(index), std::move(connector));
@@ -317,6 +348,30 @@ void Close(FaceLoop& loop, double size) {
       end = Point(coedge.segments[i].points.back());
     }
   }
+  return opening;
+}
+
+// The length of a loop's edges, by polygons through points of its segments, in millimetres.
+double LengthOf(const FaceLoop& loop, const SurfacePoints& points) {
+  constexpr int kSamples = 4;
+  double length = 0;
+  for (const LoopCoedge& coedge : loop.coedges) {
+    for (const LoopSegment& segment : coedge.segments) {
+      Vec2 before = Point(segment.points.front());
+      for (int i = 1; i <= kSamples; ++i) {
+        const Vec2 at = Point(EvaluateBezier(segment.points, static_cast<double>(i) / kSamples));
+        length += points.Distance(before, at);
+        before = at;
+      }
+    }
+  }
+  return length;
+}
+
+std::string Millimetres(double value) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.3g mm", value);
+  return text;
 }
 
 }  // namespace
@@ -346,7 +401,10 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file) {
     if (wires.Value().Orientation() == TopAbs_REVERSED) std::reverse(uses.begin(), uses.end());
     for (FaceLoop& loop : Chained(std::move(uses))) result.loops.push_back(std::move(loop));
   }
-  if (result.loops.empty()) return result;
+  if (result.loops.empty()) {
+    if (result.lost_edges.empty()) return result;
+    return Error{ErrorCode::kFormatBroken, "none of its edges has a curve on the surface"};
+  }
   // Unwrap, join what winds around, bring all into one turn, close.
   for (FaceLoop& loop : result.loops) Unwrap(loop, period);
   if (!JoinWindingLoops(result.loops, period, PolesOf(surface), result.repairs))
@@ -362,7 +420,29 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file) {
   result.box = BoxOf(result.loops);
   const double size = std::max({std::fabs(result.box.u0), std::fabs(result.box.u1), std::fabs(result.box.v0),
                                 std::fabs(result.box.v1)});
-  for (FaceLoop& loop : result.loops) Close(loop, size);
+  const SurfacePoints points{surface, std::fabs(location.Transformation().ScaleFactor())};
+  double longest = 0, gap = 0;
+  for (std::size_t i = 0; i < result.loops.size(); ++i) {
+    // Measure what the file gives before anything is invented.
+    const double length = LengthOf(result.loops[i], points);
+    longest = std::fmax(longest, length);
+    for (const LoopCoedge& coedge : result.loops[i].coedges) gap = std::fmax(gap, coedge.gap_mm);
+    const Opening opening = Close(result.loops[i], size, points);
+    if (opening.longest > result.open_mm) {
+      result.open_mm = opening.longest;
+      result.open_loop = i;
+      result.open_share = opening.longest / length;
+    }
+    if (!(opening.all <= kMostInvented * length))
+      return Error{ErrorCode::kFormatBroken, "its loop " + std::to_string(i + 1) + " of " +
+                                                 std::to_string(result.loops.size()) +
+                                                 " does not close: the ends of its edges are up to " +
+                                                 Millimetres(opening.longest) + " apart"};
+  }
+  if (!(std::fabs(area) > kNoArea * (result.box.u1 - result.box.u0) * (result.box.v1 - result.box.v0)))
+    return Error{ErrorCode::kFormatBroken, "its loops enclose no area"};
+  if (gap > kFarOff * longest)
+    return Error{ErrorCode::kFormatBroken, "one of its edges lies " + Millimetres(gap) + " off its surface"};
   return result;
 }
 

@@ -40,10 +40,14 @@ struct FaceLoops {
   ParameterBox box;                     // of all control points
   std::vector<TopoDS_Edge> lost_edges;  // no p-curve could be had
   std::vector<std::string> repairs;     // what had to be done, one clause each
+  double open_mm =
+      0;  // the longest line that was invented to close a loop, and its loop's number among the face's
+  std::size_t open_loop = 0;
+  double open_share = 0;  // of the loop's length
 };
 
 // The loops of `face` in its FORWARD orientation. `pcurves_in_file`: a stored p-curve is the file's. Errors: kFormatBroken (a wire that
-// cannot be closed on its surface).
+// cannot be closed on its surface, since nothing closes it or more of it would be invented than there is; loops that enclose nothing).
 Result<FaceLoops> LoopsOf(const TopoDS_Face& face, bool pcurves_in_file);
 
 }  // namespace facetless

@@ -197,8 +197,8 @@ class IgesReader {
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(IGESData_IGESEntity) entity = model->Entity(i);
       if (!IsFace(*entity)) continue;
-      ++document_.info.faces_declared;
       const FaceOrigin origin = OriginOf(entity);
+      document_.declared.push_back({origin.entity, origin.name});
       if (!arrived_.contains(origin.entity))
         document_.info.faces_lost.push_back(
             {kNoIndex, origin.name, origin.entity, ReasonFor(process, entity)});

@@ -263,22 +263,54 @@ const std::string* NotFinite(const std::vector<std::string>& tokens) {
   return nullptr;
 }
 
-// Where curves and surfaces that are made of others name them: tokens first … last − 1.
-std::pair<std::size_t, std::size_t> MadeOf(int type, const std::vector<std::string>& tokens) {
+// Where entities that are made of others name them: ranges of tokens, first … last − 1.
+using TokenRange = std::pair<std::size_t, std::size_t>;
+std::vector<TokenRange> MadeOf(int type, const std::vector<std::string>& tokens) {
+  const auto counted = [&](std::size_t count, std::size_t first) {
+    return TokenRange{first, first + static_cast<std::size_t>(std::clamp(NumberIn(tokens, count), 0.0, 1e7))};
+  };
   switch (type) {
     case 102:
-      return {2, 2 + static_cast<std::size_t>(std::clamp(NumberIn(tokens, 1), 0.0, 1e7))};
+    case 180:
+    case 184:
+    case 402:
+      return {counted(1, 2)};
     case 118:
     case 120:
-      return {1, 3};
+      return {{1, 3}};
     case 122:
     case 130:
-      return {1, 2};
+    case 186:
+    case 408:
+      return {{1, 2}};
     case 140:
-      return {5, 6};
+      return {{5, 6}};
+    case 142:
+      return {{2, 5}};
+    case 143:
+      return {{2, 3}, counted(3, 4)};
+    case 144:
+      return {{1, 2}, {4, 5}, counted(3, 5)};
+    case 308:
+      return {counted(3, 4)};
+    case 510:
+      return {{1, 2}, counted(2, 4)};
     default:
-      return {0, 0};
+      return {};
   }
+}
+
+// What the directory itself names: a structure, a line font, a level, a view, a matrix and a label display, as pointers. Some fields hold a
+// value where they are positive.
+std::vector<int> DirectoryPointers(const std::string& line) {
+  std::vector<int> pointers;
+  for (const std::size_t column : {16, 24, 32}) {
+    if (const int value = Field(line, column); value < 0) pointers.push_back(-value);
+  }
+  for (const std::size_t column : {40, 48, 56}) {
+    if (const int value = Field(line, column); value > 0) pointers.push_back(value);
+  }
+  return pointers;
 }
 
 // The directory number of an entity that is made of itself, by whatever detour: OpenCASCADE would follow it until its stack ends. 0 if
@@ -347,6 +379,8 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
     entity.dependent =
         lines.directory[i][67] != '0' && std::isdigit(static_cast<unsigned char>(lines.directory[i][67]));
     facts.entities.push_back(entity);
+    if (std::vector<int> pointers = DirectoryPointers(lines.directory[i]); !pointers.empty())
+      made_of[entity.directory] = std::move(pointers);
     const auto text = texts.of.find(entity.directory);
     bool ended = false;
     std::vector<std::string> tokens;
@@ -363,9 +397,10 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
       return Error{ErrorCode::kNotFinite,
                    entity_name() + " holds \"" + *bad +
                        "\", beyond what can be computed with; export the model again."};
-    const auto [first, last] = MadeOf(entity.type, tokens);
-    for (std::size_t t = first; t < std::min(last, tokens.size()); ++t)
-      made_of[entity.directory].push_back(static_cast<int>(std::clamp(NumberIn(tokens, t), -1.0, 1e7)));
+    for (const auto& [first, last] : MadeOf(entity.type, tokens)) {
+      for (std::size_t t = first; t < std::min(last, tokens.size()); ++t)
+        made_of[entity.directory].push_back(static_cast<int>(std::clamp(NumberIn(tokens, t), -1.0, 1e7)));
+    }
   }
   if (const int cycle = MadeOfItself(made_of); cycle != 0)
     return Error{ErrorCode::kFormatBroken,

@@ -197,7 +197,7 @@ int Import(const CommandLine& options, const Answer& answer) {
   // Read and convert.
   Result<SourceFile> source = OpenSource(options.input, scratch.path());
   if (!source.ok()) return Fail(source.error(), answer);
-  Result<CadDocument> document = ReadDocument(source.value(), &Stages::Report);
+  Result<CadDocument> document = ReadDocument(source.value(), &Stages::Report, options.unit_mm);
   if (!document.ok()) return Fail(document.error(), answer);
   Stages::Report("convert", 0);
   Result<Conversion> conversion =

@@ -1,6 +1,8 @@
 #include "import/part_converter.h"
 
+#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
 #include <OSD_Signal.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
@@ -16,6 +18,8 @@
 #include <numbers>
 
 #include "import/curve_pieces.h"
+#include "import/loop_crossings.h"
+#include "import/mend_face.h"
 
 namespace facetless {
 namespace {
@@ -27,6 +31,9 @@ constexpr double kExact = 1e-12;
 
 // A p-curve that is farther from its 3D edge than this share of the edge's length is worth a warning: one of the two is wrong.
 constexpr double kOffSurface = 0.01;
+// A line that closes a loop is said if it is longer than this share of the loop, and counts as a lost edge from the other on: real files
+// have gaps of up to a ten-thousandth.
+constexpr double kOpenSaid = 1e-3, kOpenLost = 1e-2;
 // Indices into the model's vectors are 32 bits wide; stop well before they run out.
 constexpr std::size_t kMaxElements = std::size_t{1} << 31;
 
@@ -40,6 +47,7 @@ void PartConverter::Begin() {
   first_face_ = Size(model_.faces.size());
   first_edge_ = Size(model_.edges.size());
   Gather(prototype_.shape, -1);
+  stored_.assign(members_.size(), false);
 }
 
 // Walks down to the faces, noting the solid or shell that each belongs to.
@@ -161,51 +169,97 @@ void PartConverter::StoreLoop(const FaceLoop& loop) {
   model_.loops.push_back(stored);
 }
 
-void PartConverter::AddFace(const Member& member) {
-  const TopoDS_Face& shape = member.face;
+void PartConverter::AddFace(std::size_t index) {
+  const Member& member = members_[index];
+  if (stored_[index]) return;
+  std::string reason;
   try {
     OCC_CATCH_SIGNALS
-    // Convert the loops, then as much of the surface as they reach.
-    TopLoc_Location location;
-    const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape, location);
-    if (surface.IsNull()) return LoseFace(shape, "it has no surface");
-    Result<FaceLoops> loops = LoopsOf(shape, document_.pcurves_in_file);
-    if (!loops.ok()) return LoseFace(shape, loops.error().message);
-    const bool whole = loops.value().loops.empty();
-    ParameterBox box = loops.value().box;
-    if (whole) surface->Bounds(box.u0, box.u1, box.v0, box.v1);
-    Result<PatchGrid> grid = PatchesOf(surface, box, whole, location.Transformation());
-    if (!grid.ok()) return LoseFace(shape, grid.error().message);
-    if (model_.control_points.size() + grid.value().points.size() > kMaxElements)
-      return LoseFace(shape, "the model would have more than 2^31 control points");
-    // Store.
-    const std::uint32_t index = Size(model_.faces.size());
-    Face face;
-    const double deviation = grid.value().deviation;
-    if (grid.value().approximated || !(deviation <= kExact * grid.value().size))
-      model_.info.approximated.push_back({index, deviation});
-    face.surface = StoreSurface(std::move(grid.value()));
-    face.loops.first = Size(model_.loops.size());
-    for (const FaceLoop& loop : loops.value().loops) StoreLoop(loop);
-    face.loops.count = Size(model_.loops.size()) - face.loops.first;
-    face.reversed = shape.Orientation() == TopAbs_REVERSED;
-    face.tolerance_mm = BRep_Tool::Tolerance(shape);
-    if (const auto color = prototype_.colors.find(shape.TShape().get()); color != prototype_.colors.end()) {
-      face.has_color = true;
-      face.color = color->second;
+    mended_edges_ = 0;
+    const FaceOrigin* from = OriginOf(member.face);
+    reason = TryFace(member, from != nullptr ? TorusPart(member.face, from->torus_part) : member.face);
+    stored_[index] = reason.empty();
+    if (reason.empty()) return;
+    const TopoDS_Face mended = Mended(index);
+    if (!mended.IsNull() && TryFace(member, mended).empty()) {
+      const FaceOrigin* origin = OriginOf(member.face);
+      model_.info.warnings.push_back("Face " + FaceName(Size(model_.faces.size()) - 1) +
+                                     ": edges that it walks there and back were left out.");
+      for (std::size_t i = 0; i < members_.size(); ++i)
+        stored_[i] = stored_[i] || i == index || (origin != nullptr && SameOrigin(members_[i].face, *origin));
+      return;
     }
-    if (const FaceOrigin* origin = OriginOf(shape)) {
-      face.name = origin->name;
-      face.entity = origin->entity;
-    }
-    model_.faces.push_back(std::move(face));
-    faces_.push_back(shape);
-    face_groups_.push_back(member.group);
-    WarnOfGaps(index);
-    CheckAgainstFile(index, loops.value());
   } catch (const Standard_Failure& failure) {
-    LoseFace(shape, std::string("OpenCASCADE failed on it: ") + failure.DynamicType()->Name());
+    if (reason.empty()) reason = std::string("OpenCASCADE failed on it: ") + failure.DynamicType()->Name();
   }
+  LoseFace(member.face, reason);
+}
+
+bool PartConverter::SameOrigin(const TopoDS_Face& face, const FaceOrigin& origin) const {
+  const FaceOrigin* other = OriginOf(face);
+  return other != nullptr && !origin.entity.empty() && other->entity == origin.entity;
+}
+
+std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shape) {
+  // Convert the loops, then as much of the surface as they reach.
+  TopLoc_Location location;
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape, location);
+  if (surface.IsNull()) return "it has no surface";
+  Result<FaceLoops> loops = LoopsOf(shape, document_.pcurves_in_file);
+  if (!loops.ok()) return loops.error().message;
+  const bool whole = loops.value().loops.empty();
+  ParameterBox box = loops.value().box;
+  if (whole) surface->Bounds(box.u0, box.u1, box.v0, box.v1);
+  Result<PatchGrid> grid = PatchesOf(surface, box, whole, location.Transformation());
+  if (!grid.ok()) return grid.error().message;
+  if (model_.control_points.size() + grid.value().points.size() > kMaxElements)
+    return "the model would have more than 2^31 control points";
+  // Store.
+  const std::uint32_t index = Size(model_.faces.size());
+  Face face;
+  const double deviation = grid.value().deviation;
+  if (grid.value().approximated || !(deviation <= kExact * grid.value().size))
+    model_.info.approximated.push_back({index, deviation});
+  face.surface = StoreSurface(std::move(grid.value()));
+  face.loops.first = Size(model_.loops.size());
+  for (const FaceLoop& loop : loops.value().loops) StoreLoop(loop);
+  face.loops.count = Size(model_.loops.size()) - face.loops.first;
+  face.reversed = shape.Orientation() == TopAbs_REVERSED;
+  face.tolerance_mm = BRep_Tool::Tolerance(shape);
+  if (const auto color = prototype_.colors.find(member.face.TShape().get());
+      color != prototype_.colors.end()) {
+    face.has_color = true;
+    face.color = color->second;
+  }
+  const FaceOrigin* origin = OriginOf(member.face);
+  if (origin != nullptr) {
+    face.name = origin->name;
+    face.entity = origin->entity;
+  }
+  model_.faces.push_back(std::move(face));
+  faces_.push_back(shape);
+  face_groups_.push_back(member.group);
+  WarnOfGaps(index);
+  WarnOfOpening(index, loops.value());
+  WarnOfCrossings(index, loops.value(), shape);
+  NoteLoops(index, origin, loops.value());
+  return {};
+}
+
+TopoDS_Face PartConverter::Mended(std::size_t index) {
+  // Gather the pieces that OpenCASCADE may have made of the file's face; what is converted already stays as it is.
+  std::vector<TopoDS_Face> pieces{members_[index].face};
+  if (const FaceOrigin* origin = OriginOf(members_[index].face)) {
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (i == index || members_[i].group != members_[index].group || !SameOrigin(members_[i].face, *origin))
+        continue;
+      if (stored_[i]) return {};
+      pieces.push_back(members_[i].face);
+    }
+  }
+  const MendedFace mended = MendFace(pieces);
+  mended_edges_ = mended.left_out;
+  return mended.face;
 }
 
 double PartConverter::PolygonLength(const Edge& edge) const {
@@ -241,35 +295,82 @@ std::string PartConverter::FaceName(std::uint32_t index) const {
   return face.entity.empty() ? std::to_string(index) : face.entity;
 }
 
-// Lists bounds and edges that the file declares for the face and that did not arrive.
-void PartConverter::CheckAgainstFile(std::uint32_t index, const FaceLoops& loops) {
+// A line that was invented to close a loop: said, and a loss where it is more than rounding and sloppy ends.
+void PartConverter::WarnOfOpening(std::uint32_t index, const FaceLoops& loops) {
+  if (!(loops.open_share > kOpenSaid)) return;
+  char distance[32];
+  std::snprintf(distance, sizeof(distance), "%.3g", loops.open_mm);
+  const Face& face = model_.faces[index];
+  const std::string what = "its loop " + std::to_string(loops.open_loop + 1) + " of " +
+                           std::to_string(loops.loops.size()) + " does not close: over " + distance +
+                           " mm a straight line was put in";
+  if (loops.open_share > kOpenLost) {
+    model_.info.edges_lost.push_back({index, face.name, face.entity, what});
+  } else {
+    model_.info.warnings.push_back("Face " + FaceName(index) + ": " + what + ".");
+  }
+}
+
+// Loops that cross, with the place where they do.
+void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops, const TopoDS_Face& shape) {
+  for (const LoopCrossing& crossing : CrossingsOf(loops.loops)) {
+    TopLoc_Location location;
+    const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape, location);
+    const gp_Pnt p = surface->Value(crossing.at.x, crossing.at.y).Transformed(location.Transformation());
+    char place[128];
+    std::snprintf(place, sizeof(place), "(%.6g, %.6g, %.6g) mm", p.X(), p.Y(), p.Z());
+    const std::string first = std::to_string(crossing.first_loop + 1);
+    model_.info.warnings.push_back("Face " + FaceName(index) +
+                                   (crossing.first_loop == crossing.second_loop
+                                        ? ": its loop " + first + " crosses itself"
+                                        : ": its loops " + first + " and " +
+                                              std::to_string(crossing.second_loop + 1) +
+                                              " cross each other") +
+                                   " at " + place + "; what both enclose counts as outside (even-odd rule).");
+  }
+}
+
+// Notes what has arrived of the face that the file declares, and what had to be done.
+void PartConverter::NoteLoops(std::uint32_t index, const FaceOrigin* origin, const FaceLoops& loops) {
   const Face& face = model_.faces[index];
   for (const std::string& repair : loops.repairs)
-    model_.info.warnings.push_back("Face " + (face.entity.empty() ? std::to_string(index) : face.entity) +
-                                   ": " + repair + ".");
+    model_.info.warnings.push_back("Face " + FaceName(index) + ": " + repair + ".");
   for (std::size_t i = 0; i < loops.lost_edges.size(); ++i)
     model_.info.edges_lost.push_back(
         {index, face.name, face.entity, "an edge has no curve on the surface and none can be computed"});
-  const FaceOrigin* origin = OriginOf(faces_[index]);
-  if (!origin || origin->bounds == 0) return;
-  TopTools_MapOfShape edges;
+  if (origin == nullptr || origin->bounds == 0) return;
+  // Pieces of one face carry copies of one origin.
+  const auto [known, added] = arrived_of_.try_emplace(origin->entity, arrived_.size());
+  if (added) arrived_.push_back({origin, {}, {}, 0, 0});
+  Arrived* arrived = &arrived_[known->second];
+  arrived->faces.push_back(index);
+  arrived->loops += static_cast<int>(loops.loops.size());
+  arrived->mended += mended_edges_;
   for (const FaceLoop& loop : loops.loops) {
     for (const LoopCoedge& coedge : loop.coedges) {
-      if (!coedge.edge.IsNull() && !coedge.degenerate) edges.Add(coedge.edge.Oriented(TopAbs_FORWARD));
+      if (!coedge.edge.IsNull() && !coedge.degenerate)
+        arrived->edges.Add(coedge.edge.Oriented(TopAbs_FORWARD));
     }
   }
-  const int missing_bounds = std::max(0, origin->bounds - static_cast<int>(loops.loops.size()));
-  if (origin->edges > 0) {
-    // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are.
-    if (edges.Extent() >= origin->edges) return;
-    const int missing_edges = origin->edges - edges.Extent();
+}
+
+// Lists bounds and edges that the file declares for a face and that are in none of its pieces.
+void PartConverter::CheckAgainstFile() {
+  for (const Arrived& arrived : arrived_) {
+    const FaceOrigin& origin = *arrived.origin;
+    const std::uint32_t index = arrived.faces.front();
+    const int missing_edges = std::max(0, origin.edges - arrived.edges.Extent() - arrived.mended);
+    const int missing_bounds = std::max(0, origin.bounds - arrived.loops);
+    // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are. Where OpenCASCADE splits a face, it
+    // shares the bounds out among the pieces.
+    if (origin.edges > 0 && missing_edges == 0) continue;
     for (int i = 0; i < missing_edges; ++i)
       model_.info.edges_lost.push_back(
-          {index, face.name, face.entity, "OpenCASCADE dropped one of its edges"});
+          {index, origin.name, origin.entity, "OpenCASCADE dropped one of its edges"});
+    for (int i = 0; i < missing_bounds; ++i)
+      model_.info.loops_lost.push_back(
+          {index, origin.name, origin.entity, "OpenCASCADE dropped one of its bounds"});
   }
-  for (int i = 0; i < missing_bounds; ++i)
-    model_.info.loops_lost.push_back(
-        {index, face.name, face.entity, "OpenCASCADE dropped one of its bounds"});
 }
 
 // True if a bound or an edge that the file gives the face is missing.
@@ -303,7 +404,34 @@ bool PartConverter::IsClosed(int group) const {
                      [](const auto& use) { return use.second.first == 1 && use.second.second == 1; });
 }
 
+// OpenCASCADE turns solids whose faces look inwards. In other formats than STEP it leaves them: their volume is negative.
+void PartConverter::WarnOfTurning(int group) {
+  std::size_t turned = 0, known = 0, all = 0;
+  std::uint32_t example = 0;
+  double volume = 0;
+  for (std::size_t i = 0; i < face_groups_.size(); ++i) {
+    if (face_groups_[i] != group) continue;
+    const std::uint32_t index = first_face_ + static_cast<std::uint32_t>(i);
+    const FaceOrigin* origin = OriginOf(faces_[index]);
+    if (all++ == 0) example = index;
+    if (origin != nullptr && origin->sense != 0) {
+      ++known;
+      if ((origin->sense < 0) != model_.faces[index].reversed) ++turned;
+    } else {
+      GProp_GProps properties;
+      BRepGProp::VolumeProperties(faces_[index], properties);
+      volume += properties.Mass();
+    }
+  }
+  const bool by_senses = known == all && turned == all;
+  if (!by_senses && !(known == 0 && volume < 0)) return;
+  model_.info.warnings.push_back("The solid with face " + FaceName(example) +
+                                 " is inside out: its faces look inwards" +
+                                 (by_senses ? ", and were turned." : "."));
+}
+
 void PartConverter::End() {
+  CheckAgainstFile();
   // Make solids of the groups: those that the file calls solids, and shells that turn out closed.
   Part part;
   part.name = prototype_.name;
@@ -315,6 +443,7 @@ void PartConverter::End() {
       continue;
     const bool closed = IsClosed(static_cast<int>(g));
     if (!groups_[g].solid && !closed) continue;
+    if (closed) WarnOfTurning(static_cast<int>(g));
     solid_of_group[g] = Size(model_.solids.size());
     model_.solids.push_back({Size(model_.parts.size()), closed, groups_[g].name});
   }

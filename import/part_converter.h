@@ -2,8 +2,10 @@
 #pragma once
 
 #include <TopTools_DataMapOfShapeInteger.hxx>
+#include <TopTools_MapOfShape.hxx>
 #include <TopoDS_Face.hxx>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "import/document.h"
@@ -22,8 +24,8 @@ class PartConverter {
   template <typename Done>
   void Run(Done done) {
     Begin();
-    for (const Member& member : members_) {
-      AddFace(member);
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      AddFace(i);
       done();
     }
     End();
@@ -42,10 +44,23 @@ class PartConverter {
     std::string name;
   };
 
+  // What has come of a face of the file, in all its pieces.
+  struct Arrived {
+    const FaceOrigin* origin = nullptr;
+    std::vector<std::uint32_t> faces;
+    TopTools_MapOfShape edges;
+    int loops = 0;
+    int mended = 0;  // edges that were left out on purpose
+  };
+
   void Begin();
   void End();
   void Gather(const TopoDS_Shape& shape, int group);
-  void AddFace(const Member& member);
+  void AddFace(std::size_t index);
+  // Converts `shape`, which stands for the member's face; empty, or why it cannot be done.
+  std::string TryFace(const Member& member, const TopoDS_Face& shape);
+  // The face without edges that are walked there and back, in one piece; null if it has none of those, or is nothing without them.
+  TopoDS_Face Mended(std::size_t index);
   void LoseFace(const TopoDS_Face& face, const std::string& reason);
   std::uint32_t StoreSurface(PatchGrid grid);
   void StoreLoop(const FaceLoop& loop);
@@ -54,18 +69,27 @@ class PartConverter {
   double PolygonLength(const Edge& edge) const;
   std::string FaceName(std::uint32_t index) const;
   void WarnOfGaps(std::uint32_t face);
-  void CheckAgainstFile(std::uint32_t face, const FaceLoops& loops);
+  void WarnOfCrossings(std::uint32_t face, const FaceLoops& loops, const TopoDS_Face& shape);
+  void WarnOfOpening(std::uint32_t face, const FaceLoops& loops);
+  void NoteLoops(std::uint32_t face, const FaceOrigin* origin, const FaceLoops& loops);
+  void CheckAgainstFile();
   const FaceOrigin* OriginOf(const TopoDS_Face& face) const;
+  bool SameOrigin(const TopoDS_Face& face, const FaceOrigin& origin) const;
   bool HasLosses(std::uint32_t face) const;
   bool IsClosed(int group) const;
+  void WarnOfTurning(int group);
 
   const CadDocument& document_;
   const Prototype& prototype_;
   Model& model_;
   std::vector<TopoDS_Face>& faces_;
   std::vector<Member> members_;
+  std::vector<bool> stored_;  // of members: converted, or a piece of a face that was mended
   std::vector<Group> groups_;
-  std::vector<int> face_groups_;  // of the part's converted faces
+  std::vector<Arrived> arrived_;                             // of the part's faces, in order
+  std::unordered_map<std::string, std::size_t> arrived_of_;  // by entity
+  int mended_edges_ = 0;                                     // left out of the face that is being mended
+  std::vector<int> face_groups_;                             // of the part's converted faces
   std::uint32_t first_face_ = 0, first_edge_ = 0;
   TopTools_DataMapOfShapeInteger edge_index_, vertex_index_;
 };

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "import/scaled_shapes.h"
+
 namespace facetless {
 namespace {
 
@@ -45,7 +47,29 @@ std::string UnitName(double mm, const std::string& written) {
   return written.empty() ? std::to_string(mm) + " millimetres" : written;
 }
 
-Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress) {
+namespace {
+
+// Says what unit was taken, if the file has none; or takes the caller's.
+void SettleUnit(double unit_mm, CadDocument& document) {
+  ImportInfo& info = document.info;
+  if (unit_mm > 0) {
+    const std::string name = UnitName(unit_mm, "");
+    info.warnings.push_back("The file's unit is " +
+                            (info.unit.empty() ? std::string("not known") : info.unit) + "; as asked for, " +
+                            name + " was taken for it.");
+    if (unit_mm != info.unit_mm) ScaleDocument(unit_mm / info.unit_mm, document);
+    info.unit = name;
+    info.unit_mm = unit_mm;
+  } else if (info.unit.empty()) {
+    info.warnings.push_back(
+        "The file has no length unit that can be read; millimetres were taken for it: --unit says "
+        "otherwise.");
+  }
+}
+
+}  // namespace
+
+Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress, double unit_mm) {
   Result<CadDocument> document = source.format == CadFormat::kStep   ? ReadStep(source, progress)
                                  : source.format == CadFormat::kIges ? ReadIges(source, progress)
                                                                      : ReadBrep(source, progress);
@@ -53,6 +77,7 @@ Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progres
   ImportInfo& info = document.value().info;
   info.file = source.name;
   info.sha256 = source.sha256;
+  SettleUnit(unit_mm, document.value());
   info.warnings.insert(info.warnings.begin(), source.repairs.begin(), source.repairs.end());
   return document;
 }

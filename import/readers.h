@@ -21,8 +21,9 @@ Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress);
 // "N millimetres".
 std::string UnitName(double mm, const std::string& written);
 
-// The reader for the source's format; fills the parts of ImportInfo that all share.
-Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress);
+// The reader for the source's format; fills the parts of ImportInfo that all share. `unit_mm` above 0 is one unit of the file in
+// millimetres, whatever the file says.
+Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress, double unit_mm = 0);
 
 // Turns on OpenCASCADE's signal handler and sets its tables: call once per process, with a folder of the process's own.
 void PrepareOpenCascade(const std::string& scratch);

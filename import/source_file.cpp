@@ -61,6 +61,9 @@ std::string Foreign(const std::string& name, std::string_view bytes) {
   if (text.substr(0, 2) == "v " || Contains(head, "\nv ")) return name + " (OBJ)" + mesh;
   if (StartsWithNoCase(text, "<!doctype html") || StartsWithNoCase(text, "<html"))
     return name + " is a web page, not a CAD file; was the download redirected to a sign-in or error page?";
+  if (text.starts_with("version https://git-lfs.github.com/spec/"))
+    return name +
+           " is a Git LFS pointer, which stands for the file; fetch the file itself with \"git lfs pull\".";
   if (head.substr(0, 2) == "PK") return name + " is a ZIP archive; unpack it and pass the CAD file inside.";
   if (head.substr(0, 2) == "\x1f\x8b") return name + " is compressed with gzip; unpack it first.";
   return {};
@@ -147,6 +150,11 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
     changed = true;
   }
   if (*format == CadFormat::kStep) {
+    if (const std::size_t scopes = FlattenScopes(bytes); scopes > 0) {
+      source.repairs.push_back(std::to_string(scopes) +
+                               " scopes (&SCOPE … ENDSCOPE), which OpenCASCADE does not know, were opened.");
+      changed = true;
+    }
     Result<StepFacts> facts = ScanStep(source.name, bytes);
     if (!facts.ok()) return facts.error();
     source.step = std::move(facts.value());
@@ -163,6 +171,16 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
                                std::to_string(source.step.last_entity) + " is lost.");
       changed = true;
     }
+    source.step_repair = RepairStep(bytes);
+    if (!source.step_repair.refusal.empty())
+      return Error{ErrorCode::kFormatBroken, source.name + " " + source.step_repair.refusal};
+    if (source.step_repair.changed) {
+      bytes = std::move(source.step_repair.bytes);
+      changed = true;
+    }
+    source.step_repair.bytes.clear();
+    source.repairs.insert(source.repairs.end(), source.step_repair.warnings.begin(),
+                          source.step_repair.warnings.end());
   } else if (*format == CadFormat::kIges) {
     Result<IgesFacts> facts = ScanIges(source.name, bytes);
     if (!facts.ok()) return facts.error();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "import/iges_text.h"
+#include "import/step_repair.h"
 #include "import/step_text.h"
 #include "render/model/result.h"
 
@@ -19,6 +20,7 @@ struct SourceFile {
   std::string path;                  // what to read: the user's file, or the repaired copy
   std::vector<std::string> repairs;  // one sentence each
   StepFacts step;                    // what a STEP file declares
+  StepRepair step_repair;            // what had to be changed in it; without the bytes
   IgesFacts iges;                    // what an IGES file declares
 };
 

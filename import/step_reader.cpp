@@ -1,4 +1,3 @@
-#include <BRepBuilderAPI_Transform.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <IFSelect_ReturnStatus.hxx>
@@ -19,12 +18,18 @@
 #include <StepAP214.hxx>
 #include <StepAP214_Protocol.hxx>
 #include <StepBasic_ProductDefinition.hxx>
+#include <StepBasic_ProductDefinitionRelationship.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepGeom_CartesianPoint.hxx>
+#include <StepGeom_DegenerateToroidalSurface.hxx>
 #include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
 #include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepGeom_Surface.hxx>
+#include <StepRepr_CharacterizedDefinition.hxx>
 #include <StepRepr_GlobalUnitAssignedContext.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_ProductDefinitionShape.hxx>
+#include <StepShape_ContextDependentShapeRepresentation.hxx>
 #include <StepShape_EdgeCurve.hxx>
 #include <StepShape_EdgeLoop.hxx>
 #include <StepShape_FaceBound.hxx>
@@ -48,6 +53,7 @@
 
 #include "import/assembly.h"
 #include "import/readers.h"
+#include "import/scaled_shapes.h"
 
 namespace facetless {
 namespace {
@@ -90,13 +96,39 @@ std::string Tidied(const std::string& message) {
 
 // OpenCASCADE's checks of a file as it is read, without that of edge curves: it walks all of an edge's sharers for a message that nobody reads,
 // and takes a fifth of a large file's time.
+//
+// An entity on which the library fails is passed over and noted, where it would cost the whole file.
 class QuickChecks : public RWStepAP214_GeneralModule {
  public:
+  QuickChecks(std::vector<Handle(Standard_Transient)>& failed, Handle(Standard_Transient) & last)
+      : failed_(failed), last_(last) {}
+
+  void FillSharedCase(const Standard_Integer number, const Handle(Standard_Transient) & entity,
+                      Interface_EntityIterator& iterator) const override {
+    last_ = entity;
+    try {
+      OCC_CATCH_SIGNALS
+      RWStepAP214_GeneralModule::FillSharedCase(number, entity, iterator);
+    } catch (const Standard_Failure&) {
+      failed_.push_back(entity);
+    }
+  }
+
   void CheckCase(const Standard_Integer number, const Handle(Standard_Transient) & entity,
                  const Interface_ShareTool& sharers, Handle(Interface_Check) & check) const override {
-    if (!entity->IsKind(STANDARD_TYPE(StepShape_EdgeCurve)))
+    if (entity->IsKind(STANDARD_TYPE(StepShape_EdgeCurve))) return;
+    last_ = entity;
+    try {
+      OCC_CATCH_SIGNALS
       RWStepAP214_GeneralModule::CheckCase(number, entity, sharers, check);
+    } catch (const Standard_Failure&) {
+      failed_.push_back(entity);
+    }
   }
+
+ private:
+  std::vector<Handle(Standard_Transient)>& failed_;
+  Handle(Standard_Transient) & last_;
 };
 
 class StepReader {
@@ -123,7 +155,7 @@ class StepReader {
     try {
       OCC_CATCH_SIGNALS
       // The reader's own set-up has registered the slow checks.
-      Interface_GeneralLib::SetGlobal(new QuickChecks, StepAP214::Protocol());
+      Interface_GeneralLib::SetGlobal(new QuickChecks(failed_, last_), StepAP214::Protocol());
       reader_.SetColorMode(true);
       reader_.SetNameMode(true);
       reader_.SetLayerMode(false);
@@ -132,12 +164,29 @@ class StepReader {
       if (reader_.ReadFile(source_.path.c_str()) != IFSelect_RetDone)
         return Error{ErrorCode::kFormatBroken,
                      source_.name + " is a STEP file that cannot be parsed; export the model again."};
+      NoteFailures();
       ReadUnit();
       return {};
     } catch (const Standard_Failure& failure) {
-      return Error{ErrorCode::kFormatBroken, source_.name + " is a STEP file that cannot be parsed (" +
-                                                 failure.DynamicType()->Name() +
-                                                 "); export the model again."};
+      const std::string where =
+          last_.IsNull() ? std::string()
+                         : ", at or after an entity of type " + std::string(last_->DynamicType()->Name());
+      return Error{ErrorCode::kFormatBroken, "OpenCASCADE fails while it reads " + source_.name + where +
+                                                 " (" + failure.DynamicType()->Name() +
+                                                 "); export the model again, or as another version of STEP."};
+    }
+  }
+
+  // Entities that the library failed on, each once.
+  void NoteFailures() {
+    std::set<std::string> named;
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    for (const Handle(Standard_Transient) & entity : failed_) {
+      std::string type = entity->DynamicType()->Name();
+      const std::string label = Label(static_cast<std::uint64_t>(model->IdentLabel(entity)));
+      if (named.insert(label).second)
+        document_.info.warnings.push_back("OpenCASCADE fails on entity " + label + " (" + type +
+                                          "), and what depends on it may be missing.");
     }
   }
 
@@ -162,7 +211,8 @@ class StepReader {
       unit.ComputeFactors(context);
       if (!unit.LengthDone()) continue;
       document_.info.unit_mm = unit.LengthFactor();
-      document_.info.unit = UnitName(document_.info.unit_mm, "");
+      // Where some body has no unit the report names none.
+      if (!source_.step_repair.unit_missing) document_.info.unit = UnitName(document_.info.unit_mm, "");
       return;
     }
   }
@@ -173,6 +223,7 @@ class StepReader {
       OCC_CATCH_SIGNALS
       xcaf_ = NewXcafDocument();
       if (reader_.Transfer(xcaf_)) AddAssembly(xcaf_, source_.name, document_);
+      whole_ = !document_.prototypes.empty();
     } catch (const Standard_Failure&) {
       Discard();
     }
@@ -182,7 +233,10 @@ class StepReader {
     } else {
       NoteOrigins();
     }
+    document_.linear_maps = source_.step_repair.linear_maps;
+    ResolvePlacements(document_);
     NoteLosses();
+    if (whole_) NoteOccurrences();
     NoteExternalFiles();
   }
 
@@ -280,14 +334,8 @@ class StepReader {
   TopoDS_Shape InMillimetres(const TopoDS_Shape& piece) {
     gp_Trsf scale;
     scale.SetScaleFactor(document_.info.unit_mm);
-    BRepBuilderAPI_Transform transform(piece, scale, true);
-    for (TopExp_Explorer face(piece, TopAbs_FACE); face.More(); face.Next()) {
-      const auto origin = document_.origins.find(face.Current().TShape().get());
-      if (origin == document_.origins.end()) continue;
-      const FaceOrigin copy = origin->second;
-      document_.origins[transform.ModifiedShape(face.Current()).TShape().get()] = copy;
-    }
-    return transform.Shape();
+    std::unordered_map<const void*, Color> none;
+    return BakedShape(piece, scale, document_, none);
   }
 
   std::string EntityOf(const Handle(StepShape_FaceSurface) & face) {
@@ -295,11 +343,35 @@ class StepReader {
         Handle(StepData_StepModel)::DownCast(Session()->Model())->IdentLabel(face)));
   }
 
+  // Surfaces that stand for themselves in a GEOMETRIC_SET.
+  void NoteSurfaces() {
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
+    for (const StepFace& face : source_.step.faces) {
+      if (!face.bare) continue;
+      const int number = model->NextNumberForLabel(Label(face.id).c_str(), 0, true);
+      if (number == 0) continue;
+      const TopoDS_Shape shape = TransferBRep::ShapeResult(process, model->Value(number));
+      if (shape.IsNull()) continue;
+      FaceOrigin origin;
+      origin.entity = Label(face.id);
+      origin.name = face.name;
+      for (TopExp_Explorer part(shape, TopAbs_FACE); part.More(); part.Next()) {
+        document_.origins[part.Current().TShape().get()] = origin;
+        arrived_.insert(origin.entity);
+      }
+    }
+  }
+
   FaceOrigin OriginOf(const Handle(StepShape_FaceSurface) & face) {
     FaceOrigin origin;
     origin.entity = EntityOf(face);
     if (const auto name = names_.find(origin.entity); name != names_.end()) origin.name = name->second;
     CountBounds(face, origin);
+    origin.sense = face->SameSense() ? 1 : -1;
+    if (const auto torus = Handle(StepGeom_DegenerateToroidalSurface)::DownCast(face->FaceGeometry());
+        !torus.IsNull())
+      origin.torus_part = torus->SelectOuter() ? 1 : -1;
     return origin;
   }
 
@@ -317,15 +389,45 @@ class StepReader {
         document_.origins[part.Current().TShape().get()] = origin;
       arrived_.insert(origin.entity);
     }
+    NoteSurfaces();
   }
 
   // What the text declares and did not arrive is lost.
   void NoteLosses() {
-    document_.info.faces_declared = source_.step.faces.size();
+    const StepRepair& repair = source_.step_repair;
     for (const StepFace& face : source_.step.faces) {
       const std::string entity = Label(face.id);
-      if (!arrived_.contains(entity))
+      document_.declared.push_back({entity, face.name});
+      if (const auto out = repair.faces_out.find(face.id); out != repair.faces_out.end()) {
+        document_.info.faces_lost.push_back({kNoIndex, face.name, entity, out->second});
+      } else if (!arrived_.contains(entity)) {
         document_.info.faces_lost.push_back({kNoIndex, face.name, entity, ReasonFor(entity)});
+      }
+    }
+    for (const StepLostItem& item : repair.lost)
+      document_.info.faces_lost.push_back({kNoIndex, item.name, item.entity, item.reason});
+  }
+
+  // Occurrences that have a placement, but whose shape OpenCASCADE did not place.
+  void NoteOccurrences() {
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const auto placed = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(model->Value(i));
+      if (placed.IsNull() || !TransferBRep::ShapeResult(process, placed).IsNull()) continue;
+      const Handle(StepRepr_ProductDefinitionShape) shape = placed->RepresentedProductRelation();
+      if (shape.IsNull()) continue;
+      const auto usage = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(
+          shape->Definition().ProductDefinitionRelationship());
+      if (usage.IsNull() || !TransferBRep::ShapeResult(process, usage).IsNull()) continue;
+      // A part without a shape has none to place.
+      const Handle(StepBasic_ProductDefinition) part = usage->RelatedProductDefinition();
+      if (part.IsNull() || TransferBRep::ShapeResult(process, part).IsNull()) continue;
+      const Handle(TCollection_HAsciiString) name = usage->Name();
+      document_.info.faces_lost.push_back({kNoIndex,
+                                           name.IsNull() ? std::string() : DecodeStepText(name->ToCString()),
+                                           Label(static_cast<std::uint64_t>(model->IdentLabel(usage))),
+                                           "OpenCASCADE could not place this occurrence of a part"});
     }
   }
 
@@ -360,7 +462,7 @@ class StepReader {
     const int number = model->NextNumberForLabel(entity.c_str(), 0, true);
     if (number == 0) return "OpenCASCADE could not parse its entity";
     const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(number));
-    if (face.IsNull()) return "OpenCASCADE could not parse its entity";
+    if (face.IsNull()) return ReasonOf(model->Value(number));
     // The surface's own message says more than the face's.
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
     std::string reason;
@@ -370,14 +472,30 @@ class StepReader {
     if (reason.empty()) reason = FirstMessage(process->Check(face->FaceGeometry()));
     if (reason.empty()) reason = FirstMessage(process->Check(face));
     if (!reason.empty()) reason = "OpenCASCADE: " + Tidied(reason);
+    if (reason.empty() && !Session()->Graph().Sharings(face).More()) return "nothing in the file holds it";
     return reason.empty() ? "OpenCASCADE made no face of it and gave no reason" : reason;
+  }
+
+  // Of a surface that stands for itself, or of what is no face to OpenCASCADE.
+  std::string ReasonOf(const Handle(Standard_Transient) & entity) {
+    if (!entity->IsKind(STANDARD_TYPE(StepGeom_Surface))) return "OpenCASCADE could not parse its entity";
+    const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
+    std::string reason;
+    if (const Handle(Transfer_Binder) binder = process->Find(entity); !binder.IsNull())
+      reason = FirstMessage(binder->CCheck());
+    if (reason.empty()) reason = FirstMessage(process->Check(entity));
+    return reason.empty() ? "OpenCASCADE made no face of this surface and gave no reason"
+                          : "OpenCASCADE: " + Tidied(reason);
   }
 
   const SourceFile source_;
   StageProgress progress_;
+  std::vector<Handle(Standard_Transient)> failed_;  // entities that OpenCASCADE fails on
+  Handle(Standard_Transient) last_;                 // that it looked at
   STEPCAFControl_Reader reader_;
   Handle(TDocStd_Document) xcaf_;
   CadDocument document_;
+  bool whole_ = false;                                  // read with its product structure
   std::unordered_map<std::string, std::string> names_;  // of faces, by entity
   std::set<std::string> arrived_;                       // entities of faces that OpenCASCADE made shapes of
 };

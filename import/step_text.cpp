@@ -5,6 +5,8 @@
 #include <cctype>
 #include <unordered_map>
 
+#include "import/step_repair.h"
+
 namespace facetless {
 namespace {
 
@@ -108,10 +110,8 @@ class Scanner {
       const char c = text_[at_];
       if (c == '\'') {
         const std::string string = TakeString();
-        if (expects_name_) facts_.faces.push_back({id_, DecodeStepText(string)});
         if (expects_schema_ && facts_.schema.empty())
           facts_.schema = string.substr(0, string.find_first_of(" {"));
-        expects_name_ = false;
       } else if (c == '/' && at_ + 1 < text_.size() && text_[at_ + 1] == '*') {
         const std::size_t end = text_.find("*/", at_ + 2);
         at_ = end == std::string_view::npos ? text_.size() : end + 2;
@@ -148,7 +148,7 @@ class Scanner {
         if (c == ')') --depth_;
         if (c == ';') {
           depth_ = 0;
-          expects_name_ = expects_schema_ = in_oriented_edge_ = false;
+          expects_schema_ = in_oriented_edge_ = false;
           facts_.complete_bytes = at_;
           facts_.last_entity = id_;
         }
@@ -249,7 +249,6 @@ class Scanner {
     if (word == "DATA") in_data_ = true;
     if (word == "ENDSEC" && in_data_) ended_ = true;
     if (word == "FILE_SCHEMA") expects_schema_ = true;
-    if (word == "ADVANCED_FACE" || word == "FACE_SURFACE") expects_name_ = true;
     if (word == "ORIENTED_EDGE") in_oriented_edge_ = true;
     if (word == "PCURVE") facts_.has_pcurves = true;
     if (word.starts_with("TESSELLATED_") || word.starts_with("TRIANGULATED_")) facts_.has_tessellation = true;
@@ -262,14 +261,16 @@ class Scanner {
   int depth_ = 0;                                             // of lists
   std::unordered_map<std::uint64_t, std::uint64_t> edge_of_;  // oriented edges → what they refer to last
   bool in_oriented_edge_ = false;
-  bool in_data_ = false, expects_name_ = false, expects_schema_ = false, ended_ = false;
+  bool in_data_ = false, expects_schema_ = false, ended_ = false;
   StepFacts facts_;
 };
 
 }  // namespace
 
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes) {
-  return Scanner(name, bytes).Run();
+  Result<StepFacts> facts = Scanner(name, bytes).Run();
+  if (facts.ok()) facts.value().faces = DeclaredFaces(bytes);
+  return facts;
 }
 
 std::string DecodeStepText(std::string_view raw) {

@@ -13,11 +13,12 @@ namespace facetless {
 struct StepFace {
   std::uint64_t id = 0;  // #id
   std::string name;
+  bool bare = false;  // no face but a surface that stands for itself in a GEOMETRIC_SET
 };
 
 struct StepFacts {
   std::string schema;           // first one of FILE_SCHEMA, without its version: "AUTOMOTIVE_DESIGN"
-  std::vector<StepFace> faces;  // ADVANCED_FACE and FACE_SURFACE
+  std::vector<StepFace> faces;  // all that is declared, by DeclaredFaces (step_repair.h)
   bool has_pcurves = false;
   bool has_tessellation = false;  // TESSELLATED_… or TRIANGULATED_… entities
   std::uint64_t entities = 0;

@@ -164,6 +164,12 @@ PatchGrid ConePatches(SurfaceKind kind, const gp_Ax3& axes, double radius, doubl
   return grid;
 }
 
+// True if the circle of a torus's profile meets its axis at the angle v.
+bool IsTorusPole(double v, double major, double minor) {
+  constexpr double kRounding = 1e-12;
+  return minor > major && std::fabs(major + minor * std::cos(v)) <= kRounding * minor;
+}
+
 // Sphere (major = 0) and torus: the profile is an arc.
 PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, double minor,
                        const ParameterBox& box, bool whole) {
@@ -175,6 +181,12 @@ PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, doubl
     extent = {-0.5 * std::numbers::pi, 0.5 * std::numbers::pi, 0, true};
   } else {
     extent.period = grid.period_v = 2 * std::numbers::pi;
+    // A torus that meets its axis is a lemon in an apple: a face of one of them ends where the two meet, in poles.
+    const bool low = IsTorusPole(box.v0, major, minor), high = IsTorusPole(box.v1, major, minor);
+    if (low || high) {
+      extent = {low ? box.v0 : -INFINITY, high ? box.v1 : INFINITY, 0, true};
+      grid.period_v = 0;
+    }
   }
   const Reach u = Widened(box.u0, box.u1, {-INFINITY, INFINITY, grid.period_u}, whole);
   const Reach v = Widened(box.v0, box.v1, extent, whole);
@@ -183,7 +195,7 @@ PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, doubl
   std::vector<CurvePiece> profile =
       ArcPieces({major, 0, 0}, {minor, 0, 0}, {0, minor, 0}, v.low, v.high, kMaxArc);
   // At a pole the radius is zero, where the cosine of a rounded right angle is not.
-  if (kind == SurfaceKind::kSphere) {
+  if (extent.pole) {
     if (v.low == extent.low) profile.front().points.front().x = 0;
     if (v.high == extent.high) profile.back().points.back().x = 0;
   }

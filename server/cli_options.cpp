@@ -174,6 +174,9 @@ void AddBenchOptions(CLI::App* app, CommandArguments& arguments) {
 }
 
 void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments& arguments) {
+  options.Text(app, "unit",
+               "Unit of the file: mm, cm, m, in, ft, … or its length in millimetres (default: the file's)",
+               "NAME|MM");
   options.Number(app, "import-timeout", "Seconds that the import may take (default 300)", "S");
   options.Number(app, "import-memory", "Megabytes of address space that the import may use (default 8192)",
                  "MB");

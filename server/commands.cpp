@@ -15,6 +15,7 @@
 #include "server/regress.h"
 #include "server/run.h"
 #include "server/trade.h"
+#include "server/verdict.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -28,6 +29,7 @@ ImportRequest ToImportRequest(const CommandArguments& arguments, Progress& progr
   ImportRequest request;
   request.input = arguments.file;
   request.limits = arguments.options.import_limits;
+  request.unit_mm = arguments.options.unit_mm;
   request.cancel = &InterruptFlag();
   request.progress = [&progress](const std::string& stage, double fraction) {
     progress.Report(stage, fraction);
@@ -40,8 +42,10 @@ RunContext ToContext(Progress& progress) {
           [&progress](const std::string& stage, double fraction) { progress.Report(stage, fraction); }};
 }
 
-int LossExitCode(const RunOptions& options, std::size_t lost) {
-  if (lost == 0) return kExitDone;
+// `unmeshed`: faces of which the mesher made no triangle.
+int LossExitCode(const RunOptions& options, const Model& model, std::size_t unmeshed = 0) {
+  if (options.strict && !KnowsUnit(model)) return kExitFailed;
+  if (LossCount(model) + unmeshed == 0) return kExitDone;
   return options.strict ? kExitFailed : kExitLost;
 }
 
@@ -62,8 +66,8 @@ int PrintReport(const Result<nlohmann::json>& report, const std::string& directo
   if (!report) return PrintError(report.error());
   Print((std::filesystem::path(directory) / "report.json").string());
   const nlohmann::json& verdict = report.value().at("verdict");
-  for (const nlohmann::json& problem : verdict.at("problems"))
-    std::fprintf(stderr, "facetless: %s\n", problem.get<std::string>().c_str());
+  for (const std::string& sentence : VerdictSentences(verdict))
+    std::fprintf(stderr, "facetless: failed: %s\n", sentence.c_str());
   return verdict.at("exit_code").get<int>();
 }
 
@@ -81,7 +85,7 @@ int InspectCommand(const CommandArguments& arguments) {
   const nlohmann::json answer = {{"facetless", ProgramJson(arguments.options.threads)},
                                  {"model", ImportedModelJson(imported.value())}};
   Print(JsonText(answer));
-  return LossExitCode(arguments.options, LossCount(*imported.value().model));
+  return LossExitCode(arguments.options, *imported.value().model);
 }
 
 int ContinuityCommand(const CommandArguments& arguments) {
@@ -95,7 +99,7 @@ int ContinuityCommand(const CommandArguments& arguments) {
        {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
       {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
   Print(JsonText(answer));
-  return LossExitCode(arguments.options, LossCount(model));
+  return LossExitCode(arguments.options, model);
 }
 
 int RenderCommand(const CommandArguments& arguments) {
@@ -120,7 +124,7 @@ int MeshCommand(const CommandArguments& arguments) {
   const auto unmeshed =
       files.value().summary.at("meshes").at(0).at("faces_unmeshed").get<std::vector<std::string>>();
   WarnOfUnmeshed(unmeshed);
-  return LossExitCode(arguments.options, LossCount(model.value()) + unmeshed.size());
+  return LossExitCode(arguments.options, model.value(), unmeshed.size());
 }
 
 int CompareCommand(const CommandArguments& arguments) {

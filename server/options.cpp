@@ -1,6 +1,7 @@
 #include "server/options.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -126,6 +127,38 @@ Result<void> ParseViews(const Json& json, RunOptions& options) {
   return {};
 }
 
+// A unit by its name, or its length in millimetres, as a number or as text.
+Result<void> ParseUnit(const Json& json, RunOptions& options) {
+  constexpr std::array<std::pair<const char*, double>, 20> kUnits{
+      {{"mm", 1},       {"millimetre", 1},      {"cm", 10},        {"centimetre", 10},
+       {"m", 1000},     {"metre", 1000},        {"km", 1e6},       {"kilometre", 1e6},
+       {"um", 1e-3},    {"micrometre", 1e-3},   {"in", 25.4},      {"inch", 25.4},
+       {"ft", 304.8},   {"foot", 304.8},        {"yd", 914.4},     {"yard", 914.4},
+       {"mil", 0.0254}, {"microinch", 2.54e-5}, {"mile", 1609344}, {"dm", 100}}};
+  constexpr double kLeast = 1e-9, kMost = 1e9;
+  double value = 0;
+  if (json.is_number()) {
+    value = json.get<double>();
+  } else if (json.is_string()) {
+    const std::string text = json.get<std::string>();
+    const auto named =
+        std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& unit) { return text == unit.first; });
+    if (named != kUnits.end()) {
+      value = named->second;
+    } else {
+      const auto end = text.data() + text.size();
+      const auto parsed = std::from_chars(text.data(), end, value);
+      if (parsed.ec != std::errc{} || parsed.ptr != end) value = 0;
+    }
+  }
+  if (!(value >= kLeast && value <= kMost))
+    return Error{
+        ErrorCode::kBadUsage,
+        "unit must be a name (mm, cm, m, km, um, in, ft, yd, mil) or its length in millimetres, 1e-9 to 1e9"};
+  options.unit_mm = value;
+  return {};
+}
+
 Result<void> ParseAovs(const Json& json, RunOptions& options) {
   static const std::vector<std::string> kNames = {"depth", "normal", "face", "uv", "certificate"};
   auto aovs = ParseWords(json, "aov");
@@ -177,6 +210,7 @@ std::vector<std::pair<std::string, Parser>> MakeParsers() {
                                      [](RunOptions& o, double v) {
                                        o.import_limits.memory_mb = static_cast<std::uint64_t>(v);
                                      })},
+      {"unit", ParseUnit},
       {"strict", BoolParser("strict", &RunOptions::strict)},
       {"deflections", NumbersParser("deflections", 1e-9, 1, &TradeOptions::deflections)},
       {"angles", NumbersParser("angles", 0.1, 90, &TradeOptions::angles_deg)},

@@ -34,6 +34,7 @@
 // angular         degrees, 0.1 … 90                                              20
 // import_timeout  seconds, > 0                                                   300
 // import_memory   megabytes, >= 64                                               8192
+// unit            name (mm, cm, m, in, ft, …) or millimetres                      the file's own
 // strict          true: any loss fails                                           false
 // deflections     numbers, or one string with commas: trade's meshes              1e-2,1e-3,1e-4,1e-5,1e-6
 // angles          the same: their angles in degrees                              30,12,5
@@ -108,6 +109,7 @@ struct RunOptions {
   std::string mesh, mesh_unit, mesh_up;
   TessellationOptions tessellation;
   ImportLimits import_limits;
+  double unit_mm = 0;  // 0: the file's own
   bool strict = false;
   Thresholds fail;
   TradeOptions trade;

@@ -128,6 +128,7 @@ Result<std::vector<Entry>> ParseManifest(const RegressRequest& request) {
       return BadManifest("two files are named " + entry.value().name + "; give one of them a \"name\"");
     entries.push_back(std::move(entry).value());
   }
+  if (entries.empty()) return BadManifest("it lists no file, so that nothing would be compared");
   return entries;
 }
 
@@ -225,6 +226,7 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   ImportRequest import;
   import.input = entry.file;
   import.limits = entry.options.import_limits;
+  import.unit_mm = entry.options.unit_mm;
   import.cancel = request.context.cancel;
   auto imported = Import(import);
   if (!imported) return imported.error();

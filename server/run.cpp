@@ -20,6 +20,7 @@
 #include "server/report_html.h"
 #include "server/shade_option.h"
 #include "server/shown_model.h"
+#include "server/verdict.h"
 #include "server/version.h"
 #include "server/view_files.h"
 
@@ -217,6 +218,9 @@ class Run {
   Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
     if (!options_.sections.empty() && ShowsNothing(views))
       Problem("no view shows anything: the section planes remove all of the model that the views look at");
+    for (const Json& view : views) NoteContradictions(view);
+    findings_.lost = LossCount(*imported_.model);
+    findings_.unit_known = KnowsUnit(*imported_.model);
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
@@ -233,7 +237,7 @@ class Run {
                      {"load", imported_.load_ms},
                      {"scene", scene_ms_},
                      {"total", imported_.import_ms + imported_.load_ms + MillisecondsSince(start_)}}},
-                   {"verdict", VerdictJson(options_, LossCount(*imported_.model), values, findings_)}};
+                   {"verdict", VerdictJson(options_, values, findings_)}};
     if (ShowsSmoothness(options_.inspection.kind))
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
@@ -255,6 +259,18 @@ class Run {
  private:
   void Progress(double fraction) const {
     if (context_.progress) context_.progress(command_, fraction);
+  }
+
+  // A certificate that does not hold is a defect of this program, and fails the run.
+  void NoteContradictions(const Json& view) {
+    const Json& check = view.at("direct").at("check");
+    if (check.is_null()) return;
+    const auto count = [&](const char* key) { return check.at(key).get<std::uint64_t>(); };
+    const std::uint64_t contradicted = count("roots_contradicted") + count("rays_contradicted");
+    if (contradicted == 0) return;
+    Problem("view '" + view.at("name").get<std::string>() +
+            "': an independent check contradicts the certificates of " + std::to_string(contradicted) +
+            " samples; this is a defect of Facetless, please report it with the file");
   }
 
   const ImportedModel& imported_;
@@ -299,6 +315,10 @@ Json ImportedModelJson(const ImportedModel& imported) {
   return json;
 }
 
+bool KnowsUnit(const Model& model) {
+  return !model.info.unit.empty();
+}
+
 std::size_t LossCount(const Model& model) {
   return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
 }
@@ -309,37 +329,6 @@ Result<void> WriteReport(const Json& report, const std::string& directory) {
   auto html = ReportHtml(report, directory);
   if (!html) return html.error();
   return WriteFileAtomically(directory + "/report.html", html.value());
-}
-
-Json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values,
-                 const Findings& findings) {
-  Json broken = Json::array();
-  for (const ViewValues& view : values) {
-    const auto check = [&](const char* name, const std::optional<double>& limit, double value) {
-      // In this form a NaN breaks the threshold.
-      if (!limit || value <= *limit) return;
-      broken.push_back({{"view", view.view},
-                        {"threshold", name},
-                        {"limit", *limit},
-                        {"value", std::isfinite(value) ? Json(value) : Json(nullptr)}});
-    };
-    check("fail_deviation_mm", options.fail.deviation_mm, view.deviation_mm);
-    check("fail_depth_mm", options.fail.depth_mm, view.depth_mm);
-    check("fail_silhouette_px", options.fail.silhouette_px, view.silhouette_px);
-    check("fail_flip", options.fail.flip, view.flip);
-    check("fail_share", options.fail.share, view.share);
-  }
-  const bool failed = !broken.empty() || !findings.problems.empty() ||
-                      (options.strict && (lost > 0 || findings.unmeshed > 0));
-  return {{"passed", !failed},
-          {"strict", options.strict},
-          {"lost", lost},
-          {"unmeshed", findings.unmeshed},
-          {"problems", findings.problems},
-          {"broken", broken},
-          {"exit_code", failed                              ? 2
-                        : lost > 0 || findings.unmeshed > 0 ? 1
-                                                            : 0}};
 }
 
 Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,

@@ -52,6 +52,8 @@ nlohmann::json ImportedModelJson(const ImportedModel& imported);
 
 // What was lost on the way in: faces, loops, edges.
 std::size_t LossCount(const Model& model);
+// False if the file has no length unit that could be read, and none was given: a failure under --strict.
+bool KnowsUnit(const Model& model);
 
 // Both write into `directory`, which they create, and return the report. Errors: kBadUsage (cameras),
 // kLimitExceeded, kCancelled, kWriteFailed, and those of RenderView and CompareView.
@@ -63,19 +65,5 @@ Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mes
 // Writes report.json and report.html of a report whose pictures lie in `directory`. Errors: kWriteFailed,
 // kFileUnreadable (a picture).
 Result<void> WriteReport(const nlohmann::json& report, const std::string& directory);
-
-// The report's "verdict": {"passed", "lost", "unmeshed", "problems": [sentence], "broken": [{"view", "threshold", "limit", "value"}],
-// "exit_code"}. exit_code: 0; 1 something was lost, or a face has no triangle; 2 the same under --strict, or there is a problem, or a
-// threshold is broken. A value that does not exist (null: infinite) breaks every threshold.
-struct ViewValues {
-  std::string view;
-  double deviation_mm = 0, depth_mm = 0, silhouette_px = 0, flip = 0, share = 0;
-};
-struct Findings {
-  std::vector<std::string> problems;  // each fails the run
-  std::size_t unmeshed = 0;           // faces of the model that our tessellation lacks
-};
-nlohmann::json VerdictJson(const RunOptions& options, std::size_t lost, const std::vector<ViewValues>& values,
-                           const Findings& findings = {});
 
 }  // namespace facetless

@@ -16,6 +16,7 @@
 #include "render/image/io.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/verdict.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -314,22 +315,25 @@ class Sweep {
       for (const std::string& sentence : Sentences(view)) result.text += sentence + "\n";
     }
     const ImportInfo& info = model().info;
-    result.report = {{"facetless", ProgramJson(options_.threads)},
-                     {"command", "trade"},
-                     {"model", ImportedModelJson(imported_)},
-                     {"views", std::move(views)},
-                     {"trade",
-                      {{"points", std::move(points)},
-                       {"answers", std::move(answers)},
-                       {"error_measure", MeasureName(trade().measure)},
-                       {"limits",
-                        {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
-                         {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
-                       {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
-                       {"mesher_threads", 1},
-                       {"load_at_start", load_at_start_},
-                       {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
-                     {"verdict", VerdictJson(options_, LossCount(model()), {})}};
+    result.report = {
+        {"facetless", ProgramJson(options_.threads)},
+        {"command", "trade"},
+        {"model", ImportedModelJson(imported_)},
+        {"views", std::move(views)},
+        {"trade",
+         {{"points", std::move(points)},
+          {"answers", std::move(answers)},
+          {"error_measure", MeasureName(trade().measure)},
+          {"limits",
+           {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
+            {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
+          {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
+          {"mesher_threads", 1},
+          {"load_at_start", load_at_start_},
+          {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
+        {"verdict",
+         VerdictJson(options_, {},
+                     {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())})}};
     if (auto written = WriteReport(result.report, directory_); !written) return written.error();
     return result;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <string_view>
+#include <unordered_set>
 
 #include "render/nurbs/open_edges.h"
 
@@ -94,6 +96,46 @@ json CameraJson(const Camera& camera) {
   return out;
 }
 
+// Faces of the file in all placements: a face that the importer had to split counts once.
+std::uint64_t PlacedFilesFaces(const Model& model) {
+  std::vector<std::uint64_t> of_part;
+  for (const Part& part : model.parts) {
+    std::unordered_set<std::string_view> entities;
+    std::uint64_t unnamed = 0;
+    for (std::uint32_t f = part.faces.first; f < part.faces.end(); ++f) {
+      if (model.faces[f].entity.empty()) {
+        ++unnamed;
+      } else {
+        entities.insert(model.faces[f].entity);
+      }
+    }
+    of_part.push_back(entities.size() + unnamed);
+  }
+  std::uint64_t faces = 0;
+  for (const Instance& instance : model.instances) faces += of_part[instance.part];
+  return faces;
+}
+
+// Why the faces in the picture are not as many as the file declares, as a sentence; null if they are.
+json FacesNote(const Model& model) {
+  const ImportInfo& info = model.info;
+  const std::uint64_t faces = PlacedFilesFaces(model), pieces = model.PlacedFaceCount();
+  std::string note;
+  if (faces != info.faces_declared) {
+    note = "The file declares " + std::to_string(info.faces_declared) + " faces; " +
+           std::to_string(info.faces_imported) + " of them are shown";
+    if (!info.faces_lost.empty()) note += ", " + std::to_string(info.faces_lost.size()) + " are skipped";
+    if (faces != info.faces_imported)
+      note += "; " + std::to_string(model.instances.size()) + " placements show " + std::to_string(faces);
+    note += ".";
+  }
+  if (pieces != faces) {
+    note += note.empty() ? "" : " ";
+    note += "Some are split: " + std::to_string(pieces) + " pieces have a number each.";
+  }
+  return note.empty() ? json(nullptr) : json(note);
+}
+
 json ModelJson(const Model& model) {
   const ImportInfo& info = model.info;
   std::map<std::string, std::uint64_t> surfaces;
@@ -121,11 +163,13 @@ json ModelJson(const Model& model) {
                             ? json(nullptr)
                             : json::array({Vector(model.bounds.low), Vector(model.bounds.high)})},
           {"solids", placed_solids},
-          {"faces", model.PlacedFaceCount()},
+          {"faces", PlacedFilesFaces(model)},
           {"prototypes",
            {{"parts", model.parts.size()}, {"faces", model.faces.size()}, {"solids", model.solids.size()}}},
           {"placements", model.instances.size()},
           {"faces_declared", info.faces_declared},
+          {"faces_shown", info.faces_imported},
+          {"faces_note", FacesNote(model)},
           {"faces_skipped", LossesJson(info.faces_lost)},
           {"loops_lost", LossesJson(info.loops_lost)},
           {"edges_lost", LossesJson(info.edges_lost)},

@@ -137,8 +137,8 @@ Result<void> CheckInput(const std::string& path) {
   return {};
 }
 
-// "progress transfer 0.25"
-void ReportProgress(std::string_view line, const ImportRequest& request) {
+// "progress transfer 0.25". `stage` becomes what the importer is at.
+void ReportProgress(std::string_view line, const ImportRequest& request, std::string& stage) {
   constexpr std::string_view kPrefix = "progress ";
   if (!line.starts_with(kPrefix)) return;
   line.remove_prefix(kPrefix.size());
@@ -147,10 +147,11 @@ void ReportProgress(std::string_view line, const ImportRequest& request) {
   double fraction = 0;
   const auto parsed = std::from_chars(line.data() + space + 1, line.data() + line.size(), fraction);
   if (parsed.ec != std::errc{} || !(fraction >= 0 && fraction <= 1)) return;
-  const std::string_view stage = line.substr(0, space);
+  const std::string_view name = line.substr(0, space);
   constexpr std::array<std::string_view, 5> kStages = {"read", "transfer", "convert", "mesh", "intersect"};
-  if (std::find(kStages.begin(), kStages.end(), stage) == kStages.end()) return;
-  request.progress(std::string(stage), fraction);
+  if (std::find(kStages.begin(), kStages.end(), name) == kStages.end()) return;
+  stage = name;
+  if (request.progress) request.progress(stage, fraction);
 }
 
 Error TimeError(const std::string& name, const ImportLimits& limits) {
@@ -181,7 +182,7 @@ bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
 
 // The error that a finished child stands for; nothing if it exited by itself.
 std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& child_limits,
-                              const std::string& name, const ImportLimits& limits) {
+                              const std::string& name, const ImportLimits& limits, const std::string& stage) {
   switch (outcome.end) {
     case ChildEnd::kExited:
       return std::nullopt;
@@ -208,8 +209,10 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
         ErrorCode::kLimitExceeded,
         name + ": the import was killed from outside, most likely because the machine ran out of memory"};
   if (RanOutOfMemory(outcome, child_limits)) return MemoryError(name, limits);
-  return Error{ErrorCode::kImporterCrashed,
-               name + ": the importer died of " + SignalName(outcome.signal) + " while reading it"};
+  return Error{ErrorCode::kImporterCrashed, name + ": the importer died of " + SignalName(outcome.signal) +
+                                                " while reading it" +
+                                                (stage.empty() ? "" : ", in the stage \"" + stage + "\"") +
+                                                "; export the model again, or as another version of STEP"};
 }
 
 // The same in one word for who counts; nullptr if it exited or was told to end.
@@ -321,6 +324,8 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   child.program = ImporterPath();
   child.arguments = {std::filesystem::absolute(request.input, path_error).string(), "--model",
                      files.model_path};
+  if (request.unit_mm > 0)
+    child.arguments.insert(child.arguments.end(), {"--unit-mm", Number(request.unit_mm)});
   for (std::size_t i = 0; i < request.meshes.size(); ++i) {
     const TessellationOptions& mesh = request.meshes[i];
     files.mesh_paths.push_back(files.directory.File("mesh" + std::to_string(i) + ".glb"));
@@ -362,7 +367,8 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   child.syscall_filter = std::move(filter).value();
   child.file_access = ImporterFiles(child.program, child.arguments.front(), files.directory.path());
   child.cancel = request.cancel;
-  if (request.progress) child.on_stderr_line = [&](std::string_view line) { ReportProgress(line, request); };
+  std::string stage;
+  child.on_stderr_line = [&](std::string_view line) { ReportProgress(line, request, stage); };
 
   // Run it, and turn its end into files or an error.
   auto run = RunChild(child);
@@ -372,7 +378,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
     if (cause != nullptr && request.died) request.died(cause);
   };
   died(DeathCause(outcome, child.limits));
-  if (auto error = EndError(outcome, child.limits, name, limits)) return *error;
+  if (auto error = EndError(outcome, child.limits, name, limits, stage)) return *error;
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
   files.peak_address_bytes = outcome.peak_address_bytes;

@@ -49,6 +49,7 @@ struct ImportRequest {
   std::string input;
   std::vector<TessellationOptions> meshes;  // one file each; none: the model only
   ExactRays exact;                          // without rays: nothing is asked
+  double unit_mm = 0;                       // above 0: one unit of the file, whatever the file says
   ImportLimits limits;
   std::string temp_parent;  // where the files go; empty: $TMPDIR or /tmp
   const std::atomic<bool>* cancel = nullptr;

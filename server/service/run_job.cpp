@@ -106,12 +106,23 @@ class JobRun {
  private:
   bool foreign_mesh() const { return !request_.mesh.empty(); }
 
+  // Read in another unit than its own a file is another model. It needs the file: that of the upload, or the one that the model came from.
+  void FindInUnit() {
+    if (request_.options.unit_mm == 0 || job_.kind == "model") return;
+    if (const auto own = store_.FindModel(job_.owner, request_.model_id); own && request_.file_name.empty())
+      request_.file_name = own->name;
+    source_id_ = request_.model_id;
+    const Json identity = {{"model", request_.model_id}, {"unit_mm", request_.options.unit_mm}};
+    request_.model_id = Sha256Hex(JsonText(identity, -1));
+  }
+
   Result<void> MakeModel() {
+    FindInUnit();
     model_ = store_.FindModel(job_.owner, request_.model_id);
     if (model_) return {};
     if (request_.file_name.empty())
       return Error{ErrorCode::kFileUnreadable, "the model " + request_.model_id + " is not there any more"};
-    const auto source = store_.Pin(request_.model_id);
+    const auto source = store_.Pin(source_id_.empty() ? request_.model_id : source_id_);
     if (!source) return Error{ErrorCode::kInternal, "the uploaded file is not there any more"};
 
     // Import it, with its mesh on the way.
@@ -179,6 +190,7 @@ class JobRun {
     // The job's deadline ends it first.
     request.limits.timeout_s = 2 * limits_.timeout_s;
     request.limits.memory_mb = limits_.import_memory_mb;
+    request.unit_mm = request_.options.unit_mm;
     request.temp_parent = std::filesystem::path(scratch_.back().path()).parent_path();
     request.cancel = watch_.deadline->flag();
     request.progress = watch_.progress;
@@ -294,6 +306,7 @@ class JobRun {
   const RunLimits& limits_;
   const JobWatch& watch_;
   JobRequest request_;
+  std::string source_id_;  // of the file, where the model is read in another unit than its own
   std::optional<StoredModel> model_;
   std::optional<KeptFile> posted_mesh_;
   std::vector<TempDir> scratch_;

@@ -155,8 +155,8 @@ TEST(Layering, FoldersOfRenderFormAChain) {
 }
 
 TEST(Layering, EachLibraryHasOneHome) {
-  EXPECT_THAT(IncludersOutside(R"(\w+\.[hlgp]xx)",
-                               {"import/", "samples/generator/", "tests/import/", "tests/differential/"}),
+  EXPECT_THAT(IncludersOutside(R"(\w+\.[hlgp]xx)", {"import/", "samples/generator/", "tests/import/",
+                                                    "tests/differential/", "tests/blends/"}),
               IsEmpty())
       << "OpenCASCADE belongs in import/";
   EXPECT_THAT(IncludersOutside("embree.*", {"render/baseline/"}), IsEmpty());

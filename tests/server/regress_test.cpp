@@ -102,32 +102,8 @@ TEST_F(Manifest, AFileThatCannotBeUsedFailsAloneAndTheRestGoesOn) {
   EXPECT_EQ(verdict.value()["files"][2]["error"]["code"], "file-unreadable");
 }
 
-TEST(Verdict, FollowsLossesAndThresholds) {
-  const std::vector<ViewValues> values = {{"iso", 0.1, 0.2, 3, 0.01, 0.5}};
-  RunOptions options;
-  EXPECT_EQ(VerdictJson(options, 0, values).at("exit_code"), kExitDone);
-  EXPECT_EQ(VerdictJson(options, 2, values).at("exit_code"), kExitLost);
-  EXPECT_TRUE(VerdictJson(options, 2, values).at("passed").get<bool>());
-  options.fail.deviation_mm = 0.1;
-  EXPECT_EQ(VerdictJson(options, 0, values).at("exit_code"), kExitDone) << "the limit itself passes";
-  options.fail.silhouette_px = 2;
-  const auto verdict = VerdictJson(options, 0, values);
-  EXPECT_EQ(verdict.at("exit_code"), kExitFailed);
-  ASSERT_EQ(verdict.at("broken").size(), 1u);
-  EXPECT_EQ(verdict["broken"][0]["threshold"], "fail_silhouette_px");
-  EXPECT_EQ(verdict["broken"][0]["value"], 3.0);
-  RunOptions strict;
-  strict.strict = true;
-  EXPECT_EQ(VerdictJson(strict, 1, values).at("exit_code"), kExitFailed);
-}
-
-TEST(Verdict, IsFailedByWhatIsNoNumber) {
-  RunOptions options;
-  options.fail.flip = 1;
-  options.fail.silhouette_px = 1e9;
-  const auto verdict = VerdictJson(options, 0, {{"iso", 0, 0, INFINITY, NAN, 0}});
-  ASSERT_EQ(verdict.at("broken").size(), 2u);
-  EXPECT_TRUE(verdict["broken"][0]["value"].is_null());
+TEST_F(Manifest, WithoutAFileIsRefused) {
+  EXPECT_THAT(ErrorOf(R"({"files": []})"), testing::HasSubstr("it lists no file"));
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+// The verdict on a run: what decides its exit code, and the sentences that say so.
+//
+//  1. A run fails where a threshold is broken, where there is a problem, and under --strict where something was lost, a face has no
+//     triangle, or the file's unit is not known.
+//  2. Whatever makes a run fail has a sentence, which names the option to change or the place to look.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "server/options.h"
+
+namespace facetless {
+
+// What thresholds are compared with.
+struct ViewValues {
+  std::string view;
+  double deviation_mm = 0, depth_mm = 0, silhouette_px = 0, flip = 0, share = 0;
+};
+
+// What a run has found out besides.
+struct Findings {
+  std::vector<std::string> problems;  // sentences; each fails the run
+  std::size_t lost = 0;               // faces, loops and edges on the way in
+  std::size_t unmeshed = 0;           // faces of the model that our tessellation lacks
+  bool unit_known = true;             // the file says in which unit it is, or --unit does
+};
+
+// The report's "verdict": {"passed", "strict", "lost", "unmeshed", "unit_known", "problems": [sentence], "broken": [{"view", "threshold",
+// "limit", "value"}], "exit_code"}. exit_code: 0; 1 something was lost, or a face has no triangle; 2 Law 1. A value that does not exist
+// (null: infinite) breaks every threshold.
+nlohmann::json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& values,
+                           const Findings& findings = {});
+
+// Law 2: one sentence for each reason for which `verdict` has failed; none where it has passed.
+std::vector<std::string> VerdictSentences(const nlohmann::json& verdict);
+
+}  // namespace facetless

@@ -1,0 +1,71 @@
+// The verdict on a run, and the sentences that it owes.
+#include "server/verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/exit_code.h"
+
+namespace facetless {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(Verdict, FollowsLossesAndThresholds) {
+  const std::vector<ViewValues> values = {{"iso", 0.1, 0.2, 3, 0.01, 0.5}};
+  RunOptions options;
+  EXPECT_EQ(VerdictJson(options, values).at("exit_code"), kExitDone);
+  EXPECT_EQ(VerdictJson(options, values, {.problems = {}, .lost = 2}).at("exit_code"), kExitLost);
+  EXPECT_TRUE(VerdictJson(options, values, {.problems = {}, .lost = 2}).at("passed").get<bool>());
+  EXPECT_EQ(VerdictJson(options, values, {.problems = {}, .unmeshed = 1}).at("exit_code"), kExitLost);
+  options.fail.deviation_mm = 0.1;
+  EXPECT_EQ(VerdictJson(options, values).at("exit_code"), kExitDone) << "the limit itself passes";
+  options.fail.silhouette_px = 2;
+  const auto verdict = VerdictJson(options, values);
+  EXPECT_EQ(verdict.at("exit_code"), kExitFailed);
+  ASSERT_EQ(verdict.at("broken").size(), 1u);
+  EXPECT_EQ(verdict["broken"][0]["threshold"], "fail_silhouette_px");
+  EXPECT_EQ(verdict["broken"][0]["value"], 3.0);
+}
+
+TEST(Verdict, IsFailedByWhatIsNoNumber) {
+  RunOptions options;
+  options.fail.flip = 1;
+  options.fail.silhouette_px = 1e9;
+  const auto verdict = VerdictJson(options, {{"iso", 0, 0, INFINITY, NAN, 0}});
+  ASSERT_EQ(verdict.at("broken").size(), 2u);
+  EXPECT_TRUE(verdict["broken"][0]["value"].is_null());
+}
+
+TEST(Verdict, StrictFailsWhatIsIncompleteOrGuessed) {
+  RunOptions strict;
+  strict.strict = true;
+  EXPECT_EQ(VerdictJson(strict, {}).at("exit_code"), kExitDone);
+  EXPECT_EQ(VerdictJson(strict, {}, {.problems = {}, .lost = 1}).at("exit_code"), kExitFailed);
+  EXPECT_EQ(VerdictJson(strict, {}, {.problems = {}, .unmeshed = 1}).at("exit_code"), kExitFailed);
+  EXPECT_EQ(VerdictJson(strict, {}, {.problems = {}, .unit_known = false}).at("exit_code"), kExitFailed);
+  EXPECT_EQ(VerdictJson({}, {}, {.problems = {}, .unit_known = false}).at("exit_code"), kExitDone);
+}
+
+TEST(Verdict, SaysWhatBrokeByTheNameOfItsOption) {
+  RunOptions options;
+  options.strict = true;
+  options.fail.depth_mm = 0.25;
+  options.fail.flip = 0.5;
+  const Findings findings = {
+      .problems = {"the mesh is turned inside out"}, .lost = 3, .unmeshed = 2, .unit_known = false};
+  EXPECT_THAT(
+      VerdictSentences(VerdictJson(options, {{"front", 0, 0.5, 0, INFINITY, 0}}, findings)),
+      ElementsAre(HasSubstr("view 'front' breaks --fail-depth-mm: the value is 0.5, the limit is 0.25"),
+                  HasSubstr("--fail-flip: the value is infinite"), "the mesh is turned inside out",
+                  HasSubstr("lost 3"), HasSubstr("lacks 2 faces"), HasSubstr("--unit")));
+  EXPECT_THAT(VerdictSentences(VerdictJson({}, {{"front", 0, 0.5, 0, 0, 0}}, {.problems = {}, .lost = 3})),
+              IsEmpty());
+}
+
+}  // namespace
+}  // namespace facetless
