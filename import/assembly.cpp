@@ -1,20 +1,26 @@
 #include "import/assembly.h"
 
+#include <BRepTools_ReShape.hxx>
 #include <BRep_Builder.hxx>
 #include <TDF_Label.hxx>
+#include <TDF_LabelSequence.hxx>
 #include <TDF_Tool.hxx>
 #include <TDataStd_Name.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Iterator.hxx>
+#include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_LayerTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 #include <XCAFPrs.hxx>
 #include <XCAFPrs_DocumentExplorer.hxx>
 #include <XCAFPrs_IndexedDataMapOfShapeStyle.hxx>
 #include <map>
 #include <unordered_map>
+
+#include "render/model/utf8.h"
 
 namespace facetless {
 namespace {
@@ -27,13 +33,7 @@ std::string NameOf(const TDF_Label& label) {
   Standard_PCharacter buffer = utf8.data();
   utf8.resize(static_cast<std::size_t>(text.ToUTF8CString(buffer)));
   while (!utf8.empty() && utf8.back() == '\0') utf8.pop_back();
-  return utf8;
-}
-
-Color ToColor(const Quantity_Color& color) {
-  double r, g, b;
-  color.Values(r, g, b, Quantity_TOC_sRGB);
-  return {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b)};
+  return Printable(utf8);
 }
 
 // Colours of faces that are the faces' own or those of a body within the prototype, innermost first.
@@ -62,11 +62,64 @@ bool HasFaces(const TopoDS_Shape& shape) {
   return faces.Extent() > 0;
 }
 
+// Whether the file hides what a label stands for, or one of its layers.
+bool IsHidden(const TDF_Label& label) {
+  if (label.IsNull()) return false;
+  if (!XCAFDoc_DocumentTool::ColorTool(label)->IsVisible(label)) return true;
+  const Handle(XCAFDoc_LayerTool) layers = XCAFDoc_DocumentTool::LayerTool(label);
+  TDF_LabelSequence of_label;
+  layers->GetLayers(label, of_label);
+  for (int i = 1; i <= of_label.Length(); ++i) {
+    if (!layers->IsVisible(of_label.Value(i))) return true;
+  }
+  return false;
+}
+
+// Moves the hidden bodies and faces of a prototype into one of their own; null if there are none. Faces keep their identity.
+TopoDS_Shape TakeOutHidden(const TDF_Label& label, Prototype& prototype) {
+  TDF_LabelSequence parts;
+  XCAFDoc_ShapeTool::GetSubShapes(label, parts);
+  BRepTools_ReShape reshape;
+  BRep_Builder builder;
+  TopoDS_Compound hidden;
+  builder.MakeCompound(hidden);
+  bool any = false;
+  for (int i = 1; i <= parts.Length(); ++i) {
+    const TopoDS_Shape part = XCAFDoc_ShapeTool::GetShape(parts.Value(i));
+    if (!IsHidden(parts.Value(i)) || !HasFaces(part)) continue;
+    builder.Add(hidden, part);
+    reshape.Remove(part);
+    any = true;
+  }
+  if (!any) return {};
+  prototype.shape = reshape.Apply(prototype.shape);
+  return hidden;
+}
+
+// The faces of a document that the file wants to be seen through.
+std::size_t TransparentFaces(const TDF_Label& label) {
+  XCAFPrs_IndexedDataMapOfShapeStyle styles;
+  XCAFPrs::CollectStyleSettings(label, TopLoc_Location(), styles);
+  TopTools_IndexedMapOfShape transparent;
+  for (int i = 1; i <= styles.Extent(); ++i) {
+    const XCAFPrs_Style& style = styles.FindFromIndex(i);
+    if (style.IsSetColorSurf() && style.GetColorSurfRGBA().Alpha() < 1)
+      TopExp::MapShapes(styles.FindKey(i), TopAbs_FACE, transparent);
+  }
+  return static_cast<std::size_t>(transparent.Extent());
+}
+
 bool IsSheet(const TopoDS_Shape& shape) {
   return shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_SHELL;
 }
 
 }  // namespace
+
+Color ToColor(const Quantity_Color& color) {
+  double r, g, b;
+  color.Values(r, g, b, Quantity_TOC_sRGB);
+  return {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b)};
+}
 
 Handle(TDocStd_Document) NewXcafDocument() {
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
@@ -74,50 +127,107 @@ Handle(TDocStd_Document) NewXcafDocument() {
   return document;
 }
 
-void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name, CadDocument& document) {
-  std::map<std::string, std::size_t> prototype_of_label;
-  Prototype loose;
-  loose.name = name;
-  BRep_Builder builder;
-  TopoDS_Compound loose_shapes;
-  builder.MakeCompound(loose_shapes);
-  bool has_loose = false;
-  for (XCAFPrs_DocumentExplorer explorer(xcaf, XCAFPrs_DocumentExplorerFlags_OnlyLeafNodes); explorer.More();
-       explorer.Next()) {
+namespace {
+
+// Gathers what an XCAF document places.
+class AssemblyWalk {
+ public:
+  AssemblyWalk(const std::string& name, const std::vector<OccurrenceColor>& colors, CadDocument& document)
+      : name_(name), colors_(colors), document_(document) {}
+
+  void Visit(const XCAFPrs_DocumentExplorer& explorer) {
     const XCAFPrs_DocumentNode& node = explorer.Current();
     const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(node.RefLabel);
-    if (shape.IsNull() || !HasFaces(shape)) continue;
-    const bool styled = node.Style.IsSetColorSurf();
+    if (shape.IsNull() || !HasFaces(shape)) return;
+    bool hidden = false;
+    for (int depth = 0; depth <= explorer.CurrentDepth(); ++depth) {
+      const XCAFPrs_DocumentNode& step = explorer.Current(depth);
+      hidden = hidden || IsHidden(step.Label) || IsHidden(step.RefLabel);
+    }
     // Gather loose sheets, keeping the colour of each.
     if (explorer.CurrentDepth() == 0 && IsSheet(shape) && node.Location.IsIdentity()) {
-      TopTools_IndexedMapOfShape faces;
-      TopExp::MapShapes(shape, TopAbs_FACE, faces);
-      if (styled) {
-        for (int f = 1; f <= faces.Extent(); ++f)
-          loose.colors[faces(f).TShape().get()] = ToColor(node.Style.GetColorSurf());
-      }
-      Prototype own;
-      own.shape = shape;
-      CollectColors(node.RefLabel, own);
-      for (const auto& [face, color] : own.colors) loose.colors[face] = color;
-      builder.Add(loose_shapes, shape);
-      has_loose = true;
-      continue;
+      AddSheet(node, shape, loose_[hidden]);
+      return;
     }
-    // Make the prototype when it is first met.
+    // Make the prototype when it is first met, and one of what is hidden in it.
     TCollection_AsciiString entry;
     TDF_Tool::Entry(node.RefLabel, entry);
-    const auto [known, added] = prototype_of_label.try_emplace(entry.ToCString(), document.prototypes.size());
-    if (added) {
-      Prototype prototype;
-      prototype.name = NameOf(node.RefLabel);
-      prototype.shape = shape;
-      CollectColors(node.RefLabel, prototype);
-      document.prototypes.push_back(std::move(prototype));
+    const auto [known, added] = prototypes_.try_emplace(entry.ToCString());
+    if (added) known->second = AddPrototype(node.RefLabel, shape);
+    Occurrence occurrence = OccurrenceAt(explorer);
+    for (const bool hidden_part : {false, true}) {
+      const std::optional<std::size_t> prototype = known->second.of[hidden_part];
+      if (!prototype) continue;
+      occurrence.prototype = *prototype;
+      occurrence.hidden = hidden || hidden_part;
+      document_.occurrences.push_back(occurrence);
     }
-    // Name the occurrence by its path.
+  }
+
+  void Finish() {
+    for (const bool hidden : {false, true}) {
+      Loose& loose = loose_[hidden];
+      if (!loose.any) continue;
+      Occurrence occurrence;
+      occurrence.prototype = document_.prototypes.size();
+      occurrence.hidden = hidden;
+      document_.occurrences.push_back(occurrence);
+      document_.prototypes.push_back({name_, loose.shapes, std::move(loose.colors)});
+    }
+    if (transparent_ > 0)
+      document_.info.warnings.push_back(std::to_string(transparent_) +
+                                        " faces are transparent in the file; they are drawn opaque.");
+  }
+
+ private:
+  // The prototypes that one label of the document became: of what is to be seen, and of what is hidden.
+  struct Prototypes {
+    std::optional<std::size_t> of[2];
+  };
+  struct Loose {
+    Loose() { BRep_Builder().MakeCompound(shapes); }
+    TopoDS_Compound shapes;
+    std::unordered_map<const void*, Color> colors;
+    bool any = false;
+  };
+
+  void AddSheet(const XCAFPrs_DocumentNode& node, const TopoDS_Shape& shape, Loose& loose) {
+    TopTools_IndexedMapOfShape faces;
+    TopExp::MapShapes(shape, TopAbs_FACE, faces);
+    if (node.Style.IsSetColorSurf()) {
+      for (int f = 1; f <= faces.Extent(); ++f)
+        loose.colors[faces(f).TShape().get()] = ToColor(node.Style.GetColorSurf());
+    }
+    Prototype own;
+    own.shape = shape;
+    CollectColors(node.RefLabel, own);
+    for (const auto& [face, color] : own.colors) loose.colors[face] = color;
+    transparent_ += TransparentFaces(node.RefLabel);
+    BRep_Builder().Add(loose.shapes, shape);
+    loose.any = true;
+  }
+
+  Prototypes AddPrototype(const TDF_Label& label, const TopoDS_Shape& shape) {
+    Prototype prototype;
+    prototype.name = NameOf(label);
+    prototype.shape = shape;
+    CollectColors(label, prototype);
+    transparent_ += TransparentFaces(label);
+    Prototype hidden = prototype;
+    hidden.shape = TakeOutHidden(label, prototype);
+    Prototypes added;
+    for (Prototype* each : {&prototype, &hidden}) {
+      if (each->shape.IsNull() || !HasFaces(each->shape)) continue;
+      added.of[each == &hidden] = document_.prototypes.size();
+      document_.prototypes.push_back(std::move(*each));
+    }
+    return added;
+  }
+
+  // Its place, its name by its path, and its colour.
+  Occurrence OccurrenceAt(const XCAFPrs_DocumentExplorer& explorer) const {
+    const XCAFPrs_DocumentNode& node = explorer.Current();
     Occurrence occurrence;
-    occurrence.prototype = known->second;
     occurrence.placement = node.Location.Transformation();
     occurrence.location = node.Location;
     for (int depth = 0; depth <= explorer.CurrentDepth(); ++depth) {
@@ -129,15 +239,46 @@ void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
       if (!occurrence.name.empty()) occurrence.name += "/";
       occurrence.name += text;
     }
-    occurrence.has_color = styled;
-    if (styled) occurrence.color = ToColor(node.Style.GetColorSurf());
-    document.occurrences.push_back(std::move(occurrence));
+    occurrence.has_color = node.Style.IsSetColorSurf();
+    if (occurrence.has_color) occurrence.color = ToColor(node.Style.GetColorSurf());
+    for (int depth = explorer.CurrentDepth(); depth >= 0; --depth) {
+      if (const std::optional<Color> own = ColorOf(explorer.Current(depth))) {
+        occurrence.has_color = true;
+        occurrence.color = *own;
+        break;
+      }
+    }
+    return occurrence;
   }
-  if (has_loose) {
-    loose.shape = loose_shapes;
-    document.occurrences.push_back({document.prototypes.size(), gp_Trsf(), false, {}, {}, {}});
-    document.prototypes.push_back(std::move(loose));
+
+  // What the file says of the colour of one step of a path; none where it says nothing that differs from the part's.
+  std::optional<Color> ColorOf(const XCAFPrs_DocumentNode& step) const {
+    const TopoDS_Shape component = XCAFDoc_ShapeTool::GetShape(step.Label);
+    std::optional<Color> of_part;
+    for (const OccurrenceColor& given : colors_) {
+      if (given.component.IsSame(component)) return given.color;
+      if (given.component.IsPartner(component)) of_part = given.of_part;
+    }
+    return of_part;
   }
+
+  const std::string& name_;
+  const std::vector<OccurrenceColor>& colors_;
+  CadDocument& document_;
+  std::map<std::string, Prototypes> prototypes_;  // by label
+  Loose loose_[2];                                // what is to be seen, and what is hidden
+  std::size_t transparent_ = 0;                   // faces
+};
+
+}  // namespace
+
+void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
+                 const std::vector<OccurrenceColor>& colors, CadDocument& document) {
+  AssemblyWalk walk(name, colors, document);
+  for (XCAFPrs_DocumentExplorer explorer(xcaf, XCAFPrs_DocumentExplorerFlags_OnlyLeafNodes); explorer.More();
+       explorer.Next())
+    walk.Visit(explorer);
+  walk.Finish();
 }
 
 namespace {

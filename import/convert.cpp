@@ -34,6 +34,7 @@ void AddInstances(const CadDocument& document, Model& model) {
     instance.color = occurrence.color;
     instance.name = occurrence.name;
     instance.first_placed_face = next;
+    instance.hidden = occurrence.hidden;
     next += model.parts[instance.part].faces.count;
     model.instances.push_back(std::move(instance));
   }

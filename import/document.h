@@ -37,7 +37,8 @@ struct Occurrence {
   Color color;
   std::string name;
   TopLoc_Location
-      location;  // what `placement` is made of; identity where nothing in it stands for anything else
+      location;         // what `placement` is made of; identity where nothing in it stands for anything else
+  bool hidden = false;  // the file says that it is not to be shown
 };
 
 // A face that the file declares; what became of it is counted when all is converted.

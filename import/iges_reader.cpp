@@ -84,7 +84,7 @@ class IgesReader {
       OCC_CATCH_SIGNALS
       reader_.SetColorMode(true);
       reader_.SetNameMode(true);
-      reader_.SetLayerMode(false);
+      reader_.SetLayerMode(true);
       if (reader_.ReadFile(source_.path.c_str()) != IFSelect_RetDone)
         return Error{ErrorCode::kFormatBroken,
                      source_.name + " is an IGES file that cannot be parsed; export the model again."};
@@ -105,7 +105,7 @@ class IgesReader {
     try {
       OCC_CATCH_SIGNALS
       Handle(TDocStd_Document) xcaf = NewXcafDocument();
-      if (reader_.Transfer(xcaf)) AddAssembly(xcaf, source_.name, document_);
+      if (reader_.Transfer(xcaf)) AddAssembly(xcaf, source_.name, {}, document_);
     } catch (const Standard_Failure&) {
       document_.prototypes.clear();
       document_.occurrences.clear();

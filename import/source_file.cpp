@@ -155,6 +155,7 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
                                " scopes (&SCOPE … ENDSCOPE), which OpenCASCADE does not know, were opened.");
       changed = true;
     }
+    if (NormaliseStepTexts(bytes, &source.repairs)) changed = true;
     Result<StepFacts> facts = ScanStep(source.name, bytes);
     if (!facts.ok()) return facts.error();
     source.step = std::move(facts.value());

@@ -11,6 +11,7 @@
 #include <STEPCAFControl_ExternFile.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPConstruct_ExternRefs.hxx>
+#include <STEPConstruct_Styles.hxx>
 #include <STEPConstruct_UnitContext.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_ErrorHandler.hxx>
@@ -38,6 +39,9 @@
 #include <StepShape_OrientedEdge.hxx>
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_VertexPoint.hxx>
+#include <StepVisual_Colour.hxx>
+#include <StepVisual_ContextDependentOverRidingStyledItem.hxx>
+#include <StepVisual_StyleContextSelect.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
@@ -158,7 +162,7 @@ class StepReader {
       Interface_GeneralLib::SetGlobal(new QuickChecks(failed_, last_), StepAP214::Protocol());
       reader_.SetColorMode(true);
       reader_.SetNameMode(true);
-      reader_.SetLayerMode(false);
+      reader_.SetLayerMode(true);
       reader_.SetPropsMode(false);
       reader_.SetSHUOMode(true);
       if (reader_.ReadFile(source_.path.c_str()) != IFSelect_RetDone)
@@ -222,7 +226,7 @@ class StepReader {
     try {
       OCC_CATCH_SIGNALS
       xcaf_ = NewXcafDocument();
-      if (reader_.Transfer(xcaf_)) AddAssembly(xcaf_, source_.name, document_);
+      if (reader_.Transfer(xcaf_)) AddAssembly(xcaf_, source_.name, OccurrenceColors(), document_);
       whole_ = !document_.prototypes.empty();
     } catch (const Standard_Failure&) {
       Discard();
@@ -238,6 +242,37 @@ class StepReader {
     NoteLosses();
     if (whole_) NoteOccurrences();
     NoteExternalFiles();
+  }
+
+  // What CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEMs say: the colour of one occurrence, where the part has another.
+  std::vector<OccurrenceColor> OccurrenceColors() {
+    std::vector<OccurrenceColor> colors;
+    const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
+    const STEPConstruct_Styles styles(Session());
+    const auto surface_color = [&](const Handle(StepVisual_StyledItem) & item) -> std::optional<Color> {
+      Handle(StepVisual_Colour) surface, boundary, curve, rendered;
+      double transparency = 0;
+      bool is_component = false;
+      Quantity_Color color;
+      if (item.IsNull() ||
+          !styles.GetColors(item, surface, boundary, curve, rendered, transparency, is_component) ||
+          surface.IsNull() || !styles.DecodeColor(surface, color))
+        return std::nullopt;
+      return ToColor(color);
+    };
+    const Handle(Interface_InterfaceModel) model = Session()->Model();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const auto item = Handle(StepVisual_ContextDependentOverRidingStyledItem)::DownCast(model->Value(i));
+      if (item.IsNull() || item->StyleContext().IsNull()) continue;
+      const std::optional<Color> own = surface_color(item), of_part = surface_color(item->OverRiddenStyle());
+      for (int c = 1; own && c <= item->NbStyleContext(); ++c) {
+        const Handle(Standard_Transient) context = item->StyleContextValue(c).Value();
+        if (context.IsNull()) continue;
+        const TopoDS_Shape component = TransferBRep::ShapeResult(process, context);
+        if (!component.IsNull()) colors.push_back({component, *own, of_part});
+      }
+    }
+    return colors;
   }
 
   void Discard() {

@@ -30,76 +30,6 @@ constexpr int kDeepestList = 200;
 // Oriented edges of oriented edges of … an edge.
 constexpr int kMostOrientations = 16;
 
-void AppendUtf8(std::uint32_t code, std::string& out) {
-  if (code < 0x80) {
-    out += static_cast<char>(code);
-  } else if (code < 0x800) {
-    out += static_cast<char>(0xc0 | code >> 6);
-    out += static_cast<char>(0x80 | (code & 0x3f));
-  } else if (code < 0x10000) {
-    out += static_cast<char>(0xe0 | code >> 12);
-    out += static_cast<char>(0x80 | (code >> 6 & 0x3f));
-    out += static_cast<char>(0x80 | (code & 0x3f));
-  } else {
-    out += static_cast<char>(0xf0 | code >> 18);
-    out += static_cast<char>(0x80 | (code >> 12 & 0x3f));
-    out += static_cast<char>(0x80 | (code >> 6 & 0x3f));
-    out += static_cast<char>(0x80 | (code & 0x3f));
-  }
-}
-
-// Lead and continuation bytes in order; overlong forms and surrogates are let through, they harm no one who prints them.
-bool IsUtf8(std::string_view text) {
-  int pending = 0;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (pending > 0) {
-      if ((byte & 0xc0) != 0x80) return false;
-      --pending;
-    } else if (byte >= 0x80) {
-      if (byte >= 0xc2 && byte < 0xe0) {
-        pending = 1;
-      } else if (byte >= 0xe0 && byte < 0xf0) {
-        pending = 2;
-      } else if (byte >= 0xf0 && byte < 0xf5) {
-        pending = 3;
-      } else {
-        return false;
-      }
-    }
-  }
-  return pending == 0;
-}
-
-// The number that `digits` hexadecimal digits at `at` write; −1 if they don't.
-std::int64_t Hex(std::string_view text, std::size_t at, std::size_t digits) {
-  if (at + digits > text.size()) return -1;
-  std::int64_t value = 0;
-  for (std::size_t i = at; i < at + digits; ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    if (!std::isxdigit(c)) return -1;
-    value = value * 16 + (std::isdigit(c) ? c - '0' : std::toupper(c) - 'A' + 10);
-  }
-  return value;
-}
-
-// Decodes the run of `digits`-wide codes of \X2\ or \X4\ that starts at `at`; returns where the text goes on.
-std::size_t TakeCodes(std::string_view raw, std::size_t at, std::size_t digits, std::string& out) {
-  std::uint32_t high = 0;
-  for (std::int64_t code; (code = Hex(raw, at, digits)) >= 0; at += digits) {
-    const auto unit = static_cast<std::uint32_t>(code);
-    if (digits == 4 && unit >= 0xd800 && unit < 0xdc00) {
-      high = unit;
-    } else if (digits == 4 && unit >= 0xdc00 && unit < 0xe000 && high != 0) {
-      AppendUtf8(0x10000 + ((high - 0xd800) << 10) + (unit - 0xdc00), out);
-      high = 0;
-    } else {
-      AppendUtf8(std::min<std::uint32_t>(unit, 0x10ffff), out);
-    }
-  }
-  return raw.substr(at, 4) == "\\X0\\" ? at + 4 : at;
-}
-
 // Walks over the text once, outside strings and comments.
 class Scanner {
  public:
@@ -271,39 +201,6 @@ Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes) {
   Result<StepFacts> facts = Scanner(name, bytes).Run();
   if (facts.ok()) facts.value().faces = DeclaredFaces(bytes);
   return facts;
-}
-
-std::string DecodeStepText(std::string_view raw) {
-  std::string latin;
-  if (!IsUtf8(raw)) {
-    for (const char c : raw) AppendUtf8(static_cast<unsigned char>(c), latin);
-    raw = latin;
-  }
-  std::string out;
-  std::size_t at = 0;
-  while (at < raw.size()) {
-    const std::string_view directive = raw.substr(at, 4);
-    if (directive == "\\X2\\") {
-      at = TakeCodes(raw, at + 4, 4, out);
-    } else if (directive == "\\X4\\") {
-      at = TakeCodes(raw, at + 4, 8, out);
-    } else if (directive.starts_with("\\X\\") && Hex(raw, at + 3, 2) >= 0) {
-      AppendUtf8(static_cast<std::uint32_t>(Hex(raw, at + 3, 2)), out);
-      at += 5;
-    } else if (directive.starts_with("\\S\\") && directive.size() == 4) {
-      AppendUtf8(static_cast<unsigned char>(directive[3]) | 0x80u, out);
-      at += 4;
-    } else if (directive.starts_with("\\\\")) {
-      out += '\\';
-      at += 2;
-    } else {
-      out += raw[at++];
-    }
-  }
-  const std::size_t first = out.find_first_not_of(" \t\n");
-  if (first == std::string::npos) return {};
-  out = out.substr(first, out.find_last_not_of(" \t\n") - first + 1);
-  return out == "NONE" ? std::string() : out;
 }
 
 std::string StepFormatName(const std::string& schema) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "import/step_strings.h"
 #include "render/model/result.h"
 
 namespace facetless {
@@ -31,10 +32,6 @@ struct StepFacts {
 // Errors: kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity), kFormatBroken (no data section; lists
 // nested too deeply, or an oriented edge of itself: both name the entity).
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes);
-
-// The UTF-8 of a STEP text's inside: control directives (\X2\, \X4\, \X\, \S\) decoded, bytes that are no UTF-8 taken as ISO 8859-1,
-// surrounding blanks removed. A name that says that there is none ("NONE") is empty.
-std::string DecodeStepText(std::string_view raw);
 
 // "STEP AP203", "STEP AP214", "STEP AP242", or "STEP" with the schema's name.
 std::string StepFormatName(const std::string& schema);

@@ -1,4 +1,5 @@
 #include "server/cli.h"
+#include "render/model/utf8.h"
 
 #include <CLI/CLI.hpp>
 
@@ -6,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "render/model/utf8.h"
 #include "server/cli_options.h"
 #include "server/commands.h"
 #include "server/exit_code.h"
@@ -177,8 +179,8 @@ int RunServe(ServeConfig& config) {
 int NoCommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  std::fprintf(stderr, "facetless: there is no command \"%s\"; the commands are %s\n", word.c_str(),
-               Joined(names).c_str());
+  std::fprintf(stderr, "facetless: there is no command \"%s\"; the commands are %s\n",
+               Printable(word).c_str(), Joined(names).c_str());
   return kExitUsage;
 }
 

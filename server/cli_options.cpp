@@ -79,6 +79,11 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
   AddCameraOptions(app, options);
   options.Number(app, "samples", "Samples per pixel of the colour image: 1, 4 (default), 9, 16, …", "N");
   options.Text(app, "precision", "fast, standard (default) or certified", "NAME");
+  options.Text(
+      app, "check",
+      "How much of what is certified is asked again by an independent check: none, share, all or auto "
+      "(default: share with --precision certified, all with --audit)",
+      "NAME");
   options.Number(app, "newton-tolerance",
                  "Share of a leaf at which the iteration stops, 1e-13 … 1e-3 (default: the precision's own)",
                  "REL");
@@ -115,6 +120,8 @@ void AddPictureOptions(CLI::App* app, OptionCollector& options) {
   options.List(app, "hide", "Leave such occurrences out; repeatable", "NAME");
   options.Number(app, "explode", "Move occurrences apart: 1 doubles their distance from the centre",
                  "FACTOR");
+  options.Switch(app, "show-hidden",
+                 "Show also what the file hides: invisible items and layers, blanked entities");
   options.Switch(app, "scale-bar", "Draw a scale bar into the pictures (orthographic views)");
   options.Switch(app, "axes", "Draw the model's axes into the pictures");
   options.Switch(app, "sheet", "Write sheet.png: all views on one picture");

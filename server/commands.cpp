@@ -8,6 +8,7 @@
 #include "render/baseline/mesh_file.h"
 #include "render/inspect/report.h"
 #include "render/model/model_file.h"
+#include "render/model/utf8.h"
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/interrupt.h"
@@ -56,9 +57,15 @@ void WarnOfUnmeshed(const std::vector<std::string>& faces) {
   for (std::size_t i = 0; i < std::min(faces.size(), kMostNamed); ++i)
     std::fprintf(stderr,
                  "facetless: warning: the mesh lacks the face %s: the mesher made no triangle of it\n",
-                 faces[i].c_str());
+                 Printable(faces[i]).c_str());
   if (faces.size() > kMostNamed)
     std::fprintf(stderr, "facetless: warning: the mesh lacks %zu more faces\n", faces.size() - kMostNamed);
+}
+
+// Says why a run failed.
+void PrintFailures(const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences)
+    std::fprintf(stderr, "facetless: failed: %s\n", Printable(sentence).c_str());
 }
 
 // Prints the path of the report and what fails the run, and returns the verdict's exit code.
@@ -66,15 +73,14 @@ int PrintReport(const Result<nlohmann::json>& report, const std::string& directo
   if (!report) return PrintError(report.error());
   Print((std::filesystem::path(directory) / "report.json").string());
   const nlohmann::json& verdict = report.value().at("verdict");
-  for (const std::string& sentence : VerdictSentences(verdict))
-    std::fprintf(stderr, "facetless: failed: %s\n", sentence.c_str());
+  PrintFailures(VerdictSentences(verdict));
   return verdict.at("exit_code").get<int>();
 }
 
 }  // namespace
 
 int PrintError(const Error& error) {
-  std::fprintf(stderr, "facetless: %s\n", error.message.c_str());
+  std::fprintf(stderr, "facetless: %s\n", Printable(error.message).c_str());
   return ExitCodeOf(error);
 }
 
@@ -152,6 +158,7 @@ int CompareCommand(const CommandArguments& arguments) {
 
 int TradeCommand(const CommandArguments& arguments) {
   std::string text;
+  std::vector<std::string> failures;
   int exit_code = kExitDone;
   {
     Progress progress(arguments.progress);
@@ -162,9 +169,11 @@ int TradeCommand(const CommandArguments& arguments) {
     if (!result) return PrintError(result.error());
     text = std::move(result.value().text);
     exit_code = result.value().report.at("verdict").at("exit_code").get<int>();
+    failures = VerdictSentences(result.value().report.at("verdict"));
   }
   // The table is for a person, so it goes where progress went; the answer for a program is the path.
   std::fputs(text.c_str(), stderr);
+  PrintFailures(failures);
   Print((std::filesystem::path(arguments.out) / "report.json").string());
   return exit_code;
 }
@@ -201,6 +210,7 @@ int RegressCommand(const CommandArguments& arguments) {
   auto verdict = RunRegress(request);
   if (!verdict) return PrintError(verdict.error());
   Print(JsonText(verdict.value()));
+  PrintFailures(RegressSentences(verdict.value()));
   return verdict.value().at("exit_code").get<int>();
 }
 

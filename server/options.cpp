@@ -179,6 +179,7 @@ std::vector<std::pair<std::string, Parser>> MakeParsers() {
       {"projection", WordParser("projection", {"orthographic", "perspective"}, &RunOptions::projection)},
       {"samples", ParseSamples},
       {"precision", WordParser("precision", {"fast", "standard", "certified"}, &RunOptions::precision)},
+      {"check", WordParser("check", {"auto", "none", "share", "all"}, &RunOptions::check)},
       {"newton_tolerance", NumberParser("newton_tolerance", 1e-13, 1e-3,
                                         [](RunOptions& o, double v) { o.newton_tolerance = v; })},
       {"threads", [](const Json& json,

@@ -13,6 +13,7 @@
 // projection      orthographic | perspective, of named views                     orthographic
 // samples         per pixel, 1 … 64, a near-square grid k × m (m ≤ 2k)            4
 // precision       fast | standard | certified                                    standard
+// check           auto | none | share | all: how much of what is certified an independent check asks again  auto
 // newton_tolerance  share of a leaf at which Newton stops, 1e-13 … 1e-3         the precision's own
 // threads         0 (all cores) … 1024                                           0
 // timeout         seconds for everything after the import, 0: none               600; of a trade 3600
@@ -94,6 +95,7 @@ struct RunOptions {
   Projection projection = Projection::kOrthographic;
   int samples = 4;
   Precision precision = Precision::kStandard;
+  CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
   std::optional<double> timeout_s;  // none: kRunTimeoutS or kTradeTimeoutS; 0: no limit

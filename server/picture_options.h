@@ -6,6 +6,7 @@
 // color           face | part | #rrggbb                                          face
 // parts, hide     a pattern or a list of them (render/trace/arrangement.h)       all, none
 // explode         0 … 100: how much farther apart occurrences are                0
+// show_hidden     bool: also what the file hides                                 false
 // scale_bar, axes, sheet   true | false                                          false
 // turntable       frames, 2 … 360; 0: none                                       0
 // turntable_seconds  of one turn, 0.1 … 600                                      6

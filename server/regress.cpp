@@ -13,6 +13,7 @@
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/report_html.h"
+#include "server/shown_model.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -230,13 +231,16 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   import.cancel = request.context.cancel;
   auto imported = Import(import);
   if (!imported) return imported.error();
-  const Model& model = *imported.value().model;
+  const auto shown = ShownModel::Of(imported.value(), nullptr, entry.options.picture.arrangement);
+  if (!shown) return shown.error();
+  const Model& model = *shown.value().imported().model;
   auto cameras = ResolveCameras(entry.options, model.bounds);
   if (!cameras) return cameras.error();
   const Scene scene(model);
   ViewOptions view_options;
   view_options.samples = entry.options.samples;
   view_options.precision = entry.options.precision;
+  view_options.check = entry.options.check;
   view_options.threads = entry.options.threads;
   view_options.edges = entry.options.edges;
   view_options.lines = entry.options.lines;
@@ -311,6 +315,37 @@ Result<Json> RunRegress(const RegressRequest& request) {
     if (auto written = WritePage(verdict, request.out); !written) return written.error();
   }
   return verdict;
+}
+
+std::vector<std::string> RegressSentences(const Json& verdict) {
+  std::vector<std::string> sentences;
+  for (const Json& file : verdict.at("files")) {
+    if (file.at("passed").get<bool>()) continue;
+    const std::string name = file.at("name").get<std::string>();
+    if (file.contains("error")) {
+      sentences.push_back(name + ": " + file["error"]["message"].get<std::string>());
+      continue;
+    }
+    std::size_t views = 0;
+    for (const Json& view : file.at("views")) {
+      if (view.at("passed").get<bool>()) continue;
+      ++views;
+      const std::string where = name + ", view '" + view.at("name").get<std::string>() + "': ";
+      if (!view.contains("broken")) {
+        sentences.push_back(where + view.at("status").get<std::string>());
+        continue;
+      }
+      for (const Json& broken : view["broken"])
+        sentences.push_back(where + "the tolerance " + broken.at("tolerance").get<std::string>() +
+                            " is broken: the value is " + broken.at("value").dump() + ", the limit is " +
+                            broken.at("limit").dump());
+    }
+    // What is left is the tolerance that belongs to no view.
+    if (views == 0)
+      sentences.push_back(name + ": the tolerance lost is broken: the import lost " + file.at("lost").dump() +
+                          " faces, loops or edges");
+  }
+  return sentences;
 }
 
 }  // namespace facetless

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -33,6 +34,9 @@ struct RegressRequest {
 // exit_code: 0; 2 a tolerance is broken or a reference is missing; 3 sizes differ; 4 nothing usable in one of
 // the files. Errors: kFileUnreadable, kBadUsage (the manifest); kCancelled; kWriteFailed.
 Result<nlohmann::json> RunRegress(const RegressRequest& request);
+
+// One sentence for each tolerance that is broken, each reference that is missing, and each file with an error.
+std::vector<std::string> RegressSentences(const nlohmann::json& verdict);
 
 // The three next to each other, with a gap. All must be of one size; transparent pixels are shown on white.
 Image8 SideBySide(const Image8& a, const Image8& b, const Image8& c);

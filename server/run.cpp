@@ -35,6 +35,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.sections = sections;
   view.samples = options.samples;
   view.precision = options.precision;
+  view.check = options.check;
   view.threads = options.threads;
   view.edges = options.edges;
   view.lines = options.lines;

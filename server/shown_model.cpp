@@ -13,7 +13,7 @@ constexpr std::size_t kMostListed = 100;
 
 Json ArrangementJson(const Model& model, const ArrangementRequest& request, const Arrangement& arrangement) {
   Json names = Json::array();
-  std::uint64_t count = 0, faces = 0;
+  std::uint64_t count = 0, faces = 0, hidden = 0;
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
     if (next < arrangement.shown.size() && arrangement.shown[next] == i) {
@@ -21,14 +21,18 @@ Json ArrangementJson(const Model& model, const ArrangementRequest& request, cons
       continue;
     }
     ++count;
+    hidden += model.instances[i].hidden;
     faces += model.parts[model.instances[i].part].faces.count;
     if (names.size() < kMostListed) names.push_back(OccurrenceName(model, i));
   }
-  return {{"parts", request.parts},
-          {"hide", request.hide},
-          {"explode", request.explode},
-          {"shown", arrangement.shown.size()},
-          {"left_out", {{"placements", count}, {"faces", faces}, {"names", std::move(names)}}}};
+  return {
+      {"parts", request.parts},
+      {"hide", request.hide},
+      {"explode", request.explode},
+      {"shown", arrangement.shown.size()},
+      {"show_hidden", request.show_hidden},
+      {"left_out",
+       {{"placements", count}, {"hidden_by_file", hidden}, {"faces", faces}, {"names", std::move(names)}}}};
 }
 
 }  // namespace
@@ -38,11 +42,12 @@ Result<ShownModel> ShownModel::Of(const ImportedModel& imported, const Mesh* mes
   ShownModel shown;
   shown.imported_ = &imported;
   shown.original_mesh_ = mesh;
-  if (!request.ChangesAnything()) return shown;
   const Model& model = *imported.model;
+  if (!request.ChangesAnything(model)) return shown;
   auto arrangement = Arrange(model, request);
   if (!arrangement) return arrangement.error();
-  if (mesh != nullptr) {
+  // A mesh of another program shows what it shows: nobody knows what of it the file hides.
+  if (mesh != nullptr && (mesh->from_model || request.IsAskedFor())) {
     auto arranged = Arranged(*mesh, model, arrangement.value());
     if (!arranged) return arranged.error();
     shown.mesh_ = std::move(arranged).value();

@@ -129,6 +129,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
   // The pixel-centre pass.
   DirectOptions trace;
   trace.precision = options.precision;
+  trace.check = options.check;
   trace.max_bytes = options.max_bytes;
   trace.threads = options.threads;
   trace.newton_tolerance = options.newton_tolerance;

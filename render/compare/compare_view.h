@@ -37,6 +37,7 @@ namespace facetless {
 struct ViewOptions {
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   Precision precision = Precision::kStandard;
+  CheckLevel check = CheckLevel::kAuto;
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // what the leaves of a view may take
   int threads = 0;                                      // 0: all cores
   bool edges = false;

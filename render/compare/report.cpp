@@ -138,6 +138,12 @@ json FacesNote(const Model& model) {
 
 json ModelJson(const Model& model) {
   const ImportInfo& info = model.info;
+  std::uint64_t hidden_placements = 0, hidden_faces = 0;
+  for (const Instance& instance : model.instances) {
+    if (!instance.hidden) continue;
+    ++hidden_placements;
+    hidden_faces += model.parts[instance.part].faces.count;
+  }
   std::map<std::string, std::uint64_t> surfaces;
   std::uint64_t patches = 0;
   for (const Surface& surface : model.surfaces) {
@@ -167,6 +173,7 @@ json ModelJson(const Model& model) {
           {"prototypes",
            {{"parts", model.parts.size()}, {"faces", model.faces.size()}, {"solids", model.solids.size()}}},
           {"placements", model.instances.size()},
+          {"hidden", {{"placements", hidden_placements}, {"faces", hidden_faces}}},
           {"faces_declared", info.faces_declared},
           {"faces_shown", info.faces_imported},
           {"faces_note", FacesNote(model)},

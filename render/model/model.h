@@ -160,6 +160,7 @@ struct Instance {
   Color color;
   std::string name;  // path of occurrence names, "car/wheel:2"
   std::uint32_t first_placed_face = 0;
+  bool hidden = false;  // the file says that it is not to be shown; arrangements leave it out unless asked
 };
 
 // Something that the file declares and the model does not hold.

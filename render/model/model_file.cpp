@@ -161,7 +161,7 @@ void PackModel(flatbuffers::FlatBufferBuilder& builder, const Model& model) {
   const auto instances = PackEach<file::Instance>(builder, model.instances, [&](const Instance& i) {
     const auto& m = i.placement.m;
     return file::Instance(i.part, {PackRow(m[0]), PackRow(m[1]), PackRow(m[2])}, i.has_color, Pack(i.color),
-                          strings.Add(i.name), i.first_placed_face);
+                          strings.Add(i.name), i.first_placed_face, i.hidden);
   });
   // The strings come last: all of the above adds to them.
   const auto string_vector = builder.CreateVectorOfStrings(strings.strings());
@@ -298,6 +298,7 @@ class Unpacker {
       out.color = Unpack(i.color());
       out.name = Text(i.name());
       out.first_placed_face = i.first_placed_face();
+      out.hidden = i.hidden();
       return out;
     });
   }

@@ -94,6 +94,11 @@ Placement Moved(Placement placement, Vec3 shift) {
 
 }  // namespace
 
+bool ArrangementRequest::HidesAnything(const Model& model) {
+  return std::any_of(model.instances.begin(), model.instances.end(),
+                     [](const Instance& instance) { return instance.hidden; });
+}
+
 std::string OccurrenceName(const Model& model, std::uint32_t instance) {
   const Instance& occurrence = model.instances[instance];
   if (!occurrence.name.empty()) return occurrence.name;
@@ -117,9 +122,14 @@ Result<Arrangement> Arrange(const Model& model, const ArrangementRequest& reques
   if (!hidden) return hidden.error();
 
   Arrangement arrangement;
+  std::size_t left_out = 0;  // by the file itself
   std::vector<Box3> boxes = InstanceBounds(model, NativeToBezier);
   for (std::uint32_t i = 0; i < names.size(); ++i) {
     if ((!request.parts.empty() && !wanted.value()[i]) || hidden.value()[i]) continue;
+    if (model.instances[i].hidden && !request.show_hidden) {
+      ++left_out;
+      continue;
+    }
     boxes[arrangement.shown.size()] = boxes[i];
     arrangement.shown.push_back(i);
   }
@@ -131,8 +141,12 @@ Result<Arrangement> Arrange(const Model& model, const ArrangementRequest& reques
     box = {box.low + shift, box.high + shift};
   }
   arrangement.bounds = Union(boxes);
-  if (arrangement.bounds.empty())
+  if (arrangement.bounds.empty()) {
+    if (left_out > 0)
+      return Error{ErrorCode::kBadUsage,
+                   "the file hides everything that would be shown; --show-hidden shows it all the same"};
     return Error{ErrorCode::kBadUsage, "--parts and --hide leave nothing to be shown"};
+  }
   return arrangement;
 }
 

@@ -3,7 +3,8 @@
 //  1. A name is an occurrence's path as in reports ("flange/bolt 3"); the prototype's name where the file gives the occurrence none.
 //  2. A pattern with * or ? must match the whole name (* any run of characters, / too; ? one character); any other one matches where it
 //     occurs in the name. Capitals of ASCII don't count.
-//  3. Shown is what matches one of `parts` (all, if there are none) and none of `hide`. A pattern that matches nothing is an error.
+//  3. Shown is what matches one of `parts` (all, if there are none) and none of `hide`, and is not hidden by the file itself, unless
+//     `show_hidden` says so. A pattern that matches nothing is an error.
 //  4. Exploded by f, the centre of each occurrence's box moves from the centre of all that is shown to 1 + f times its distance. So no
 //     two occurrences change their order along any direction, boxes that are apart stay apart, and gaps never shrink; what shares one
 //     centre stays together. Nothing is turned.
@@ -23,8 +24,14 @@ namespace facetless {
 struct ArrangementRequest {
   std::vector<std::string> parts, hide;  // patterns
   double explode = 0;                    // f of law 4, >= 0
+  bool show_hidden = false;              // also what the file hides
 
-  bool ChangesAnything() const { return !parts.empty() || !hide.empty() || explode > 0; }
+  // Whether it leaves `model` other than it is.
+  bool ChangesAnything(const Model& model) const {
+    return IsAskedFor() || (!show_hidden && HidesAnything(model));
+  }
+  bool IsAskedFor() const { return !parts.empty() || !hide.empty() || explode > 0; }
+  static bool HidesAnything(const Model& model);
 };
 
 struct Arrangement {

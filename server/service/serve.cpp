@@ -187,6 +187,10 @@ int Serve(const ServeOptions& options) {
   limits.timeout_s = options.timeout_s;
   limits.max_upload_bytes = options.max_upload_mb << 20;
   limits.operations_apart = apart;
+  // Where nobody needs a key and only this machine reaches the service, its visitors' browsers are the way in for others.
+  if ((anonymous.value() && OnlyThisMachineReaches(address.value().host)) || !options.allow_host.empty() ||
+      !options.allow_origin.empty())
+    limits.hosts = HostPolicy(SplitList(options.allow_host), SplitList(options.allow_origin));
   Service service(*store.value(), jobs, access, limits);
   service.metrics_text = [&](const MetricsNow& now) { return metrics.Text(now); };
   service.looked_up = [&](const std::string& kind, bool found) { metrics.LookedUp(kind, found); };

@@ -18,8 +18,10 @@ struct ServeOptions {
   std::uint64_t import_memory_mb = 8192;
   std::uint64_t max_store_mb = 0;  // 0: none
   double max_age_days = 0;         // 0: none
-  bool require_keys = false;       // also on an address of this machine only
-  bool allow_anonymous = false;    // also on an address that others reach
+  std::string allow_host,
+      allow_origin;           // hosts.h: names by which the service is reached, origins of pages that may ask
+  bool require_keys = false;  // also on an address of this machine only
+  bool allow_anonymous = false;  // also on an address that others reach
 };
 
 // $XDG_CACHE_HOME/facetless, else $HOME/.cache/facetless, else ./facetless-data.

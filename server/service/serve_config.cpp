@@ -129,6 +129,13 @@ ServeConfig::ServeConfig(CLI::App* command) : command_(command) {
       ->check(CLI::IsMember({"auto", "json", "text"}))
       ->capture_default_str();
   AddBounds();
+  Add("allow-host", options_.allow_host,
+      "Names by which the service is reached besides localhost and addresses, as a list a,b; *.NAME for all "
+      "names below, * for any. Without keys "
+      "on an address of this machine, requests that name another host are refused",
+      "NAMES");
+  Add("allow-origin", options_.allow_origin,
+      "Origins of other sites whose pages may send requests, as a list a,b", "ORIGINS");
   AddFlag("require-keys", options_.require_keys, "Let nobody in without a key, on any address");
   AddFlag("allow-anonymous", options_.allow_anonymous,
           "Let everybody in, also on an address that others reach");

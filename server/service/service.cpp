@@ -118,6 +118,9 @@ std::optional<HttpResponse> Service::Check(HttpRequest& request) {
     response.headers.emplace_back("Allow", route.methods);
     return response;
   }
+  if (const std::string why = limits_.hosts.WhyNot(request.Header("host"), request.Header("origin"));
+      !why.empty())
+    return Problem(403, "host-not-allowed", "Host or origin not allowed", why);
   if (auto refusal = access_.Decide(request, route)) return refusal;
   if (method == "GET" || method == "HEAD") return std::nullopt;
 

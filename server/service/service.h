@@ -19,6 +19,7 @@
 #include <string>
 
 #include "server/service/access.h"
+#include "server/service/hosts.h"
 #include "server/service/jobs.h"
 #include "server/service/message.h"
 #include "server/service/metrics.h"
@@ -34,6 +35,7 @@ struct ServiceLimits {
   double timeout_s = 300;  // the longest wait; an upload has as long
   std::uint64_t max_upload_bytes = std::uint64_t{256} << 20;
   bool operations_apart = false;  // /metrics is for HttpRequest::operations only
+  HostPolicy hosts;               // which hosts and origins are answered for
 };
 
 class Service {

@@ -20,6 +20,7 @@
 #include <BRepTools.hxx>
 #include <GC_MakeCircle.hxx>
 #include <GeomAPI_PointsToBSpline.hxx>
+#include <Geom_BSplineCurve.hxx>
 #include <OSD.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
@@ -166,7 +167,7 @@ Blend Sweep(Random& random) {
   gp_Vec tangent;
   spine->D1(spine->FirstParameter(), start, tangent);
   const double radius = random.Uniform(0.1, 1.2);
-  const TopoDS_Wire path = BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(spine)).Wire();
+  const TopoDS_Wire path = BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(Handle(Geom_Curve)(spine))).Wire();
   const TopoDS_Face profile = BRepBuilderAPI_MakeFace(Circle(start, gp_Dir(tangent), radius)).Face();
   return {"pipe of radius " + Number(radius) + " along a spline of degree " + std::to_string(spine->Degree()),
           BRepOffsetAPI_MakePipe(path, profile).Shape()};
@@ -194,9 +195,9 @@ Blend Revolution(Random& random) {
   const Handle(Geom_BSplineCurve) curve = GeomAPI_PointsToBSpline(points, 3, most, GeomAbs_C2, 1e-3).Curve();
   const gp_Pnt low = curve->StartPoint(), high = curve->EndPoint();
   const gp_Pnt axis_low(0, 0, low.Z()), axis_high(0, 0, high.Z());
-  BRepBuilderAPI_MakeWire wire(BRepBuilderAPI_MakeEdge(axis_low, low), BRepBuilderAPI_MakeEdge(curve),
-                               BRepBuilderAPI_MakeEdge(high, axis_high),
-                               BRepBuilderAPI_MakeEdge(axis_high, axis_low));
+  BRepBuilderAPI_MakeWire wire(
+      BRepBuilderAPI_MakeEdge(axis_low, low), BRepBuilderAPI_MakeEdge(Handle(Geom_Curve)(curve)),
+      BRepBuilderAPI_MakeEdge(high, axis_high), BRepBuilderAPI_MakeEdge(axis_high, axis_low));
   const double angle = random.Below(2) == 0 ? 2 * std::numbers::pi : random.Uniform(0.2, 6);
   return {"revolution by " + Number(angle) + " of a spline of degree " + std::to_string(curve->Degree()),
           BRepPrimAPI_MakeRevol(BRepBuilderAPI_MakeFace(wire.Wire()).Face(),

@@ -125,10 +125,26 @@ TEST(Arranged, KeepsModelAndMeshAlikeWithDenseFaces) {
 
 TEST(Arrange, WithoutAnyWishChangesNothing) {
   const Model model = Balls({{"a", {0, 0, 0}}, {"b", {5, 0, 0}}});
-  EXPECT_FALSE(ArrangementRequest{}.ChangesAnything());
+  EXPECT_FALSE(ArrangementRequest{}.ChangesAnything(model));
   const Model arranged = Arranged(model, Arrange(model, {}).value());
   EXPECT_EQ(arranged.instances.size(), 2u);
   EXPECT_EQ(arranged.instances[1].placement.m[0][3], 5);
+}
+
+TEST(Arrange, LeavesOutWhatTheFileHidesUnlessAsked) {
+  Model model = Balls({{"a", {0, 0, 0}}, {"b", {5, 0, 0}}});
+  model.instances[1].hidden = true;
+  EXPECT_TRUE(ArrangementRequest{}.ChangesAnything(model));
+  EXPECT_EQ(Arrange(model, {}).value().shown, std::vector<std::uint32_t>{0});
+  ArrangementRequest all;
+  all.show_hidden = true;
+  EXPECT_FALSE(all.ChangesAnything(model));
+  EXPECT_EQ(Arrange(model, all).value().shown.size(), 2u);
+  ArrangementRequest only_hidden;
+  only_hidden.parts = {"b"};
+  const auto nothing = Arrange(model, only_hidden);
+  ASSERT_FALSE(nothing.ok());
+  EXPECT_THAT(nothing.error().message, HasSubstr("--show-hidden"));
 }
 
 RC_GTEST_PROP(Arrange, ExplodedNothingChangesItsOrderAndNoGapShrinks, ()) {
