@@ -52,6 +52,19 @@ int LossExitCode(const RunOptions& options, const Model& model, std::size_t unme
 
 constexpr std::size_t kMostNamed = 20;  // faces, on standard error
 
+// The faces of which the mesher made no triangle, by the importer's own answer, which is checked like any other text of another process.
+std::vector<std::string> UnmeshedOf(const nlohmann::json& summary) {
+  std::vector<std::string> names;
+  const auto meshes = summary.find("meshes");
+  if (meshes == summary.end() || !meshes->is_array() || meshes->empty() || !meshes->front().is_object())
+    return names;
+  const auto faces = meshes->front().find("faces_unmeshed");
+  if (faces == meshes->front().end() || !faces->is_array()) return names;
+  for (const nlohmann::json& face : *faces)
+    if (face.is_string()) names.push_back(face.get<std::string>());
+  return names;
+}
+
 // Names the faces of which the mesher made no triangle.
 void WarnOfUnmeshed(const std::vector<std::string>& faces) {
   for (std::size_t i = 0; i < std::min(faces.size(), kMostNamed); ++i)
@@ -72,6 +85,10 @@ void PrintFailures(const std::vector<std::string>& sentences) {
 int PrintReport(const Result<nlohmann::json>& report, const std::string& directory) {
   if (!report) return PrintError(report.error());
   Print((std::filesystem::path(directory) / "report.json").string());
+  for (const nlohmann::json& view : report.value().at("views"))
+    if (view.contains("inspection") && view["inspection"]["direct"].contains("note"))
+      std::fprintf(stderr, "facetless: warning: %s: %s\n", view.at("name").get<std::string>().c_str(),
+                   view["inspection"]["direct"]["note"].get<std::string>().c_str());
   const nlohmann::json& verdict = report.value().at("verdict");
   PrintFailures(VerdictSentences(verdict));
   return verdict.at("exit_code").get<int>();
@@ -127,8 +144,7 @@ int MeshCommand(const CommandArguments& arguments) {
   if (auto moved = MoveFile(files.value().mesh_paths.front(), arguments.out); !moved)
     return PrintError(moved.error());
   Print(arguments.out);
-  const auto unmeshed =
-      files.value().summary.at("meshes").at(0).at("faces_unmeshed").get<std::vector<std::string>>();
+  const std::vector<std::string> unmeshed = UnmeshedOf(files.value().summary);
   WarnOfUnmeshed(unmeshed);
   return LossExitCode(arguments.options, model.value(), unmeshed.size());
 }

@@ -5,10 +5,11 @@
 
 namespace facetless {
 
-inline constexpr int kExitDone = 0;          // a report is written, nothing lost, no threshold broken
-inline constexpr int kExitLost = 1;          // done, but faces, loops or edges were lost
-inline constexpr int kExitFailed = 2;        // a loss under --strict, or a threshold broken
-inline constexpr int kExitSize = 3;          // images of different sizes
+inline constexpr int kExitDone = 0;  // a report is written, nothing lost, no threshold broken
+inline constexpr int kExitLost = 1;  // done, but faces, loops or edges were lost
+inline constexpr int kExitFailed =
+    2;                               // a loss under --strict, a threshold broken, or a problem of the verdict
+inline constexpr int kExitSize = 3;  // images of different sizes
 inline constexpr int kExitUnusable = 4;      // nothing usable in the input, or nothing within the limits
 inline constexpr int kExitUsage = 64;        // options that are wrong
 inline constexpr int kExitInternal = 70;     // a defect of Facetless

@@ -37,5 +37,5 @@ export const inspectionLegend = (view, source) => {
   };
   const has = source.roles(view).includes("legend");
   if (has) draw().catch(() => canvas.remove());
-  return element("figure", { class: "inspection" }, has ? canvas : null, element("figcaption", {}, element("b", {}, inspection.shade), element("span", {}, words)));
+  return element("figure", { class: "inspection" }, has ? canvas : null, element("figcaption", {}, element("b", {}, inspection.shade), element("span", {}, words), inspection.note ? element("span", {}, inspection.note) : null));
 };

@@ -1,6 +1,7 @@
 // Stands in for facetless-import in tests. What it does is the first word of the input file:
 //   ok         writes a model of one square, and a mesh file of a few bytes per --mesh
 //   slow       the same after so many milliseconds (second word)
+//   unmeshed   the same as ok, and says that a face has no triangle
 //   unusable   exit code 4 with an error of the given code (second word)
 //   crash      dies of SIGSEGV
 //   hang       never ends, and ignores SIGTERM
@@ -215,6 +216,10 @@ int main(int argc, char** argv) {
   std::string mode, detail;
   input >> mode >> detail;
   if (mode == "ok") return WriteModelAndMeshes(argc, argv);
+  if (mode == "unmeshed") {
+    WriteModelAndMeshes(argc, argv, false);
+    return Answer(R"({"ok":true,"meshes":[{"faces_unmeshed":["part/cone #12"]}]})");
+  }
   if (mode == "slow") {
     std::this_thread::sleep_for(std::chrono::milliseconds(std::atoi(detail.c_str())));
     return WriteModelAndMeshes(argc, argv);

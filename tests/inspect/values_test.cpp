@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/inspect/report.h"
 #include "tests/inspect/joined.h"
 #include "tests/inspect/traced.h"
 #include "tests/support/shapes.h"
@@ -156,6 +157,9 @@ TEST(Orient, ByTheViewerTurnsASurfaceThatIsDrawnInsideOut) {
       EXPECT_NEAR(turned.values[i], file.values[i], 1e-9) << shade << " " << i;
       EXPECT_NEAR(back.values[i], -file.values[i], 1e-9) << shade << " " << i;
     }
+    EXPECT_TRUE(InspectionJson(back, wrong.model).contains("note"));
+    EXPECT_FALSE(InspectionJson(file, right.model).contains("note"));
+    EXPECT_FALSE(InspectionJson(turned, wrong.model).contains("note"));
     for (std::size_t k = 0; k < file.classes.size(); ++k)
       EXPECT_EQ(turned.classes[k].pixels, file.classes[k].pixels) << file.classes[k].name;
   }

@@ -51,6 +51,15 @@ TEST_F(CommandLine, Helps) {
   EXPECT_THAT(version.out, testing::StartsWith("facetless 0."));
 }
 
+TEST_F(CommandLine, NamesFacesWithoutATriangle) {
+  const std::string out = directory_.File("part.glb");
+  EXPECT_EQ(RunFake("mesh", "ok", {"--out", out}).exit_code, kExitDone);
+  const ChildOutcome lacking = RunFake("mesh", "unmeshed", {"--out", out});
+  EXPECT_EQ(lacking.exit_code, kExitLost);
+  EXPECT_THAT(lacking.error_tail, HasSubstr("the mesh lacks the face part/cone #12"));
+  EXPECT_EQ(RunFake("mesh", "unmeshed", {"--out", out, "--strict"}).exit_code, kExitFailed);
+}
+
 TEST_F(CommandLine, RefusesWrongOptionsBeforeAnyWork) {
   const std::string file = WriteText(directory_.File("part.step"), "hang");
   const std::vector<std::vector<std::string>> wrong = {
