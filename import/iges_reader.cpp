@@ -20,6 +20,7 @@
 #include <string>
 
 #include "import/assembly.h"
+#include "import/crash_note.h"
 #include "import/readers.h"
 
 namespace facetless {
@@ -129,6 +130,7 @@ class IgesReader {
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(IGESData_IGESEntity) entity = model->Entity(i);
       if (!IsFace(*entity)) continue;
+      NoteEntity(Label(model->DNum(entity)));
       const TopoDS_Shape shape = TransferFace(entity);
       if (shape.IsNull()) continue;
       // The transfer's results are forgotten at the next one.

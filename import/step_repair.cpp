@@ -184,6 +184,27 @@ constexpr std::array<std::string_view, 16> kRead{"MANIFOLD_SOLID_BREP",
                                                  "CONNECTED_FACE_SET",
                                                  "CURVE_BOUNDED_SURFACE"};
 
+// Wireframes.
+constexpr std::array<std::string_view, 3> kCurveSets{"GEOMETRIC_CURVE_SET", "EDGE_BASED_WIREFRAME_MODEL",
+                                                     "SHELL_BASED_WIREFRAME_MODEL"};
+// What a shape may hold that is nothing to be seen.
+constexpr std::array<std::string_view, 16> kWithoutBody{"AXIS1_PLACEMENT",
+                                                        "AXIS2_PLACEMENT_2D",
+                                                        "AXIS2_PLACEMENT_3D",
+                                                        "CARTESIAN_POINT",
+                                                        "DIRECTION",
+                                                        "VECTOR",
+                                                        "PLACEMENT",
+                                                        "LINE",
+                                                        "CIRCLE",
+                                                        "ELLIPSE",
+                                                        "POLYLINE",
+                                                        "VERTEX_POINT",
+                                                        "PLANE",
+                                                        "STYLED_ITEM",
+                                                        "TESSELLATED_GEOMETRIC_SET",
+                                                        "CARTESIAN_TRANSFORMATION_OPERATOR_3D"};
+
 constexpr std::array<std::string_view, 22> kSurfaces{"PLANE",
                                                      "CYLINDRICAL_SURFACE",
                                                      "CONICAL_SURFACE",
@@ -538,20 +559,25 @@ class Repairer {
       edges.insert(edge.back());
     }
     if (edges.size() == uses.size()) return;
-    std::vector<Use> kept = uses;
-    for (bool found = true; found && kept.size() > 2;) {
-      found = false;
-      for (std::size_t i = 0; i < kept.size() && !found; ++i) {
-        const std::size_t next = (i + 1) % kept.size();
-        if (kept[i].edge != kept[next].edge || kept[i].forward == kept[next].forward) continue;
-        Warn("The edge loop " + Label(loop.id) + " walks edge " + Label(kept[i].edge) +
-             " there and back, which was left out.");
-        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(std::max(i, next)));
-        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(std::min(i, next)));
-        found = true;
+    // Reduce the word of uses, then its two ends against each other.
+    const auto opposite = [](const Use& a, const Use& b) {
+      return a.edge == b.edge && a.forward != b.forward;
+    };
+    std::vector<Use> kept;
+    for (const Use& use : uses) {
+      if (!kept.empty() && opposite(kept.back(), use)) {
+        kept.pop_back();
+      } else {
+        kept.push_back(use);
       }
     }
+    std::size_t ends = 0;
+    while (kept.size() > 2 * ends + 2 && opposite(kept[ends], kept[kept.size() - 1 - ends])) ++ends;
+    kept.assign(kept.begin() + static_cast<std::ptrdiff_t>(ends),
+                kept.end() - static_cast<std::ptrdiff_t>(ends));
+    if (kept.empty()) return;
     if (kept.size() == uses.size()) return;
+    Warn("The edge loop " + Label(loop.id) + " walks edges there and back; they were left out.");
     std::string body = "EDGE_LOOP('',(";
     for (std::size_t i = 0; i < kept.size(); ++i) body += (i == 0 ? "" : ",") + Label(kept[i].oriented);
     edits_[&loop] = body + "))";
@@ -584,52 +610,50 @@ class Repairer {
       });
     }
     while (!open_.empty()) {
-      const std::uint64_t id = open_.back();
-      open_.pop_back();
-      const std::string reason = removed_[id];
-      for (const StepEntity* user : users[id]) {
-        if (gone_.contains(user)) continue;
-        std::optional<StepRecord> record = RecordOf(*user);
-        if (!record) continue;
-        const bool whole = record->complex || Holds(kWhole, user->keyword);
-        bool needed = false;
-        for (StepPart& part : record->parts) needed = WithoutReference(part.values, id, whole) || needed;
-        if (needed) {
-          Out(*user, reason);
-          continue;
+      // What refers to anything of this wave, in the order of the file.
+      std::map<const StepEntity*, std::vector<std::uint64_t>> touched;
+      for (const std::uint64_t id : open_) {
+        for (const StepEntity* user : users[id]) {
+          if (!gone_.contains(user)) touched[user].push_back(id);
         }
-        Edit(*user, *record);
-        // A list that is empty now may be one too many.
-        for (const Needed& rule : kNeeded) {
-          if (rule.keyword == user->keyword && IsEmpty(Value(*record, rule.attribute))) {
-            Out(*user, reason);
-            break;
-          }
-        }
-        if (!gone_.contains(user) && IsSurfaceCurve(user->keyword)) CheckCurve(*user, *record);
       }
+      open_.clear();
+      for (const auto& [user, ids] : touched)
+        TakeOutOf(*user, {ids.begin(), ids.end()}, removed_[ids.front()]);
     }
   }
 
+  // Takes what is out out of an entity's lists, or the entity itself out.
+  void TakeOutOf(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
+                 const std::string& reason) {
+    std::optional<StepRecord> record = RecordOf(user);
+    if (!record) return;
+    const bool whole = record->complex || Holds(kWhole, user.keyword);
+    bool needed = false;
+    for (StepPart& part : record->parts) needed = WithoutReferences(part.values, ids, whole) || needed;
+    if (needed) return Out(user, reason);
+    Edit(user, *record);
+    // A list that is empty now may be one too many.
+    for (const Needed& rule : kNeeded) {
+      if (rule.keyword == user.keyword && IsEmpty(Value(*record, rule.attribute))) return Out(user, reason);
+    }
+    if (IsSurfaceCurve(user.keyword)) CheckCurve(user, *record);
+  }
+
   // Takes the reference out of lists; true if an attribute itself, or a list that must be whole, holds it.
-  static bool WithoutReference(std::vector<StepValue>& values, std::uint64_t id, bool whole) {
+  static bool WithoutReferences(std::vector<StepValue>& values, const std::unordered_set<std::uint64_t>& ids,
+                                bool whole) {
+    const auto out = [&](const StepValue& value) {
+      return value.IsReference() && ids.contains(value.reference);
+    };
     bool needed = false;
     for (StepValue& value : values) {
-      if (value.IsReference() && value.reference == id) needed = true;
-      if (value.kind == Kind::kTyped) needed = WithoutReference(value.items, id, true) || needed;
-      if (!value.IsList()) continue;
-      if (whole) {
-        needed = WithoutReference(value.items, id, true) || needed;
-        continue;
-      }
-      std::erase_if(value.items,
-                    [&](const StepValue& item) { return item.IsReference() && item.reference == id; });
-      for (StepValue& item : value.items) {
-        if (item.IsList() || item.kind == Kind::kTyped) {
-          std::vector<StepValue> one{item};
-          needed = WithoutReference(one, id, false) || needed;
-          item = std::move(one.front());
-        }
+      needed = needed || out(value);
+      if (value.kind == Kind::kTyped || (value.IsList() && whole)) {
+        needed = WithoutReferences(value.items, ids, true) || needed;
+      } else if (value.IsList()) {
+        std::erase_if(value.items, out);
+        needed = WithoutReferences(value.items, ids, false) || needed;
       }
     }
     return needed;
@@ -850,6 +874,19 @@ class Repairer {
     gone_.insert(&entity);
   }
 
+  // Items of shapes that are no bodies: curves, which are not drawn, and kinds that are not known here.
+  void NoteOtherItem(const StepEntity& item) {
+    if (Holds(kCurveSets, item.keyword)) {
+      ++curve_sets_;
+    } else if (!item.keyword.empty() && !Holds(kRead, item.keyword) && !Holds(kWithoutBody, item.keyword) &&
+               !item.keyword.ends_with("_CURVE") && !item.keyword.ends_with("_SURFACE") &&
+               item.keyword.find("REPRESENTATION_ITEM") == std::string_view::npos &&
+               item.keyword.find("ANNOTATION") == std::string_view::npos) {
+      Warn("Item " + Label(item.id) + " of a shape, of the kind " + std::string(item.keyword) +
+           ", is not shown.");
+    }
+  }
+
   // Bodies of kinds that nobody reads, as items of representations.
   void FindUnread() {
     FindRepresentations();
@@ -863,7 +900,11 @@ class Repairer {
           continue;
         const auto unread = std::find_if(kUnread.begin(), kUnread.end(),
                                          [&](const Unread& kind) { return kind.keyword == entity->keyword; });
-        if (unread == kUnread.end()) continue;
+        if (unread == kUnread.end()) {
+          const StepEntity* holder = entities_.Find(representation.id);
+          if (holder != nullptr && holder->keyword.ends_with("SHAPE_REPRESENTATION")) NoteOtherItem(*entity);
+          continue;
+        }
         const auto record = RecordOf(*entity);
         // A tessellation that says of which body it is one is not missed where the body is shown.
         if (record && entity->keyword.starts_with("TESSELLATED_S") && Value(*record, 2) != nullptr &&
@@ -874,6 +915,10 @@ class Repairer {
                                     "), and only boundary representations are read; export it as one"});
       }
     }
+    if (curve_sets_ > 0)
+      Warn("The file holds " + std::to_string(curve_sets_) +
+           (curve_sets_ == 1 ? " set of curves (a wireframe), which is not shown."
+                             : " sets of curves (wireframes), which are not shown."));
   }
 
   std::uint64_t ReferenceIn(const StepRecord& record, std::size_t index) const {
@@ -888,8 +933,9 @@ class Repairer {
         definition_of;                         // PRODUCT_DEFINITION_SHAPE → what it is the shape of
     std::vector<std::uint64_t> placed_shapes;  // … that a placement names
     std::unordered_map<std::uint64_t, std::set<std::uint64_t>> shapes;  // what has a shape → representations
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> used,
-        linked;  // shape → representation; representations
+    // Shape → representation; representations that are the same.
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> used;
+    std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;
     std::vector<const StepEntity*> products;
     for (const StepEntity& entity : entities_.all()) {
       if (entity.structure != 0 || gone_.contains(&entity) || dropped_.contains(&entity)) continue;
@@ -908,7 +954,11 @@ class Repairer {
       if (shape) definition_of[entity.id] = ReferenceIn(*record, 2);
       if (placement) placed_shapes.push_back(ReferenceIn(*record, 1));
       if (definition) used.emplace_back(ReferenceIn(*record, 0), ReferenceIn(*record, 1));
-      if (link) linked.emplace_back(ReferenceIn(*record, 2), ReferenceIn(*record, 3));
+      if (link) {
+        const std::uint64_t a = ReferenceIn(*record, 2), b = ReferenceIn(*record, 3);
+        linked[a].push_back(b);
+        linked[b].push_back(a);
+      }
     }
     if (usages.empty()) return;
     FindRepresentations();
@@ -916,10 +966,8 @@ class Repairer {
       if (const auto of = definition_of.find(shape); of != definition_of.end()) {
         shapes[of->second].insert(representation);
         // Representations that are the same shape.
-        for (const auto& [a, b] : linked) {
-          if (a == representation) shapes[of->second].insert(b);
-          if (b == representation) shapes[of->second].insert(a);
-        }
+        const std::vector<std::uint64_t>& others = linked[representation];
+        shapes[of->second].insert(others.begin(), others.end());
       }
     }
     std::set<std::uint64_t> placed, bodies, mapped;
@@ -1176,7 +1224,7 @@ class Repairer {
   bool found_representations_ = false;
   std::string added_;
   std::uint64_t added_count_ = 0;
-  std::size_t warned_ = 0;
+  std::size_t warned_ = 0, curve_sets_ = 0;
 };
 
 }  // namespace
