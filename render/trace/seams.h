@@ -33,6 +33,7 @@ struct SeamTable {
     std::uint32_t edge = kNoIndex, vertex = kNoIndex;  // one of them
     double reach_mm = 0;                               // how far from it
     Range uses;                                        // by the faces that it concerns
+    bool off_surface = false;  // a face misses the edge by so much that one of the two is wrong
   };
   std::vector<Source> sources;
   std::vector<Use> uses;
