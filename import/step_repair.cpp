@@ -187,6 +187,9 @@ constexpr std::array<std::string_view, 16> kRead{"MANIFOLD_SOLID_BREP",
 // Wireframes.
 constexpr std::array<std::string_view, 3> kCurveSets{"GEOMETRIC_CURVE_SET", "EDGE_BASED_WIREFRAME_MODEL",
                                                      "SHELL_BASED_WIREFRAME_MODEL"};
+// Surfaces around an axis, which their placement is.
+constexpr std::array<std::string_view, 4> kTurned{"CYLINDRICAL_SURFACE", "CONICAL_SURFACE",
+                                                  "SPHERICAL_SURFACE", "TOROIDAL_SURFACE"};
 // What a shape may hold that is nothing to be seen.
 constexpr std::array<std::string_view, 24> kWithoutBody{"COORDINATES_LIST",
                                                         "TESSELLATED_CURVE_SET",
@@ -529,32 +532,49 @@ class Repairer {
     return references;
   }
 
-  // On a cylinder and on a torus an edge that is followed by itself in the other sense encloses nothing; OpenCASCADE takes it for the seam.
-  // Elsewhere it may be one: on a cone and on a sphere the seam turns back at a pole.
+  // On a surface that goes around an axis an edge that is followed by itself in the other sense encloses nothing; OpenCASCADE takes it for the
+  // seam. It is one where it turns back on the axis: at the apex of a cone, at the pole of a sphere.
   void LeaveOutSpurs() {
     const std::string_view bytes = entities_.bytes();
     for (const StepEntity& face : entities_.all()) {
       if (!IsFaceKeyword(face.keyword) || face.structure != 0 || dropped_.contains(&face)) continue;
       const std::vector<std::uint64_t> parts = ReferencesIn(face.Body(bytes));
       const StepEntity* surface = parts.empty() ? nullptr : entities_.Find(parts.back());
-      if (surface == nullptr ||
-          (surface->keyword != "CYLINDRICAL_SURFACE" && surface->keyword != "TOROIDAL_SURFACE"))
-        continue;
+      if (surface == nullptr || !Holds(kTurned, surface->keyword)) continue;
       for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
         const StepEntity* bound = entities_.Find(parts[i]);
         if (bound == nullptr) continue;
         const std::vector<std::uint64_t> loops = ReferencesIn(bound->Body(bytes));
         const StepEntity* loop = loops.size() == 1 ? entities_.Find(loops.front()) : nullptr;
-        if (loop != nullptr && loop->keyword == "EDGE_LOOP" && !gone_.contains(loop)) LeaveOutSpurs(*loop);
+        if (loop != nullptr && loop->keyword == "EDGE_LOOP" && !gone_.contains(loop))
+          LeaveOutSpurs(*loop, *surface);
       }
     }
   }
 
-  void LeaveOutSpurs(const StepEntity& loop) {
-    struct Use {
-      std::uint64_t oriented = 0, edge = 0;
-      bool forward = true;
-    };
+  // One use of an edge in a loop.
+  struct Use {
+    std::uint64_t oriented = 0, edge = 0;
+    bool forward = true;
+  };
+
+  // True if the use ends on the axis of the surface, or nobody knows where.
+  bool EndsOnAxis(const Use& use, const StepEntity& surface) const {
+    const auto edge = Record(use.edge), form = entities_.Record(surface);
+    if (!edge || !form) return true;
+    const auto vertex = Record(ReferenceIn(*edge, use.forward ? 2 : 1));
+    const auto point = vertex ? Coordinates(Value(*vertex, 1)) : std::nullopt;
+    if (!point) return true;
+    const Similarity frame = FrameOf(ReferenceIn(*form, 1));
+    const Vector axis{frame.linear[2], frame.linear[5], frame.linear[8]},
+        offset = Minus(*point, frame.origin, 1);
+    const Vector across = Minus(offset, axis, Dot(offset, axis));
+    // Coordinates in files have six digits or more.
+    constexpr double kRounding = 1e-5;
+    return !(Dot(across, across) > kRounding * kRounding * Dot(offset, offset));
+  }
+
+  void LeaveOutSpurs(const StepEntity& loop, const StepEntity& surface) {
     std::vector<Use> uses;
     std::unordered_set<std::uint64_t> edges;
     for (const std::uint64_t id : ReferencesIn(loop.Body(entities_.bytes()))) {
@@ -568,8 +588,8 @@ class Repairer {
     }
     if (edges.size() == uses.size()) return;
     // Reduce the word of uses, then its two ends against each other.
-    const auto opposite = [](const Use& a, const Use& b) {
-      return a.edge == b.edge && a.forward != b.forward;
+    const auto opposite = [&](const Use& a, const Use& b) {
+      return a.edge == b.edge && a.forward != b.forward && !EndsOnAxis(a, surface);
     };
     std::vector<Use> kept;
     for (const Use& use : uses) {
@@ -580,7 +600,7 @@ class Repairer {
       }
     }
     std::size_t ends = 0;
-    while (kept.size() > 2 * ends + 2 && opposite(kept[ends], kept[kept.size() - 1 - ends])) ++ends;
+    while (kept.size() > 2 * ends + 2 && opposite(kept[kept.size() - 1 - ends], kept[ends])) ++ends;
     kept.assign(kept.begin() + static_cast<std::ptrdiff_t>(ends),
                 kept.end() - static_cast<std::ptrdiff_t>(ends));
     if (kept.empty()) return;
@@ -1047,16 +1067,47 @@ class Repairer {
     }
   }
 
-  // True if the context assigns a length unit that can be read.
-  bool HasLengthUnit(std::uint64_t context) const {
+  // A length unit whose length in metres can be read: an SI unit, or a multiple of one.
+  bool IsReadable(const StepRecord& unit, int depth = 0) const {
+    constexpr int kDeepest = 8;
+    constexpr std::array<std::string_view, 16> kPrefixes{"EXA",   "PETA", "TERA",  "GIGA",  "MEGA",  "KILO",
+                                                         "HECTO", "DECA", "DECI",  "CENTI", "MILLI", "MICRO",
+                                                         "NANO",  "PICO", "FEMTO", "ATTO"};
+    if (const StepPart* si = unit.Find("SI_UNIT")) {
+      // The dimensions come first where the unit is an entity of one part.
+      const std::size_t first = si->values.size() == 3 ? 1 : 0;
+      if (si->values.size() < first + 2) return false;
+      const StepValue &prefix = si->values[first], &name = si->values[first + 1];
+      return name.text == "METRE" &&
+             (prefix.kind == Kind::kUnset || (prefix.kind == Kind::kEnum && Holds(kPrefixes, prefix.text)));
+    }
+    const StepPart* multiple = unit.Find("CONVERSION_BASED_UNIT");
+    if (multiple == nullptr || multiple->values.size() < 2 || depth == kDeepest) return false;
+    const StepValue& factor = multiple->values.back();
+    const auto measure = factor.IsReference() ? Record(factor.reference) : std::nullopt;
+    if (!measure) return false;
+    for (const StepPart& part : measure->parts) {
+      if (part.values.size() < 2 || !part.values[1].IsReference()) continue;
+      const auto base = Record(part.values[1].reference);
+      return part.values[0].Number(0) > 0 && base && IsReadable(*base, depth + 1);
+    }
+    return false;
+  }
+
+  // True if the context assigns a length unit that can be read. One that cannot is made millimetres.
+  bool HasLengthUnit(std::uint64_t context) {
     const auto record = Record(context);
     if (!record) return false;
     const StepPart* units = record->Find("GLOBAL_UNIT_ASSIGNED_CONTEXT");
     if (units == nullptr) return false;
     for (const StepValue& list : units->values) {
       for (const StepValue& item : list.items) {
-        const auto unit = item.IsReference() ? Record(item.reference) : std::nullopt;
-        if (unit && unit->Find("LENGTH_UNIT") != nullptr) return true;
+        const StepEntity* entity = item.IsReference() ? entities_.Find(item.reference) : nullptr;
+        const auto unit = entity ? RecordOf(*entity) : std::nullopt;
+        if (!unit || unit->Find("LENGTH_UNIT") == nullptr) continue;
+        if (IsReadable(*unit)) return true;
+        edits_[entity] = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))";
+        return false;
       }
     }
     return false;
