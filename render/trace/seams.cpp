@@ -25,8 +25,8 @@ constexpr double kFlatPx = 1.0 / 64;
 constexpr int kMaxHalvings = 40;
 // Where a face misses its edge by more than this share of the edge's length, one of the two is wrong, and the importer says so. A gap of that kind
 // that is wider than so many samples in the picture is seen as what it is: asking all the samples in it took a minute and a half for three faces.
-constexpr double kOffSurface = 1e-3;
-constexpr double kMostReachPx = 4;
+constexpr double kOffSurface = 2e-3;
+constexpr double kMostReachPx = 8;
 
 Vec3 EndOf(const Model& model, const Edge& edge, bool last) {
   const EdgeSegment& segment = model.edge_segments[last ? edge.segments.end() - 1 : edge.segments.first];
