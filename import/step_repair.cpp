@@ -423,13 +423,29 @@ class Repairer {
     }
   }
 
+  // An opening parenthesis and, but for blanks, the closing one: what needs a closer look.
+  static bool MayHoldEmptyList(std::string_view body) {
+    for (std::size_t at = body.find('('); at != std::string_view::npos; at = body.find('(', at + 1)) {
+      const std::size_t next = body.find_first_not_of(" \t\n", at + 1);
+      if (next != std::string_view::npos && (body[next] == ')' || body[next] == '/')) return true;
+    }
+    return false;
+  }
+
+  static bool EndsInSense(std::string_view body) {
+    body = body.substr(0, body.find_last_not_of(" \t\n") + 1);
+    return body.ends_with(".T.)") || body.ends_with(".F.)");
+  }
+
+  // Looks at the text first: most entities of a file are points and edges, which are sound.
   void Check(const StepEntity& entity) {
-    const std::string_view keyword = entity.keyword;
+    const std::string_view keyword = entity.keyword, body = entity.Body(entities_.bytes());
     const bool complex = keyword.empty();
     const auto named = [&](const auto& rule) { return rule.keyword == keyword; };
-    const bool listed = complex || std::any_of(kNeeded.begin(), kNeeded.end(), named);
-    const bool sensed = std::any_of(kSenses.begin(), kSenses.end(), named);
-    const bool curve = IsSurfaceCurve(keyword) || keyword == "TRIMMED_CURVE";
+    const bool sensed = !complex && std::any_of(kSenses.begin(), kSenses.end(), named) && !EndsInSense(body);
+    const bool empty = !complex && MayHoldEmptyList(body);
+    const bool listed = complex || (empty && std::any_of(kNeeded.begin(), kNeeded.end(), named));
+    const bool curve = empty && (IsSurfaceCurve(keyword) || keyword == "TRIMMED_CURVE");
     if (keyword == "CARTESIAN_POINT") CheckCoordinates(entity);
     if (!listed && !sensed && !curve) return;
     std::optional<StepRecord> record = entities_.Record(entity);
