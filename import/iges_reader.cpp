@@ -1,4 +1,5 @@
 #include <BRep_Builder.hxx>
+#include <IGESBasic_SingularSubfigure.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESControl_Reader.hxx>
 #include <IGESData_IGESEntity.hxx>
@@ -20,6 +21,7 @@
 #include <string>
 
 #include "import/assembly.h"
+#include "import/crash_note.h"
 #include "import/readers.h"
 
 namespace facetless {
@@ -27,6 +29,8 @@ namespace {
 
 constexpr int kPlane = 108, kBounded = 143, kTrimmed = 144, kBrepFace = 510;
 constexpr std::array kSurfaces{kPlane, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196};
+// Bodies that OpenCASCADE makes no shape of: CSG primitives, swept solids, Boolean trees, and what is made of them.
+constexpr std::array kUnread{150, 152, 154, 156, 158, 160, 162, 164, 168, 180, 184, 430};
 constexpr std::array kCurves{100, 102, 104, 106, 110, 112, 126, 130};
 constexpr std::array kLoops{141, 142, 508};
 
@@ -129,6 +133,7 @@ class IgesReader {
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(IGESData_IGESEntity) entity = model->Entity(i);
       if (!IsFace(*entity)) continue;
+      NoteEntity(Label(model->DNum(entity)));
       const TopoDS_Shape shape = TransferFace(entity);
       if (shape.IsNull()) continue;
       // The transfer's results are forgotten at the next one.
@@ -196,6 +201,22 @@ class IgesReader {
     const Handle(Transfer_TransientProcess) process = reader_.WS()->TransferReader()->TransientProcess();
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const Handle(IGESData_IGESEntity) entity = model->Entity(i);
+      if (Contains(kUnread, entity->TypeNumber()) && entity->SubordinateStatus() == 0) {
+        const FaceOrigin body = OriginOf(entity);
+        document_.info.faces_lost.push_back(
+            {kNoIndex, body.name, body.entity,
+             "it is a CSG or swept solid (type " + std::to_string(entity->TypeNumber()) +
+                 "), and only boundary representations are read; export it as one"});
+      }
+      if (const auto instance = Handle(IGESBasic_SingularSubfigure)::DownCast(entity);
+          !instance.IsNull() && TransferBRep::ShapeResult(process, entity).IsNull()) {
+        const FaceOrigin body = OriginOf(entity);
+        const bool scaled = instance->ScaleFactor() != 1;
+        document_.info.faces_lost.push_back(
+            {kNoIndex, body.name, body.entity,
+             scaled ? "OpenCASCADE does not place subfigures that are scaled; export their geometry instead"
+                    : "OpenCASCADE could not place this instance of a subfigure"});
+      }
       if (!IsFace(*entity)) continue;
       const FaceOrigin origin = OriginOf(entity);
       document_.declared.push_back({origin.entity, origin.name});

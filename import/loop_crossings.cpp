@@ -164,11 +164,14 @@ bool Straddles(const Outline& loop, const Outline& other, Vec2& at) {
   constexpr double kOffArc = 2e-2;
   if (!loop.box.Meets(other.box)) return false;
   const double tolerance = kOffArc * std::min(loop.box.Size(), other.box.Size());
+  // Of loops of thousands of edges a share is looked at.
+  constexpr std::size_t kMostTests = 20000000;
+  const std::size_t stride = 1 + loop.middles.size() * other.corners.size() / kMostTests;
   int before = 0;
-  for (std::size_t i = 0; i < loop.middles.size(); ++i) {
+  for (std::size_t i = 0; i < loop.middles.size(); i += stride) {
     const int side = SideOf(loop.middles[i], other.corners, tolerance);
     if (side * before < 0) {
-      at = loop.ends[i - 1];
+      at = loop.ends[i - stride];
       return true;
     }
     if (side != 0) before = side;

@@ -25,6 +25,7 @@
 
 #include "import/command_line.h"
 #include "import/convert.h"
+#include "import/crash_note.h"
 #include "import/exact_intersector.h"
 #include "import/mesh_file.h"
 #include "import/readers.h"
@@ -194,6 +195,7 @@ int Import(const CommandLine& options, const Answer& answer) {
                 answer);
   if (options.deadline_s > 0) SetDeadline(options.deadline_s, answer);
   PrepareOpenCascade(scratch.path());
+  OpenCrashNote(scratch.path());
   // Read and convert.
   Result<SourceFile> source = OpenSource(options.input, scratch.path());
   if (!source.ok()) return Fail(source.error(), answer);

@@ -24,24 +24,26 @@ namespace {
 
 // The edges of a wire, in its order, without those that are walked there and back.
 std::vector<TopoDS_Edge> Reduced(const TopoDS_Shape& wire, TopTools_MapOfShape& left_out) {
-  std::vector<TopoDS_Edge> edges;
-  for (TopoDS_Iterator edge(wire); edge.More(); edge.Next()) edges.push_back(TopoDS::Edge(edge.Value()));
   const auto opposite = [](const TopoDS_Edge& a, const TopoDS_Edge& b) {
     return a.IsSame(b) && a.Orientation() != b.Orientation() && !BRep_Tool::Degenerated(a);
   };
-  for (bool found = true; found && edges.size() > 1;) {
-    found = false;
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      const std::size_t next = (i + 1) % edges.size();
-      if (!opposite(edges[i], edges[next])) continue;
-      left_out.Add(edges[i].Oriented(TopAbs_FORWARD));
-      edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(std::max(i, next)));
-      edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(std::min(i, next)));
-      found = true;
-      break;
+  std::vector<TopoDS_Edge> edges;
+  for (TopoDS_Iterator it(wire); it.More(); it.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(it.Value());
+    if (!edges.empty() && opposite(edges.back(), edge)) {
+      left_out.Add(edge.Oriented(TopAbs_FORWARD));
+      edges.pop_back();
+    } else {
+      edges.push_back(edge);
     }
   }
-  return edges;
+  // The wire is a circle: its ends may cancel, too.
+  std::size_t ends = 0;
+  while (edges.size() >= 2 * ends + 2 && opposite(edges[ends], edges[edges.size() - 1 - ends])) {
+    left_out.Add(edges[ends].Oriented(TopAbs_FORWARD));
+    ++ends;
+  }
+  return {edges.begin() + static_cast<std::ptrdiff_t>(ends), edges.end() - static_cast<std::ptrdiff_t>(ends)};
 }
 
 // True if the iso-line is a point.

@@ -17,6 +17,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "import/crash_note.h"
 #include "import/curve_pieces.h"
 #include "import/loop_crossings.h"
 #include "import/mend_face.h"
@@ -176,6 +177,7 @@ void PartConverter::AddFace(std::size_t index) {
   try {
     OCC_CATCH_SIGNALS
     mended_edges_ = 0;
+    if (const FaceOrigin* origin = OriginOf(member.face)) NoteEntity(origin->entity);
     const FaceOrigin* from = OriginOf(member.face);
     reason = TryFace(member, from != nullptr ? TorusPart(member.face, from->torus_part) : member.face);
     stored_[index] = reason.empty();

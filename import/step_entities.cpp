@@ -46,8 +46,13 @@ std::size_t EntityBegin(std::string_view text, std::size_t at, std::uint64_t& id
 // Behind the closing apostrophe of the text that opens at `at`. A text that is not closed ends where a new entity begins.
 std::size_t SkipString(std::string_view text, std::size_t at) {
   for (++at; at < text.size(); ++at) {
-    std::uint64_t ignored;
-    if (text[at] == ';' && EntityBegin(text, SkipBlanks(text, at + 1), ignored) != 0) return at;
+    if (text[at] == ';') {
+      // Blanks only: a comment would be looked through again for each semicolon.
+      std::size_t next = at + 1;
+      while (next < text.size() && IsSpace(text[next])) ++next;
+      std::uint64_t ignored;
+      if (EntityBegin(text, next, ignored) != 0) return at;
+    }
     if (text[at] != '\'') continue;
     if (at + 1 < text.size() && text[at + 1] == '\'') {
       ++at;
@@ -118,6 +123,14 @@ class Parser {
 
   // From an opening parenthesis to behind the closing one.
   bool List(std::vector<StepValue>& values) {
+    if (depth_ == kDeepestList) return false;
+    ++depth_;
+    const bool closed = Elements(values);
+    --depth_;
+    return closed;
+  }
+
+  bool Elements(std::vector<StepValue>& values) {
     ++at_;
     Skip();
     if (at_ < text_.size() && text_[at_] == ')') {
@@ -186,8 +199,12 @@ class Parser {
     return true;
   }
 
+  // As deep as the scanner of files lets pass (step_text.cpp).
+  static constexpr int kDeepestList = 200;
+
   std::string_view text_;
   std::size_t at_ = 0;
+  int depth_ = 0;
 };
 
 void Append(const std::vector<StepValue>& values, std::string& out) {

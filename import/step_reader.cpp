@@ -56,6 +56,7 @@
 #include <vector>
 
 #include "import/assembly.h"
+#include "import/crash_note.h"
 #include "import/readers.h"
 #include "import/scaled_shapes.h"
 
@@ -312,6 +313,8 @@ class StepReader {
         const bool is_body = entity->IsKind(STANDARD_TYPE(StepShape_ManifoldSolidBrep)) ||
                              entity->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel));
         if (bodies ? !is_body : face.IsNull() || arrived_.contains(EntityOf(face))) continue;
+        NoteEntity(Label(static_cast<std::uint64_t>(
+            Handle(StepData_StepModel)::DownCast(Session()->Model())->IdentLabel(entity))));
         TopoDS_Shape shape = TransferPiece(entity);
         if (shape.IsNull()) continue;
         // The transfer's results are forgotten at the next one: note now what became of each face.

@@ -184,6 +184,38 @@ constexpr std::array<std::string_view, 16> kRead{"MANIFOLD_SOLID_BREP",
                                                  "CONNECTED_FACE_SET",
                                                  "CURVE_BOUNDED_SURFACE"};
 
+// Wireframes.
+constexpr std::array<std::string_view, 3> kCurveSets{"GEOMETRIC_CURVE_SET", "EDGE_BASED_WIREFRAME_MODEL",
+                                                     "SHELL_BASED_WIREFRAME_MODEL"};
+// Surfaces around an axis, which their placement is.
+constexpr std::array<std::string_view, 4> kTurned{"CYLINDRICAL_SURFACE", "CONICAL_SURFACE",
+                                                  "SPHERICAL_SURFACE", "TOROIDAL_SURFACE"};
+// What a shape may hold that is nothing to be seen.
+constexpr std::array<std::string_view, 24> kWithoutBody{"COORDINATES_LIST",
+                                                        "TESSELLATED_CURVE_SET",
+                                                        "TESSELLATED_POINT_SET",
+                                                        "TESSELLATED_VERTEX",
+                                                        "TESSELLATED_EDGE",
+                                                        "TRIANGULATED_SURFACE_SET",
+                                                        "COMPLEX_TRIANGULATED_SURFACE_SET",
+                                                        "REPOSITIONED_TESSELLATED_ITEM",
+                                                        "AXIS1_PLACEMENT",
+                                                        "AXIS2_PLACEMENT_2D",
+                                                        "AXIS2_PLACEMENT_3D",
+                                                        "CARTESIAN_POINT",
+                                                        "DIRECTION",
+                                                        "VECTOR",
+                                                        "PLACEMENT",
+                                                        "LINE",
+                                                        "CIRCLE",
+                                                        "ELLIPSE",
+                                                        "POLYLINE",
+                                                        "VERTEX_POINT",
+                                                        "PLANE",
+                                                        "STYLED_ITEM",
+                                                        "TESSELLATED_GEOMETRIC_SET",
+                                                        "CARTESIAN_TRANSFORMATION_OPERATOR_3D"};
+
 constexpr std::array<std::string_view, 22> kSurfaces{"PLANE",
                                                      "CYLINDRICAL_SURFACE",
                                                      "CONICAL_SURFACE",
@@ -391,13 +423,29 @@ class Repairer {
     }
   }
 
+  // An opening parenthesis and, but for blanks, the closing one: what needs a closer look.
+  static bool MayHoldEmptyList(std::string_view body) {
+    for (std::size_t at = body.find('('); at != std::string_view::npos; at = body.find('(', at + 1)) {
+      const std::size_t next = body.find_first_not_of(" \t\n", at + 1);
+      if (next != std::string_view::npos && (body[next] == ')' || body[next] == '/')) return true;
+    }
+    return false;
+  }
+
+  static bool EndsInSense(std::string_view body) {
+    body = body.substr(0, body.find_last_not_of(" \t\n") + 1);
+    return body.ends_with(".T.)") || body.ends_with(".F.)");
+  }
+
+  // Looks at the text first: most entities of a file are points and edges, which are sound.
   void Check(const StepEntity& entity) {
-    const std::string_view keyword = entity.keyword;
+    const std::string_view keyword = entity.keyword, body = entity.Body(entities_.bytes());
     const bool complex = keyword.empty();
     const auto named = [&](const auto& rule) { return rule.keyword == keyword; };
-    const bool listed = complex || std::any_of(kNeeded.begin(), kNeeded.end(), named);
-    const bool sensed = std::any_of(kSenses.begin(), kSenses.end(), named);
-    const bool curve = IsSurfaceCurve(keyword) || keyword == "TRIMMED_CURVE";
+    const bool sensed = !complex && std::any_of(kSenses.begin(), kSenses.end(), named) && !EndsInSense(body);
+    const bool empty = !complex && MayHoldEmptyList(body);
+    const bool listed = complex || (empty && std::any_of(kNeeded.begin(), kNeeded.end(), named));
+    const bool curve = empty && (IsSurfaceCurve(keyword) || keyword == "TRIMMED_CURVE");
     if (keyword == "CARTESIAN_POINT") CheckCoordinates(entity);
     if (!listed && !sensed && !curve) return;
     std::optional<StepRecord> record = entities_.Record(entity);
@@ -500,32 +548,49 @@ class Repairer {
     return references;
   }
 
-  // On a cylinder and on a torus an edge that is followed by itself in the other sense encloses nothing; OpenCASCADE takes it for the seam.
-  // Elsewhere it may be one: on a cone and on a sphere the seam turns back at a pole.
+  // On a surface that goes around an axis an edge that is followed by itself in the other sense encloses nothing; OpenCASCADE takes it for the
+  // seam. It is one where it turns back on the axis: at the apex of a cone, at the pole of a sphere.
   void LeaveOutSpurs() {
     const std::string_view bytes = entities_.bytes();
     for (const StepEntity& face : entities_.all()) {
       if (!IsFaceKeyword(face.keyword) || face.structure != 0 || dropped_.contains(&face)) continue;
       const std::vector<std::uint64_t> parts = ReferencesIn(face.Body(bytes));
       const StepEntity* surface = parts.empty() ? nullptr : entities_.Find(parts.back());
-      if (surface == nullptr ||
-          (surface->keyword != "CYLINDRICAL_SURFACE" && surface->keyword != "TOROIDAL_SURFACE"))
-        continue;
+      if (surface == nullptr || !Holds(kTurned, surface->keyword)) continue;
       for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
         const StepEntity* bound = entities_.Find(parts[i]);
         if (bound == nullptr) continue;
         const std::vector<std::uint64_t> loops = ReferencesIn(bound->Body(bytes));
         const StepEntity* loop = loops.size() == 1 ? entities_.Find(loops.front()) : nullptr;
-        if (loop != nullptr && loop->keyword == "EDGE_LOOP" && !gone_.contains(loop)) LeaveOutSpurs(*loop);
+        if (loop != nullptr && loop->keyword == "EDGE_LOOP" && !gone_.contains(loop))
+          LeaveOutSpurs(*loop, *surface);
       }
     }
   }
 
-  void LeaveOutSpurs(const StepEntity& loop) {
-    struct Use {
-      std::uint64_t oriented = 0, edge = 0;
-      bool forward = true;
-    };
+  // One use of an edge in a loop.
+  struct Use {
+    std::uint64_t oriented = 0, edge = 0;
+    bool forward = true;
+  };
+
+  // True if the use ends on the axis of the surface, or nobody knows where.
+  bool EndsOnAxis(const Use& use, const StepEntity& surface) const {
+    const auto edge = Record(use.edge), form = entities_.Record(surface);
+    if (!edge || !form) return true;
+    const auto vertex = Record(ReferenceIn(*edge, use.forward ? 2 : 1));
+    const auto point = vertex ? Coordinates(Value(*vertex, 1)) : std::nullopt;
+    if (!point) return true;
+    const Similarity frame = FrameOf(ReferenceIn(*form, 1));
+    const Vector axis{frame.linear[2], frame.linear[5], frame.linear[8]},
+        offset = Minus(*point, frame.origin, 1);
+    const Vector across = Minus(offset, axis, Dot(offset, axis));
+    // Coordinates in files have six digits or more.
+    constexpr double kRounding = 1e-5;
+    return !(Dot(across, across) > kRounding * kRounding * Dot(offset, offset));
+  }
+
+  void LeaveOutSpurs(const StepEntity& loop, const StepEntity& surface) {
     std::vector<Use> uses;
     std::unordered_set<std::uint64_t> edges;
     for (const std::uint64_t id : ReferencesIn(loop.Body(entities_.bytes()))) {
@@ -538,20 +603,25 @@ class Repairer {
       edges.insert(edge.back());
     }
     if (edges.size() == uses.size()) return;
-    std::vector<Use> kept = uses;
-    for (bool found = true; found && kept.size() > 2;) {
-      found = false;
-      for (std::size_t i = 0; i < kept.size() && !found; ++i) {
-        const std::size_t next = (i + 1) % kept.size();
-        if (kept[i].edge != kept[next].edge || kept[i].forward == kept[next].forward) continue;
-        Warn("The edge loop " + Label(loop.id) + " walks edge " + Label(kept[i].edge) +
-             " there and back, which was left out.");
-        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(std::max(i, next)));
-        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(std::min(i, next)));
-        found = true;
+    // Reduce the word of uses, then its two ends against each other.
+    const auto opposite = [&](const Use& a, const Use& b) {
+      return a.edge == b.edge && a.forward != b.forward && !EndsOnAxis(a, surface);
+    };
+    std::vector<Use> kept;
+    for (const Use& use : uses) {
+      if (!kept.empty() && opposite(kept.back(), use)) {
+        kept.pop_back();
+      } else {
+        kept.push_back(use);
       }
     }
+    std::size_t ends = 0;
+    while (kept.size() > 2 * ends + 2 && opposite(kept[kept.size() - 1 - ends], kept[ends])) ++ends;
+    kept.assign(kept.begin() + static_cast<std::ptrdiff_t>(ends),
+                kept.end() - static_cast<std::ptrdiff_t>(ends));
+    if (kept.empty()) return;
     if (kept.size() == uses.size()) return;
+    Warn("The edge loop " + Label(loop.id) + " walks edges there and back; they were left out.");
     std::string body = "EDGE_LOOP('',(";
     for (std::size_t i = 0; i < kept.size(); ++i) body += (i == 0 ? "" : ",") + Label(kept[i].oriented);
     edits_[&loop] = body + "))";
@@ -584,52 +654,50 @@ class Repairer {
       });
     }
     while (!open_.empty()) {
-      const std::uint64_t id = open_.back();
-      open_.pop_back();
-      const std::string reason = removed_[id];
-      for (const StepEntity* user : users[id]) {
-        if (gone_.contains(user)) continue;
-        std::optional<StepRecord> record = RecordOf(*user);
-        if (!record) continue;
-        const bool whole = record->complex || Holds(kWhole, user->keyword);
-        bool needed = false;
-        for (StepPart& part : record->parts) needed = WithoutReference(part.values, id, whole) || needed;
-        if (needed) {
-          Out(*user, reason);
-          continue;
+      // What refers to anything of this wave, in the order of the file.
+      std::map<const StepEntity*, std::vector<std::uint64_t>> touched;
+      for (const std::uint64_t id : open_) {
+        for (const StepEntity* user : users[id]) {
+          if (!gone_.contains(user)) touched[user].push_back(id);
         }
-        Edit(*user, *record);
-        // A list that is empty now may be one too many.
-        for (const Needed& rule : kNeeded) {
-          if (rule.keyword == user->keyword && IsEmpty(Value(*record, rule.attribute))) {
-            Out(*user, reason);
-            break;
-          }
-        }
-        if (!gone_.contains(user) && IsSurfaceCurve(user->keyword)) CheckCurve(*user, *record);
       }
+      open_.clear();
+      for (const auto& [user, ids] : touched)
+        TakeOutOf(*user, {ids.begin(), ids.end()}, removed_[ids.front()]);
     }
   }
 
+  // Takes what is out out of an entity's lists, or the entity itself out.
+  void TakeOutOf(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
+                 const std::string& reason) {
+    std::optional<StepRecord> record = RecordOf(user);
+    if (!record) return;
+    const bool whole = record->complex || Holds(kWhole, user.keyword);
+    bool needed = false;
+    for (StepPart& part : record->parts) needed = WithoutReferences(part.values, ids, whole) || needed;
+    if (needed) return Out(user, reason);
+    Edit(user, *record);
+    // A list that is empty now may be one too many.
+    for (const Needed& rule : kNeeded) {
+      if (rule.keyword == user.keyword && IsEmpty(Value(*record, rule.attribute))) return Out(user, reason);
+    }
+    if (IsSurfaceCurve(user.keyword)) CheckCurve(user, *record);
+  }
+
   // Takes the reference out of lists; true if an attribute itself, or a list that must be whole, holds it.
-  static bool WithoutReference(std::vector<StepValue>& values, std::uint64_t id, bool whole) {
+  static bool WithoutReferences(std::vector<StepValue>& values, const std::unordered_set<std::uint64_t>& ids,
+                                bool whole) {
+    const auto out = [&](const StepValue& value) {
+      return value.IsReference() && ids.contains(value.reference);
+    };
     bool needed = false;
     for (StepValue& value : values) {
-      if (value.IsReference() && value.reference == id) needed = true;
-      if (value.kind == Kind::kTyped) needed = WithoutReference(value.items, id, true) || needed;
-      if (!value.IsList()) continue;
-      if (whole) {
-        needed = WithoutReference(value.items, id, true) || needed;
-        continue;
-      }
-      std::erase_if(value.items,
-                    [&](const StepValue& item) { return item.IsReference() && item.reference == id; });
-      for (StepValue& item : value.items) {
-        if (item.IsList() || item.kind == Kind::kTyped) {
-          std::vector<StepValue> one{item};
-          needed = WithoutReference(one, id, false) || needed;
-          item = std::move(one.front());
-        }
+      needed = needed || out(value);
+      if (value.kind == Kind::kTyped || (value.IsList() && whole)) {
+        needed = WithoutReferences(value.items, ids, true) || needed;
+      } else if (value.IsList()) {
+        std::erase_if(value.items, out);
+        needed = WithoutReferences(value.items, ids, false) || needed;
       }
     }
     return needed;
@@ -850,6 +918,19 @@ class Repairer {
     gone_.insert(&entity);
   }
 
+  // Items of shapes that are no bodies: curves, which are not drawn, and kinds that are not known here.
+  void NoteOtherItem(const StepEntity& item) {
+    if (Holds(kCurveSets, item.keyword)) {
+      ++curve_sets_;
+    } else if (!item.keyword.empty() && !Holds(kRead, item.keyword) && !Holds(kWithoutBody, item.keyword) &&
+               !item.keyword.ends_with("_CURVE") && !item.keyword.ends_with("_SURFACE") &&
+               item.keyword.find("REPRESENTATION_ITEM") == std::string_view::npos &&
+               item.keyword.find("ANNOTATION") == std::string_view::npos) {
+      Warn("Item " + Label(item.id) + " of a shape, of the kind " + std::string(item.keyword) +
+           ", is not shown.");
+    }
+  }
+
   // Bodies of kinds that nobody reads, as items of representations.
   void FindUnread() {
     FindRepresentations();
@@ -863,7 +944,11 @@ class Repairer {
           continue;
         const auto unread = std::find_if(kUnread.begin(), kUnread.end(),
                                          [&](const Unread& kind) { return kind.keyword == entity->keyword; });
-        if (unread == kUnread.end()) continue;
+        if (unread == kUnread.end()) {
+          const StepEntity* holder = entities_.Find(representation.id);
+          if (holder != nullptr && holder->keyword.ends_with("SHAPE_REPRESENTATION")) NoteOtherItem(*entity);
+          continue;
+        }
         const auto record = RecordOf(*entity);
         // A tessellation that says of which body it is one is not missed where the body is shown.
         if (record && entity->keyword.starts_with("TESSELLATED_S") && Value(*record, 2) != nullptr &&
@@ -874,6 +959,10 @@ class Repairer {
                                     "), and only boundary representations are read; export it as one"});
       }
     }
+    if (curve_sets_ > 0)
+      Warn("The file holds " + std::to_string(curve_sets_) +
+           (curve_sets_ == 1 ? " set of curves (a wireframe), which is not shown."
+                             : " sets of curves (wireframes), which are not shown."));
   }
 
   std::uint64_t ReferenceIn(const StepRecord& record, std::size_t index) const {
@@ -888,8 +977,9 @@ class Repairer {
         definition_of;                         // PRODUCT_DEFINITION_SHAPE → what it is the shape of
     std::vector<std::uint64_t> placed_shapes;  // … that a placement names
     std::unordered_map<std::uint64_t, std::set<std::uint64_t>> shapes;  // what has a shape → representations
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> used,
-        linked;  // shape → representation; representations
+    // Shape → representation; representations that are the same.
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> used;
+    std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;
     std::vector<const StepEntity*> products;
     for (const StepEntity& entity : entities_.all()) {
       if (entity.structure != 0 || gone_.contains(&entity) || dropped_.contains(&entity)) continue;
@@ -908,7 +998,11 @@ class Repairer {
       if (shape) definition_of[entity.id] = ReferenceIn(*record, 2);
       if (placement) placed_shapes.push_back(ReferenceIn(*record, 1));
       if (definition) used.emplace_back(ReferenceIn(*record, 0), ReferenceIn(*record, 1));
-      if (link) linked.emplace_back(ReferenceIn(*record, 2), ReferenceIn(*record, 3));
+      if (link) {
+        const std::uint64_t a = ReferenceIn(*record, 2), b = ReferenceIn(*record, 3);
+        linked[a].push_back(b);
+        linked[b].push_back(a);
+      }
     }
     if (usages.empty()) return;
     FindRepresentations();
@@ -916,10 +1010,8 @@ class Repairer {
       if (const auto of = definition_of.find(shape); of != definition_of.end()) {
         shapes[of->second].insert(representation);
         // Representations that are the same shape.
-        for (const auto& [a, b] : linked) {
-          if (a == representation) shapes[of->second].insert(b);
-          if (b == representation) shapes[of->second].insert(a);
-        }
+        const std::vector<std::uint64_t>& others = linked[representation];
+        shapes[of->second].insert(others.begin(), others.end());
       }
     }
     std::set<std::uint64_t> placed, bodies, mapped;
@@ -991,16 +1083,47 @@ class Repairer {
     }
   }
 
-  // True if the context assigns a length unit that can be read.
-  bool HasLengthUnit(std::uint64_t context) const {
+  // A length unit whose length in metres can be read: an SI unit, or a multiple of one.
+  bool IsReadable(const StepRecord& unit, int depth = 0) const {
+    constexpr int kDeepest = 8;
+    constexpr std::array<std::string_view, 16> kPrefixes{"EXA",   "PETA", "TERA",  "GIGA",  "MEGA",  "KILO",
+                                                         "HECTO", "DECA", "DECI",  "CENTI", "MILLI", "MICRO",
+                                                         "NANO",  "PICO", "FEMTO", "ATTO"};
+    if (const StepPart* si = unit.Find("SI_UNIT")) {
+      // The dimensions come first where the unit is an entity of one part.
+      const std::size_t first = si->values.size() == 3 ? 1 : 0;
+      if (si->values.size() < first + 2) return false;
+      const StepValue &prefix = si->values[first], &name = si->values[first + 1];
+      return name.text == "METRE" &&
+             (prefix.kind == Kind::kUnset || (prefix.kind == Kind::kEnum && Holds(kPrefixes, prefix.text)));
+    }
+    const StepPart* multiple = unit.Find("CONVERSION_BASED_UNIT");
+    if (multiple == nullptr || multiple->values.size() < 2 || depth == kDeepest) return false;
+    const StepValue& factor = multiple->values.back();
+    const auto measure = factor.IsReference() ? Record(factor.reference) : std::nullopt;
+    if (!measure) return false;
+    for (const StepPart& part : measure->parts) {
+      if (part.values.size() < 2 || !part.values[1].IsReference()) continue;
+      const auto base = Record(part.values[1].reference);
+      return part.values[0].Number(0) > 0 && base && IsReadable(*base, depth + 1);
+    }
+    return false;
+  }
+
+  // True if the context assigns a length unit that can be read. One that cannot is made millimetres.
+  bool HasLengthUnit(std::uint64_t context) {
     const auto record = Record(context);
     if (!record) return false;
     const StepPart* units = record->Find("GLOBAL_UNIT_ASSIGNED_CONTEXT");
     if (units == nullptr) return false;
     for (const StepValue& list : units->values) {
       for (const StepValue& item : list.items) {
-        const auto unit = item.IsReference() ? Record(item.reference) : std::nullopt;
-        if (unit && unit->Find("LENGTH_UNIT") != nullptr) return true;
+        const StepEntity* entity = item.IsReference() ? entities_.Find(item.reference) : nullptr;
+        const auto unit = entity ? RecordOf(*entity) : std::nullopt;
+        if (!unit || unit->Find("LENGTH_UNIT") == nullptr) continue;
+        if (IsReadable(*unit)) return true;
+        edits_[entity] = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))";
+        return false;
       }
     }
     return false;
@@ -1176,7 +1299,7 @@ class Repairer {
   bool found_representations_ = false;
   std::string added_;
   std::uint64_t added_count_ = 0;
-  std::size_t warned_ = 0;
+  std::size_t warned_ = 0, curve_sets_ = 0;
 };
 
 }  // namespace

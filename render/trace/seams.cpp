@@ -23,6 +23,10 @@ constexpr double kRoundingPx = 0x1p-20;
 // A stretch of edge is walked along its chord once it bends by no more than this, in samples.
 constexpr double kFlatPx = 1.0 / 64;
 constexpr int kMaxHalvings = 40;
+// Where a face misses its edge by more than this share of the edge's length, one of the two is wrong, and the importer says so. A gap of that kind
+// that is wider than so many samples in the picture is seen as what it is: asking all the samples in it took a minute and a half for three faces.
+constexpr double kOffSurface = 2e-3;
+constexpr double kMostReachPx = 8;
 
 Vec3 EndOf(const Model& model, const Edge& edge, bool last) {
   const EdgeSegment& segment = model.edge_segments[last ? edge.segments.end() - 1 : edge.segments.first];
@@ -118,13 +122,14 @@ SeamTable::SeamTable(const Model& model) {
     const auto add = [&](Source source, const Missed& missed) {
       if (!(missed.reach_mm > 0)) return;
       source.reach_mm = std::min(kReachSafety * missed.reach_mm, missed.most_mm);
+      source.off_surface = missed.reach_mm > kOffSurface * missed.most_mm;
       source.uses = {static_cast<std::uint32_t>(uses.size()), static_cast<std::uint32_t>(missed.uses.size())};
       uses.insert(uses.end(), missed.uses.begin(), missed.uses.end());
       sources.push_back(source);
       max_reach_mm = std::max(max_reach_mm, source.reach_mm);
     };
-    for (const auto& [e, missed] : at_edge) add({e, kNoIndex, 0, {}}, missed);
-    for (const auto& [v, missed] : at_vertex) add({kNoIndex, v, 0, {}}, missed);
+    for (const auto& [e, missed] : at_edge) add({e, kNoIndex, 0, {}, false}, missed);
+    for (const auto& [v, missed] : at_vertex) add({kNoIndex, v, 0, {}, false}, missed);
     of_part.push_back({first, static_cast<std::uint32_t>(sources.size()) - first});
   }
 }
@@ -193,6 +198,8 @@ class Finder {
     return source_->reach_mm / (std::min(frame_.pixel_x, frame_.pixel_y) * (perspective_ ? w : 1));
   }
 
+  bool IsSeen(double reach) const { return source_->off_surface && reach > kMostReachPx; }
+
   // Samples from low to high, those outside the image left out.
   struct Samples {
     int begin, end;
@@ -204,7 +211,7 @@ class Finder {
   }
 
   void VisitVertex(Vec2 at, double reach) {
-    if (!(reach >= kRoundingPx)) return;
+    if (!(reach >= kRoundingPx) || IsSeen(reach)) return;
     const Samples rows = Between(at.y - reach, at.y + reach, rows_),
                   columns = Between(at.x - reach, at.x + reach, columns_);
     for (int row = rows.begin; row < rows.end; ++row)
@@ -241,7 +248,7 @@ class Finder {
       bend = std::max(bend, Length(away - along * chord));
     }
     const double reach = ReachPx(weight);
-    if (!(reach >= kRoundingPx)) return;
+    if (!(reach >= kRoundingPx) || IsSeen(reach)) return;
     const Samples rows = Between(low.y - reach, high.y + reach, rows_),
                   columns = Between(low.x - reach, high.x + reach, columns_);
     if (rows.begin == rows.end || columns.begin == columns.end) return;

@@ -12,6 +12,7 @@
 //     more, on the edge itself. Nothing is taken away.
 //  4. Left alone are faces whose edges don't close in their vertices, or that are bounded by more than edges,
 //     unless in a closed solid; and faces that reach behind the eye.
+//  5. A face that misses an edge by more than two thousandths of its length is drawn with that gap where it is wider than eight samples.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +34,7 @@ struct SeamTable {
     std::uint32_t edge = kNoIndex, vertex = kNoIndex;  // one of them
     double reach_mm = 0;                               // how far from it
     Range uses;                                        // by the faces that it concerns
+    bool off_surface = false;  // a face misses the edge by so much that one of the two is wrong
   };
   std::vector<Source> sources;
   std::vector<Use> uses;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -154,6 +155,23 @@ void ReportProgress(std::string_view line, const ImportRequest& request, std::st
   if (request.progress) request.progress(stage, fraction);
 }
 
+// What an importer that died had noted of where it was (import/crash_note.h), in its own folder within `directory`; only letters, digits
+// and '#' are believed.
+std::string LastEntity(const std::string& directory) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
+    if (!entry.path().filename().string().starts_with("facetless-import-")) continue;
+    const auto text = ReadFile((entry.path() / "entity").string(), 64);
+    if (!text) continue;
+    const std::string& note = text.value();
+    const auto end = std::find_if(note.begin(), note.end(), [](char c) {
+      return c != '#' && !std::isalnum(static_cast<unsigned char>(c));
+    });
+    return {note.begin(), end};
+  }
+  return {};
+}
+
 Error TimeError(const std::string& name, const ImportLimits& limits) {
   return {ErrorCode::kLimitExceeded, name + ": the import took longer than " + Seconds(limits.timeout_s) +
                                          "; --import-timeout allows more"};
@@ -182,7 +200,8 @@ bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
 
 // The error that a finished child stands for; nothing if it exited by itself.
 std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& child_limits,
-                              const std::string& name, const ImportLimits& limits, const std::string& stage) {
+                              const std::string& name, const ImportLimits& limits, const std::string& stage,
+                              const std::string& entity) {
   switch (outcome.end) {
     case ChildEnd::kExited:
       return std::nullopt;
@@ -212,6 +231,7 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
   return Error{ErrorCode::kImporterCrashed, name + ": the importer died of " + SignalName(outcome.signal) +
                                                 " while reading it" +
                                                 (stage.empty() ? "" : ", in the stage \"" + stage + "\"") +
+                                                (entity.empty() ? "" : ", at or after entity " + entity) +
                                                 "; export the model again, or as another version of STEP"};
 }
 
@@ -378,7 +398,9 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
     if (cause != nullptr && request.died) request.died(cause);
   };
   died(DeathCause(outcome, child.limits));
-  if (auto error = EndError(outcome, child.limits, name, limits, stage)) return *error;
+  if (auto error = EndError(outcome, child.limits, name, limits, stage,
+                            outcome.end == ChildEnd::kSignalled ? LastEntity(files.directory.path()) : ""))
+    return *error;
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
   files.peak_address_bytes = outcome.peak_address_bytes;

@@ -1,5 +1,7 @@
-// Fuzz target: the STEP text reader, which is ours and sees every byte first.
+// Fuzz target: the STEP text reader and its repairs, which are ours and see every byte first.
 #include "import/step_text.h"
+
+#include "import/step_repair.h"
 
 #include "tests/fuzz/target.h"
 
@@ -8,5 +10,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto facts = facetless::ScanStep("fuzz.step", bytes);
   facetless::Require(facts.ok() ? facts.value().complete_bytes <= size : !facts.error().message.empty());
   facetless::DecodeStepText(bytes);
+  if (!facts.ok()) return 0;
+  // What is repaired is read like any other file.
+  const facetless::StepRepair repair = facetless::RepairStep(bytes);
+  if (repair.changed && repair.refusal.empty()) facetless::RepairStep(repair.bytes);
+  std::string open(bytes);
+  facetless::FlattenScopes(open);
   return 0;
 }

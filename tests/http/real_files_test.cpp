@@ -69,6 +69,30 @@ TEST(HttpRealFiles, ComparesWithAMeshThatWasPosted) {
   EXPECT_EQ(scaled.Problem(), "unit-mismatch") << scaled.body;
 }
 
+TEST(HttpRealFiles, ReadsAFileInTheUnitThatIsAskedFor) {
+  LiveServer server;
+  const std::string bytes = ReadText(Sample("bracket.step"));
+  const auto post = [&](const std::string& options) {
+    return server.PostForm("/v1/compare", {{"file", "bracket.step", bytes}, {"options", "", options}});
+  };
+  const Reply own = post(R"({"size":"64x64"})"), inches = post(R"({"size":"64x64","unit":"in"})");
+  ASSERT_EQ(own.status, 200) << own.body;
+  ASSERT_EQ(inches.status, 200) << inches.body;
+  EXPECT_EQ(inches.Json().at("model").at("unit"), "inch");
+  const double diagonal = own.Json().at("model").at("diagonal_mm").get<double>();
+  EXPECT_NEAR(inches.Json().at("model").at("diagonal_mm").get<double>(), 25.4 * diagonal, 1e-9 * diagonal);
+  EXPECT_LT(inches.Json()["views"][0]["difference"]["deviation_mm"]["max"].get<double>(), 0.1 * diagonal);
+  // By id, and as a number; the model itself stays what it is.
+  const Reply by_id =
+      server.PostJson("/v1/compare", {{"model", Sha256Hex(bytes)}, {"size", "64x64"}, {"unit", 10}});
+  ASSERT_EQ(by_id.status, 200) << by_id.body;
+  EXPECT_NEAR(by_id.Json().at("model").at("diagonal_mm").get<double>(), 10 * diagonal, 1e-9 * diagonal);
+  const Reply again = server.PostJson("/v1/renders", {{"model", Sha256Hex(bytes)}, {"size", "48x48"}});
+  ASSERT_EQ(again.status, 200) << again.body;
+  EXPECT_EQ(again.Json().at("model").at("diagonal_mm").get<double>(), diagonal);
+  EXPECT_EQ(post(R"({"unit":"parsec"})").status, 422);
+}
+
 TEST(HttpRealFiles, LinksSheetAndTurntable) {
   LiveServer server;
   const std::string file = ReadText(Sample("assembly.step"));

@@ -148,6 +148,55 @@ TEST(StepRepair, RefusesDecimalCommas) {
   EXPECT_TRUE(Warns(four, "#1 has 4 coordinates"));
 }
 
+TEST(StepRepair, KnowsUnitsThatCanBeRead) {
+  const auto missing = [](const std::string& units) {
+    return RepairStep(File("#1=CLOSED_SHELL('',(#9));\n#2=SHAPE_REPRESENTATION('',(#1),#3);\n"
+                           "#3=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#4,#5))"
+                           "REPRESENTATION_CONTEXT('',''));\n#4=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,."
+                           "RADIAN.));\n" +
+                           units))
+        .unit_missing;
+  };
+  const std::string inch = "#5=(CONVERSION_BASED_UNIT('INCH',#6)LENGTH_UNIT()NAMED_UNIT(*));\n";
+  const std::string base = "#7=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n";
+  EXPECT_FALSE(missing("#5=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n"));
+  EXPECT_FALSE(missing("#5=(NAMED_UNIT(*)SI_UNIT($,.METRE.)LENGTH_UNIT());\n"));
+  EXPECT_FALSE(missing(inch + "#6=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#7);\n" + base));
+  EXPECT_TRUE(missing("")) << "a reference to nothing";
+  EXPECT_TRUE(missing("#5=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.FURLONG.,.METRE.));\n"));
+  EXPECT_TRUE(missing("#5=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,$));\n"));
+  EXPECT_TRUE(missing(inch)) << "no factor";
+  EXPECT_TRUE(missing(inch + "#6=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE($),#7);\n" + base));
+  EXPECT_TRUE(missing(inch + "#6=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#5);\n")) << "made of itself";
+}
+
+TEST(StepRepair, LeavesOutSpursButNoSeam) {
+  const auto loop = [](const std::string& surface, const std::string& uses, const std::string& end) {
+    const StepRepair repair =
+        RepairStep(File("#1=ADVANCED_FACE('',(#2),#3,.T.);\n#2=FACE_OUTER_BOUND('',#4,.T.);\n#3=" + surface +
+                        ";\n#4=EDGE_LOOP('',(" + uses +
+                        "));\n#5=AXIS2_PLACEMENT_3D('',#6,$,$);\n#6=CARTESIAN_POINT('',(0.,0.,0.));\n"
+                        "#10=ORIENTED_EDGE('',*,*,#20,.T.);\n#11=ORIENTED_EDGE('',*,*,#21,.T.);\n#12="
+                        "ORIENTED_EDGE('',*,*,#21,.F.);\n"
+                        "#13=ORIENTED_EDGE('',*,*,#22,.F.);\n#20=EDGE_CURVE('',#30,#30,#40,.T.);\n#21=EDGE_"
+                        "CURVE('',#30,#31,#41,.T.);\n"
+                        "#22=EDGE_CURVE('',#31,#31,#42,.T.);\n#30=VERTEX_POINT('',#32);\n#32=CARTESIAN_POINT("
+                        "'',(5.,0.,0.));\n"
+                        "#31=VERTEX_POINT('',#33);\n#33=CARTESIAN_POINT(''," +
+                        end + ");\n"));
+    return Has(repair.bytes, "#4=EDGE_LOOP('',(#10));");
+  };
+  const std::string beside = "(5.,0.,3.)", on_axis = "(0.,0.,3.)";
+  EXPECT_TRUE(loop("CYLINDRICAL_SURFACE('',#5,5.)", "#10,#11,#12", beside));
+  EXPECT_TRUE(loop("CYLINDRICAL_SURFACE('',#5,5.)", "#12,#10,#11", beside));
+  EXPECT_TRUE(loop("CONICAL_SURFACE('',#5,5.,0.5)", "#10,#11,#12", beside));
+  EXPECT_FALSE(loop("CONICAL_SURFACE('',#5,5.,0.5)", "#10,#11,#12", on_axis))
+      << "the seam turns back at the apex";
+  EXPECT_FALSE(loop("CYLINDRICAL_SURFACE('',#5,5.)", "#10,#11,#13,#12", beside))
+      << "a seam between two circles";
+  EXPECT_FALSE(loop("B_SPLINE_SURFACE('',#5,5.)", "#10,#11,#12", beside)) << "nobody knows";
+}
+
 TEST(StepDeclaredFaces, HaveAnyNameOrNone) {
   const auto faces = DeclaredFaces(File(
       "#1=ADVANCED_FACE($,(#2),#3,.T.);\n#4=FACE_SURFACE('x',(#2),#3,.T.);\n#5=GEOMETRIC_SET('',(#6,#7));\n"

@@ -46,6 +46,13 @@ std::size_t SeamsIn(const Model& model, const Camera& camera) {
   return FindSeamSamples(model, SeamTable(model), camera, frame, &budget).size();
 }
 
+TEST(Seams, AGapThatIsWideInThePictureIsSeenAsWhatItIs) {
+  // Edges that lie off their faces by some hundredths of their length: near by, the samples in the gap are as many as the picture has.
+  const Model model = testing::LooseBox({10, 8, 6}, 0.25, 1);
+  EXPECT_GT(SeamsIn(model, From({1, 2, 3}, model.bounds, Projection::kOrthographic, 48)), 0u);
+  EXPECT_EQ(SeamsIn(model, From({1, 2, 3}, model.bounds, Projection::kOrthographic, 4096)), 0u);
+}
+
 TEST(Seams, ALooseBoxLetsNoLightThroughFromAnySide) {
   // The gaps are pixels wide, and from most sides some faces are seen edge-on: no root is there to be kept.
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
