@@ -51,7 +51,7 @@ void CollectColors(const TDF_Label& label, Prototype& prototype) {
       TopTools_IndexedMapOfShape faces;
       TopExp::MapShapes(shape, TopAbs_FACE, faces);
       for (int f = 1; f <= faces.Extent(); ++f)
-        prototype.colors[faces(f).TShape().get()] = ToColor(styles.FindFromIndex(i).GetColorSurf());
+        prototype.colors[faces(f).TShape().get()] = ToColor(styles.FindFromIndex(i).GetColorSurfRGBA());
     }
   }
 }
@@ -96,29 +96,16 @@ TopoDS_Shape TakeOutHidden(const TDF_Label& label, Prototype& prototype) {
   return hidden;
 }
 
-// The faces of a document that the file wants to be seen through.
-std::size_t TransparentFaces(const TDF_Label& label) {
-  XCAFPrs_IndexedDataMapOfShapeStyle styles;
-  XCAFPrs::CollectStyleSettings(label, TopLoc_Location(), styles);
-  TopTools_IndexedMapOfShape transparent;
-  for (int i = 1; i <= styles.Extent(); ++i) {
-    const XCAFPrs_Style& style = styles.FindFromIndex(i);
-    if (style.IsSetColorSurf() && style.GetColorSurfRGBA().Alpha() < 1)
-      TopExp::MapShapes(styles.FindKey(i), TopAbs_FACE, transparent);
-  }
-  return static_cast<std::size_t>(transparent.Extent());
-}
-
 bool IsSheet(const TopoDS_Shape& shape) {
   return shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_SHELL;
 }
 
 }  // namespace
 
-Color ToColor(const Quantity_Color& color) {
+Color ToColor(const Quantity_ColorRGBA& color) {
   double r, g, b;
-  color.Values(r, g, b, Quantity_TOC_sRGB);
-  return {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b)};
+  color.GetRGB().Values(r, g, b, Quantity_TOC_sRGB);
+  return {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b), color.Alpha()};
 }
 
 Handle(TDocStd_Document) NewXcafDocument() {
@@ -174,9 +161,6 @@ class AssemblyWalk {
       document_.occurrences.push_back(occurrence);
       document_.prototypes.push_back({name_, loose.shapes, std::move(loose.colors)});
     }
-    if (transparent_ > 0)
-      document_.info.warnings.push_back(std::to_string(transparent_) +
-                                        " faces are transparent in the file; they are drawn opaque.");
   }
 
  private:
@@ -196,13 +180,12 @@ class AssemblyWalk {
     TopExp::MapShapes(shape, TopAbs_FACE, faces);
     if (node.Style.IsSetColorSurf()) {
       for (int f = 1; f <= faces.Extent(); ++f)
-        loose.colors[faces(f).TShape().get()] = ToColor(node.Style.GetColorSurf());
+        loose.colors[faces(f).TShape().get()] = ToColor(node.Style.GetColorSurfRGBA());
     }
     Prototype own;
     own.shape = shape;
     CollectColors(node.RefLabel, own);
     for (const auto& [face, color] : own.colors) loose.colors[face] = color;
-    transparent_ += TransparentFaces(node.RefLabel);
     BRep_Builder().Add(loose.shapes, shape);
     loose.any = true;
   }
@@ -212,7 +195,6 @@ class AssemblyWalk {
     prototype.name = NameOf(label);
     prototype.shape = shape;
     CollectColors(label, prototype);
-    transparent_ += TransparentFaces(label);
     Prototype hidden = prototype;
     hidden.shape = TakeOutHidden(label, prototype);
     Prototypes added;
@@ -240,7 +222,7 @@ class AssemblyWalk {
       occurrence.name += text;
     }
     occurrence.has_color = node.Style.IsSetColorSurf();
-    if (occurrence.has_color) occurrence.color = ToColor(node.Style.GetColorSurf());
+    if (occurrence.has_color) occurrence.color = ToColor(node.Style.GetColorSurfRGBA());
     for (int depth = explorer.CurrentDepth(); depth >= 0; --depth) {
       if (const std::optional<Color> own = ColorOf(explorer.Current(depth))) {
         occurrence.has_color = true;
@@ -267,7 +249,6 @@ class AssemblyWalk {
   CadDocument& document_;
   std::map<std::string, Prototypes> prototypes_;  // by label
   Loose loose_[2];                                // what is to be seen, and what is hidden
-  std::size_t transparent_ = 0;                   // faces
 };
 
 }  // namespace

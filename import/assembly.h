@@ -1,7 +1,7 @@
 // Assemblies, names and colours: from OpenCASCADE's document (XCAF), or from bare shapes.
 #pragma once
 
-#include <Quantity_Color.hxx>
+#include <Quantity_ColorRGBA.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopoDS_Shape.hxx>
 #include <optional>
@@ -14,7 +14,7 @@ namespace facetless {
 
 Handle(TDocStd_Document) NewXcafDocument();
 
-Color ToColor(const Quantity_Color& color);
+Color ToColor(const Quantity_ColorRGBA& color);
 
 // A colour that the file gives to one occurrence of a part.
 struct OccurrenceColor {

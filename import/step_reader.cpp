@@ -259,7 +259,7 @@ class StepReader {
           !styles.GetColors(item, surface, boundary, curve, rendered, transparency, is_component) ||
           surface.IsNull() || !styles.DecodeColor(surface, color))
         return std::nullopt;
-      return ToColor(color);
+      return ToColor(Quantity_ColorRGBA(color, 1 - static_cast<float>(transparency)));
     };
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     for (int i = 1; i <= model->NbEntities(); ++i) {

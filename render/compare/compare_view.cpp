@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "render/compare/see_through.h"
 #include "render/lines/draw_lines.h"
 #include "render/lines/view_lines.h"
 #include "render/trace/parallel.h"
@@ -45,7 +46,11 @@ Result<void> CheckOptions(const ViewOptions& options) {
 // What pictures are made of, whoever traces it.
 struct Subject {
   Subject(const Model& m, const ViewOptions& options) : model(m), colors(FaceColors(m, options.coloring)) {
-    if (options.sections.empty()) return;
+    if (options.sections.empty()) {
+      transparent = TransparentFaces(colors);
+      return;
+    }
+    for (Color& color : colors) color.a = 1;
     solids.emplace(m);
     // A cap has its solid's commonest colour in the file, else that of one of its faces.
     std::vector<Color> caps;
@@ -57,7 +62,9 @@ struct Subject {
       colors.insert(colors.end(), caps.begin(), caps.end());
   }
   const Model& model;
-  std::vector<Color> colors;            // by placed face, then by cap
+  std::vector<Color> colors;  // by placed face, then by cap
+  std::vector<bool>
+      transparent;  // by placed face; empty: none is, or sections would lose their solids without it
   std::optional<SectionSolids> solids;  // whose caps are shown; none where nothing is cut
 };
 
@@ -68,6 +75,7 @@ struct Exposure {
   SampleGrid grid;
   const Scene* scene;  // null for a mesh
   const std::vector<ViewLine>& lines;
+  const SampleBuffer* behind;  // what transparent faces hide, for the same rays; null: nothing is transparent
 };
 
 // Shades, resolves, draws lines and encodes. `inspection` is null for the studio's light.
@@ -87,8 +95,15 @@ Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const I
                                                    exposure.frame, *inspection, shade, options.cancel)
                                             : Shade(exposure.samples, exposure.frame, subject.colors, shade);
   if (!film.ok()) return film.error();
+  std::optional<Film> behind;
+  if (exposure.behind != nullptr && inspection == nullptr) {
+    Result<Film> shaded = Shade(*exposure.behind, exposure.frame, subject.colors, shade);
+    if (!shaded.ok()) return shaded.error();
+    behind = std::move(shaded).value();
+  }
   std::optional<Result<Image8>> image;
   RunWithThreads(options.threads, [&] {
+    if (behind) BlendOver(exposure.samples, subject.colors, *behind, &film.value());
     Result<Film> resolved = Resolve(std::move(film).value(), exposure.grid.x, exposure.grid.y);
     if (resolved.ok() && options.lines != LineMode::kNone) DrawLines(exposure.lines, &resolved.value());
     image = resolved.ok() ? Encode(resolved.value()) : Result<Image8>(resolved.error());
@@ -164,6 +179,18 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
                                       BufferBytes(passes.color_samples) + FilmBytes(passes.color_samples));
   }
 
+  // What lies behind transparent faces.
+  SampleBuffer behind;
+  if (!subject.transparent.empty()) {
+    const Clock::time_point behind_start = Clock::now();
+    trace.uv = trace.depth_error = trace.audit = false;
+    trace.leave_out = &subject.transparent;
+    Result<DirectResult> seen = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
+    if (!seen.ok()) return seen.error();
+    behind = std::move(seen.value().samples);
+    view.color_ms += MillisecondsSince(behind_start);
+  }
+
   // Lines.
   if (options.lines != LineMode::kNone || options.find_lines) {
     const Clock::time_point lines_start = Clock::now();
@@ -184,8 +211,9 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
   auto inspected = Inspected(subject.model, &scene, view.samples, view.frame, options);
   if (!inspected.ok()) return inspected.error();
   view.inspection = std::move(inspected).value();
-  Result<Image8> image = Develop({passes.color(), color_frame, view.grid, &scene, view.lines}, subject,
-                                 Address(view.inspection), options);
+  Result<Image8> image = Develop(
+      {passes.color(), color_frame, view.grid, &scene, view.lines, behind.size() > 0 ? &behind : nullptr},
+      subject, Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);
@@ -242,6 +270,25 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
     view.peak_bytes = scene_bytes + BufferBytes(view.samples) + BufferBytes(color) + FilmBytes(color);
   }
 
+  // What lies behind transparent faces. Those of a mesh of another program are not known.
+  SampleBuffer behind;
+  if (!subject.transparent.empty() && scene.mesh().from_model) {
+    const Clock::time_point behind_start = Clock::now();
+    const Mesh opaque = OpaqueMesh(scene.mesh(), subject.transparent);
+    Result<BaselineScene> opaque_scene = BaselineScene::Build(opaque, options.threads);
+    if (opaque_scene.ok()) {
+      Result<BaselineResult> seen =
+          TraceBaseline(opaque_scene.value(), camera.Supersampled(grid.x, grid.y), trace);
+      if (!seen.ok()) return seen.error();
+      behind = std::move(seen.value().samples);
+    } else if (opaque_scene.error().code == ErrorCode::kNothingUsable) {
+      behind.Resize(color.width, color.height);  // everything is transparent
+    } else {
+      return opaque_scene.error();
+    }
+    view.color_ms += MillisecondsSince(behind_start);
+  }
+
   // Light.
   const Clock::time_point shade_start = Clock::now();
   if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
@@ -249,7 +296,8 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   if (!inspected.ok()) return inspected.error();
   view.inspection = std::move(inspected).value();
   Result<Image8> image =
-      Develop({color, color_frame, grid, nullptr, lines}, subject, Address(view.inspection), options);
+      Develop({color, color_frame, grid, nullptr, lines, behind.size() > 0 ? &behind : nullptr}, subject,
+              Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
   view.shade_ms = MillisecondsSince(shade_start);

@@ -36,6 +36,7 @@ struct Range {
 
 struct Color {  // sRGB-encoded, 0 … 1
   float r = 0.7f, g = 0.7f, b = 0.72f;
+  float a = 1;  // opacity
 };
 
 enum class SurfaceKind : std::uint8_t {

@@ -44,10 +44,10 @@ Range Unpack(const file::Range& range) {
   return {range.first(), range.count()};
 }
 file::Color Pack(const Color& color) {
-  return {color.r, color.g, color.b};
+  return {color.r, color.g, color.b, color.a};
 }
 Color Unpack(const file::Color& color) {
-  return {color.r(), color.g(), color.b()};
+  return {color.r(), color.g(), color.b(), color.a()};
 }
 file::Row PackRow(const double (&row)[4]) {
   return {row[0], row[1], row[2], row[3]};

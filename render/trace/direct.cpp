@@ -144,6 +144,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 }
 
 CheckLevel LevelOf(const DirectOptions& options) {
+  if (options.leave_out) return CheckLevel::kNone;  // the check knows of no face that is left out
   if (options.check != CheckLevel::kAuto) return options.check;
   if (options.audit) return CheckLevel::kAll;
   return options.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;

@@ -67,6 +67,8 @@ struct DirectOptions {
   std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
   const std::atomic<bool>* cancel = nullptr;         // polled; true ends the call with kCancelled
+  // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an audit, whose solids would be open.
+  const std::vector<bool>* leave_out = nullptr;
 };
 
 struct DirectStats {

@@ -44,6 +44,7 @@ class Preparation {
     if (options.newton_tolerance > 0) window_.arithmetic.tolerance = options.newton_tolerance;
     budget_.cancel = options.cancel;
     max_bytes_ = static_cast<std::int64_t>(options.max_bytes);
+    leave_out_ = options.leave_out;
   }
 
   Result<PreparedView> Run(int columns, int rows) {
@@ -97,6 +98,7 @@ class Preparation {
   }
 
   void VisitFace(std::uint32_t face, std::uint32_t placed_face, const ViewProjection& projection) {
+    if (leave_out_ && (*leave_out_)[placed_face]) return;
     if (!BoxCanBeSeen(scene_.faces[face].bounds, projection)) return;
     const std::uint32_t patches = model_.surfaces[model_.faces[face].surface].PatchCount();
     const auto visit = [&](std::uint32_t patch) { VisitPatch(face, placed_face, patch, projection); };
@@ -193,6 +195,9 @@ class Preparation {
     const double* coefficients = nullptr;
     for (const SeamSample& sample : samples) {
       const Instance& instance = model_.instances[sample.instance];
+      const std::uint32_t placed_face =
+          instance.first_placed_face + (sample.face - model_.parts[instance.part].faces.first);
+      if (leave_out_ && (*leave_out_)[placed_face]) continue;
       const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
       Leaf leaf;
       leaf.degree_u = surface.degree_u, leaf.degree_v = surface.degree_v;
@@ -221,7 +226,7 @@ class Preparation {
       leaf.near_depth = sample.depth;
       leaf.col_begin = sample.column, leaf.col_end = sample.column + 1;
       leaf.row_begin = sample.row, leaf.row_end = sample.row + 1;
-      leaf.placed_face = instance.first_placed_face + (sample.face - model_.parts[instance.part].faces.first);
+      leaf.placed_face = placed_face;
       leaf.patch = sample.patch;
       worker.leaves.push_back(leaf);
     }
@@ -251,6 +256,7 @@ class Preparation {
   const CameraFrame& frame_;
   SplitWindow window_;
   SplitBudget budget_;
+  const std::vector<bool>* leave_out_ = nullptr;
   std::int64_t max_bytes_ = 0;                                           // of all leaves
   std::int64_t patch_bytes_ = std::numeric_limits<std::int64_t>::max();  // of one patch's leaves
   PerThread<Worker> workers_;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -51,10 +52,13 @@ TEST_F(Styles, ABlankedEntityOfIgesIsHidden) {
   EXPECT_EQ(Hidden(), model_.instances.size());
 }
 
-TEST_F(Styles, TransparencyIsSaid) {
+TEST_F(Styles, TransparencyIsRead) {
   Read("transparent.step");
   if (IsSkipped()) return;
-  EXPECT_THAT(model_.info.warnings, Contains(HasSubstr("transparent")));
+  std::set<float> opacities;
+  for (std::uint32_t id = 0; id < model_.PlacedFaceCount(); ++id)
+    opacities.insert(std::round(100 * model_.PlacedFaceColor(id).a) / 100);
+  EXPECT_THAT(opacities, ::testing::ElementsAre(0.3f, 1.0f));
 }
 
 TEST_F(Styles, AnOccurrencesColourStaysWithIt) {
