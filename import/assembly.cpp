@@ -264,6 +264,61 @@ void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
 
 namespace {
 
+// Collects the largest pieces of a shape that have hidden faces only.
+void CollectHidden(const TopoDS_Shape& shape, const std::unordered_set<const void*>& hidden,
+                   std::vector<TopoDS_Shape>& pieces) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  int count = 0;
+  for (int f = 1; f <= faces.Extent(); ++f) count += hidden.contains(faces(f).TShape().get());
+  if (count == 0) return;
+  if (count == faces.Extent()) {
+    pieces.push_back(shape);
+    return;
+  }
+  for (TopoDS_Iterator child(shape); child.More(); child.Next()) CollectHidden(child.Value(), hidden, pieces);
+}
+
+}  // namespace
+
+void HideFaces(const std::unordered_set<const void*>& hidden, CadDocument& document) {
+  const std::size_t prototypes = document.prototypes.size();
+  for (std::size_t p = 0; p < prototypes && !hidden.empty(); ++p) {
+    std::vector<TopoDS_Shape> pieces;
+    CollectHidden(document.prototypes[p].shape, hidden, pieces);
+    if (pieces.empty()) continue;
+    const bool all = pieces.size() == 1 && pieces[0].IsSame(document.prototypes[p].shape);
+    if (!all) {
+      Prototype apart = document.prototypes[p];
+      TopoDS_Compound compound;
+      BRep_Builder builder;
+      builder.MakeCompound(compound);
+      BRepTools_ReShape reshape;
+      for (const TopoDS_Shape& piece : pieces) {
+        builder.Add(compound, piece);
+        reshape.Remove(piece);
+      }
+      apart.shape = compound;
+      document.prototypes[p].shape = reshape.Apply(document.prototypes[p].shape);
+      document.prototypes.push_back(std::move(apart));
+    }
+    const std::size_t occurrences = document.occurrences.size();
+    for (std::size_t i = 0; i < occurrences; ++i) {
+      if (document.occurrences[i].prototype != p) continue;
+      if (all) {
+        document.occurrences[i].hidden = true;
+        continue;
+      }
+      Occurrence copy = document.occurrences[i];
+      copy.prototype = document.prototypes.size() - 1;
+      copy.hidden = true;
+      document.occurrences.push_back(std::move(copy));
+    }
+  }
+}
+
+namespace {
+
 // True if two bodies below share their geometry: then it is worth placing it twice instead of converting it twice.
 void CountBodies(const TopoDS_Shape& shape, std::unordered_map<const void*, int>& uses) {
   if (shape.ShapeType() > TopAbs_SHELL) return;

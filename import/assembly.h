@@ -6,6 +6,7 @@
 #include <TopoDS_Shape.hxx>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "import/document.h"
@@ -28,6 +29,9 @@ struct OccurrenceColor {
 // gives the last of several occurrence colours to all occurrences: `colors` puts that right.
 void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
                  const std::vector<OccurrenceColor>& colors, CadDocument& document);
+
+// Makes hidden occurrences of the bodies all of whose faces are among `hidden` (by TShape).
+void HideFaces(const std::unordered_set<const void*>& hidden, CadDocument& document);
 
 // Appends one shape: compounds are taken apart where they place the same thing more than once.
 void AddShape(const TopoDS_Shape& shape, const std::string& name, CadDocument& document);

@@ -121,6 +121,27 @@ class IgesReader {
       NoteOrigins();
     }
     NoteLosses();
+    HideFaces(BlankedFaces(), document_);
+  }
+
+  // Faces of entities that the file blanks. The surface under a trimmed one is often blanked, and is no face.
+  std::unordered_set<const void*> BlankedFaces() {
+    std::unordered_set<const void*> blanked;
+    const Handle(IGESData_IGESModel) model = reader_.IGESModel();
+    const Handle(Transfer_TransientProcess) process = reader_.WS()->TransferReader()->TransientProcess();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      const Handle(IGESData_IGESEntity) entity = model->Entity(i);
+      constexpr int kSolid = 186, kShell = 514, kGroup = 402, kSubfigure = 408;
+      const int type = entity->TypeNumber();
+      const bool has_faces =
+          IsFace(*entity) || type == kSolid || type == kShell || type == kGroup || type == kSubfigure;
+      if (entity->BlankStatus() != 1 || !has_faces) continue;
+      const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
+      if (shape.IsNull()) continue;
+      for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next())
+        blanked.insert(face.Current().TShape().get());
+    }
+    return blanked;
   }
 
   // The last way: each face for itself.

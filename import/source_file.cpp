@@ -12,6 +12,8 @@
 #include <optional>
 #include <string_view>
 
+#include "import/step_entities.h"
+
 namespace facetless {
 namespace {
 
@@ -101,6 +103,27 @@ bool UnifyLineEnds(std::string& bytes) {
   return lone;
 }
 
+// OpenCASCADE 7.6 does not read what these styles are about.
+std::vector<StepStyleContext> StyleContexts(std::string_view bytes) {
+  constexpr std::string_view kKeyword = "CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM";
+  constexpr std::size_t kContexts = 4;  // their place among the attributes
+  std::vector<StepStyleContext> styles;
+  if (bytes.find(kKeyword) == std::string_view::npos) return styles;
+  const StepEntities entities(bytes);
+  for (const StepEntity& entity : entities.all()) {
+    if (entity.keyword != kKeyword) continue;
+    const std::optional<StepRecord> record = entities.Record(entity);
+    if (!record || record->parts.empty() || record->parts[0].values.size() <= kContexts) continue;
+    StepStyleContext style;
+    style.item = entity.id;
+    for (const StepValue& value : record->parts[0].values[kContexts].items) {
+      if (value.IsReference()) style.contexts.push_back(value.reference);
+    }
+    styles.push_back(std::move(style));
+  }
+  return styles;
+}
+
 }  // namespace
 
 Result<SourceFile> OpenSource(const std::string& path, const std::string& scratch) {
@@ -180,6 +203,7 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
       changed = true;
     }
     source.step_repair.bytes.clear();
+    source.step.style_contexts = StyleContexts(bytes);
     source.repairs.insert(source.repairs.end(), source.step_repair.warnings.begin(),
                           source.step_repair.warnings.end());
   } else if (*format == CadFormat::kIges) {

@@ -40,8 +40,7 @@
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_VertexPoint.hxx>
 #include <StepVisual_Colour.hxx>
-#include <StepVisual_ContextDependentOverRidingStyledItem.hxx>
-#include <StepVisual_StyleContextSelect.hxx>
+#include <StepVisual_OverRidingStyledItem.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
@@ -261,15 +260,19 @@ class StepReader {
         return std::nullopt;
       return ToColor(Quantity_ColorRGBA(color, 1 - static_cast<float>(transparency)));
     };
-    const Handle(Interface_InterfaceModel) model = Session()->Model();
-    for (int i = 1; i <= model->NbEntities(); ++i) {
-      const auto item = Handle(StepVisual_ContextDependentOverRidingStyledItem)::DownCast(model->Value(i));
-      if (item.IsNull() || item->StyleContext().IsNull()) continue;
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    const auto entity = [&](std::uint64_t id) -> Handle(Standard_Transient) {
+      const int number = model->NextNumberForLabel(Label(id).c_str(), 0, true);
+      return number == 0 ? Handle(Standard_Transient)() : model->Value(number);
+    };
+    for (const StepStyleContext& style : source_.step.style_contexts) {
+      const auto item = Handle(StepVisual_OverRidingStyledItem)::DownCast(entity(style.item));
+      if (item.IsNull()) continue;
       const std::optional<Color> own = surface_color(item), of_part = surface_color(item->OverRiddenStyle());
-      for (int c = 1; own && c <= item->NbStyleContext(); ++c) {
-        const Handle(Standard_Transient) context = item->StyleContextValue(c).Value();
-        if (context.IsNull()) continue;
-        const TopoDS_Shape component = TransferBRep::ShapeResult(process, context);
+      for (const std::uint64_t context : style.contexts) {
+        const auto placed = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(entity(context));
+        if (!own || placed.IsNull()) continue;
+        const TopoDS_Shape component = TransferBRep::ShapeResult(process, placed);
         if (!component.IsNull()) colors.push_back({component, *own, of_part});
       }
     }

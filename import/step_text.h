@@ -17,9 +17,16 @@ struct StepFace {
   bool bare = false;  // no face but a surface that stands for itself in a GEOMETRIC_SET
 };
 
+// A style that holds for some occurrences only (CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM).
+struct StepStyleContext {
+  std::uint64_t item = 0;               // #id of the style
+  std::vector<std::uint64_t> contexts;  // #ids of the placements that it is about
+};
+
 struct StepFacts {
   std::string schema;           // first one of FILE_SCHEMA, without its version: "AUTOMOTIVE_DESIGN"
   std::vector<StepFace> faces;  // all that is declared, by DeclaredFaces (step_repair.h)
+  std::vector<StepStyleContext> style_contexts;
   bool has_pcurves = false;
   bool has_tessellation = false;  // TESSELLATED_… or TRIANGULATED_… entities
   std::uint64_t entities = 0;

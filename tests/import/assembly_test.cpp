@@ -54,7 +54,7 @@ Handle(TDocStd_Document) Car() {
 
 TEST(Assembly, PartsAreSharedAndNamedByTheirPath) {
   CadDocument document;
-  AddAssembly(Car(), "car.step", document);
+  AddAssembly(Car(), "car.step", {}, document);
   ASSERT_EQ(document.prototypes.size(), 2u);
   EXPECT_EQ(document.prototypes[0].name, "body");
   EXPECT_EQ(document.prototypes[1].name, "Räder");
@@ -99,7 +99,7 @@ TEST(Assembly, APartInAnotherFileIsLostByName) {
 
 TEST(Assembly, ColoursAreThoseOfTheFaceThenOfTheOccurrenceThenOfThePart) {
   CadDocument document;
-  AddAssembly(Car(), "car.step", document);
+  AddAssembly(Car(), "car.step", {}, document);
   const Result<Conversion> conversion = Convert(std::move(document), [](double) {});
   ASSERT_TRUE(conversion.ok()) << conversion.error().message;
   const Model& model = conversion.value().model;
@@ -125,7 +125,7 @@ TEST(Assembly, LooseSheetsBecomeOnePart) {
   for (TopExp_Explorer face(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), TopAbs_FACE); face.More(); face.Next())
     shapes->AddShape(face.Current(), false);
   CadDocument document;
-  AddAssembly(xcaf, "sheets.igs", document);
+  AddAssembly(xcaf, "sheets.igs", {}, document);
   ASSERT_EQ(document.prototypes.size(), 1u);
   EXPECT_EQ(document.prototypes[0].name, "sheets.igs");
   EXPECT_EQ(document.occurrences.size(), 1u);
