@@ -31,8 +31,8 @@ constexpr const char* kFooter = R"(Examples:
   facetless bench part.step                            how fast is it here?
   facetless serve                                      the same in a browser
 
-Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost, or have no triangle; 2 failed under --strict or a --fail-*
-threshold, or because mesh and model have nothing in common, or nothing is left to see; 3 images of different sizes; 4 nothing usable in the input; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
+Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost, or a face has no triangle; 2 failed under --strict or a --fail-*
+threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
 'facetless COMMAND --help' tells more.)";
 
 constexpr const char* kRenderFooter = R"(Examples:

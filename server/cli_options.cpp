@@ -72,18 +72,18 @@ void AddCameraOptions(CLI::App* app, OptionCollector& options) {
   options.Number(app, "threads", "Threads; 0 (default) is one per core", "N");
   options.Number(
       app, "timeout",
-      "Seconds that everything after the import may take (default 600, of a trade 3600); 0 is no limit", "S");
+      "Seconds that everything after the import may take (default 600, for a trade 3600); 0 means no limit",
+      "S");
 }
 
 void AddViewOptions(CLI::App* app, OptionCollector& options) {
   AddCameraOptions(app, options);
   options.Number(app, "samples", "Samples per pixel of the colour image: 1, 4 (default), 9, 16, …", "N");
   options.Text(app, "precision", "fast, standard (default) or certified", "NAME");
-  options.Text(
-      app, "check",
-      "How much of what is certified is asked again by an independent check: none, share, all or auto "
-      "(default: share with --precision certified, all with --audit)",
-      "NAME");
+  options.Text(app, "check",
+               "How many of the certified samples an independent check tests again: none, share, all or auto "
+               "(default: share with --precision certified, all with --audit)",
+               "NAME");
   options.Number(app, "newton-tolerance",
                  "Share of a leaf at which the iteration stops, 1e-13 … 1e-3 (default: the precision's own)",
                  "REL");

@@ -6,7 +6,7 @@
 namespace facetless {
 
 inline constexpr int kExitDone = 0;  // a report is written, nothing lost, no threshold broken
-inline constexpr int kExitLost = 1;  // done, but faces, loops or edges were lost
+inline constexpr int kExitLost = 1;  // done, but something was lost, or the mesher made no triangle of a face
 inline constexpr int kExitFailed =
     2;                               // a loss under --strict, a threshold broken, or a problem of the verdict
 inline constexpr int kExitSize = 3;  // images of different sizes

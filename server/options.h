@@ -13,7 +13,7 @@
 // projection      orthographic | perspective, of named views                     orthographic
 // samples         per pixel, 1 … 64, a near-square grid k × m (m ≤ 2k)            4
 // precision       fast | standard | certified                                    standard
-// check           auto | none | share | all: how much of what is certified an independent check asks again  auto
+// check           auto | none | share | all: how many certified samples an independent check tests again  auto
 // newton_tolerance  share of a leaf at which Newton stops, 1e-13 … 1e-3         the precision's own
 // threads         0 (all cores) … 1024                                           0
 // timeout         seconds for everything after the import, 0: none               600; of a trade 3600
@@ -85,7 +85,7 @@ struct TradeOptions {
   ErrorMeasure measure = ErrorMeasure::kP99;
 };
 
-// What everything after the import may take if no option says otherwise, seconds: an input that never ends is to end in a sentence.
+// What everything after the import may take if no option says otherwise, seconds: no input keeps a run going for ever.
 inline constexpr double kRunTimeoutS = 600, kTradeTimeoutS = 3600;
 
 struct RunOptions {

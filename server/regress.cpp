@@ -342,8 +342,8 @@ std::vector<std::string> RegressSentences(const Json& verdict) {
     }
     // What is left is the tolerance that belongs to no view.
     if (views == 0)
-      sentences.push_back(name + ": the tolerance lost is broken: the import lost " + file.at("lost").dump() +
-                          " faces, loops or edges");
+      sentences.push_back(name + ": the tolerance \"lost\" is broken: the import lost " +
+                          file.at("lost").dump() + " faces, loops or edges");
   }
   return sentences;
 }

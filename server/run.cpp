@@ -109,9 +109,10 @@ class MeshCheck {
     if (direct_ > 0 && baseline_ > 0 &&
         static_cast<double>(both_) < kLeastShared * static_cast<double>(any)) {
       problems.push_back("the mesh has hardly anything in common with the model: of " + std::to_string(any) +
-                         " pixels that show one of the two, " + std::to_string(both_) + " show both");
+                         " pixels that show at least one of the two, " + std::to_string(both_) +
+                         " show both");
     } else if (direct_ > 0 && baseline_ == 0) {
-      problems.push_back("the mesh is not to be seen: none of the " + std::to_string(direct_) +
+      problems.push_back("the mesh is not visible: none of the " + std::to_string(direct_) +
                          " pixels that show the model shows it");
     } else if (both_ > 0 && nearest_mm_ > kMostApart * diagonal_mm_) {
       char text[160];
@@ -437,8 +438,8 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
   // With sections an empty picture is the planes' doing.
   for (const std::string& problem : check.Problems()) run.Problem(problem);
   if (const std::size_t turned = TrianglesAgainstNormals(mesh); turned > 0)
-    run.Problem("the mesh is turned inside out: all of its " + std::to_string(turned) +
-                " triangles run against their normals");
+    run.Problem("the mesh is turned inside out: " + std::to_string(turned) +
+                " of its triangles run against the normals at their corners");
   run.Unmeshed(mesh.faces_unmeshed.size());
   return run.Finish(std::move(views).value(), values);
 }

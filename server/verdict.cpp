@@ -75,8 +75,7 @@ std::vector<std::string> VerdictSentences(const Json& verdict) {
     sentences.push_back("--strict: the mesh lacks " + std::to_string(count("unmeshed")) +
                         " faces of the model");
   if (!verdict.at("unit_known").get<bool>())
-    sentences.push_back(
-        "--strict: the file does not say in which unit of length it is; --unit says it instead");
+    sentences.push_back("--strict: the file has no length unit that can be read; set the unit with --unit");
   return sentences;
 }
 

@@ -29,7 +29,7 @@ struct Findings {
 };
 
 // The report's "verdict": {"passed", "strict", "lost", "unmeshed", "unit_known", "problems": [sentence], "broken": [{"view", "threshold",
-// "limit", "value"}], "exit_code"}. exit_code: 0; 1 something was lost, or a face has no triangle; 2 Law 1. A value that does not exist
+// "limit", "value"}], "exit_code"}. exit_code: 2 if the run fails (law 1); else 1 if something was lost or a face has no triangle; else 0. A value that does not exist
 // (null: infinite) breaks every threshold.
 nlohmann::json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& values,
                            const Findings& findings = {});

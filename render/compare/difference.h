@@ -62,9 +62,10 @@ struct Difference {
   std::uint64_t border_pixels = 0;      // of both_hit
   std::uint64_t other_face_pixels = 0;  // of both_hit: the tracers show different faces
   std::uint64_t direct_hits = 0, baseline_hits = 0;
-  std::uint64_t oriented_pixels = 0,
-                opposite_pixels =
-                    0;  // of closed solids without border pixels; there the mesh shows its other side
+  std::uint64_t
+      oriented_pixels = 0,
+      opposite_pixels =
+          0;  // pixels of closed solids, without border pixels; those of them where the mesh shows its other side
   double border_share = 0, other_face_share = 0;  // of both_hit
   bool faces_known = false;                       // the mesh names the model's faces
   std::vector<FaceDifference> faces;  // deviation_mm_max descending, then depth_mm_max, missed_pixels, id

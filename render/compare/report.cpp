@@ -131,7 +131,7 @@ json FacesNote(const Model& model) {
   }
   if (pieces != faces) {
     note += note.empty() ? "" : " ";
-    note += "Some are split: " + std::to_string(pieces) + " pieces have a number each.";
+    note += "Some faces are split: each of the " + std::to_string(pieces) + " pieces has an id of its own.";
   }
   return note.empty() ? json(nullptr) : json(note);
 }

@@ -1,6 +1,6 @@
 // The patches of one surface, cut into pieces in boxes that are turned with them: what lies near a point, and what surely does not.
 //
-//  1. Each piece's box holds it: the convex hull of its control points does, and rounding is added.
+//  1. Each piece lies in its box: the box holds the convex hull of its control points, and rounding is added.
 //  2. The distance of a point to a box is never more than its distance to the piece (to rounding: kBoxRounding of the coordinates).
 //  3. Pieces come with the native parameters of their middle, where Newton's method may start.
 //

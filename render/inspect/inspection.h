@@ -31,7 +31,7 @@ enum class InspectionKind : std::uint8_t {
   kBack,
 };
 
-// Which side of a surface counts as its outside, for what has a sign or a way in: draft, curvature, thickness.
+// Which side of a surface counts as its outside, for draft, curvature and thickness.
 enum class Orient : std::uint8_t {
   kFile,    // the file's outward side
   kViewer,  // the side that is seen
@@ -58,7 +58,7 @@ struct Inspection {
   double limit_deg = 3;             // draft: what is enough
   std::optional<ValueRange> range;  // curvature and thickness; none: a robust one of each view
   int few_pixels = 16;              // unseen: a face with fewer pixel centres is hardly seen
-  Orient orient = Orient::kFile;    // no setting of the text, but an option of its own
+  Orient orient = Orient::kFile;    // set by its own option (--orient), not in the text of --shade
 };
 
 // "studio", "zebra", …, in the order of InspectionKind.

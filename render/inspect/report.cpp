@@ -65,8 +65,8 @@ json InspectionJson(const InspectionView& view, const Model& model) {
     const std::uint64_t hits = view.statistics.count + view.statistics.none;
     if (view.inspection.orient == Orient::kFile && 2 * view.back_pixels > hits)
       out["note"] = std::to_string(view.back_pixels) + " of " + std::to_string(hits) +
-                    " pixels show the inside of a surface, as the file has it, and " + view.quantity.name +
-                    " counts from its outside; --orient viewer takes the side that is seen";
+                    " pixels show what the file calls the inside of a surface, but " + view.quantity.name +
+                    " is measured from the outside; --orient viewer takes the visible side as the outside";
     const ValueStatistics& s = view.statistics;
     out["quantity"] = view.quantity.name;
     out["unit"] = view.quantity.unit;

@@ -13,12 +13,12 @@ enum Doubt : std::uint8_t {
   kDoubtTrim = 8,         // a trim curve or an edge lies within the error of the hit
   kDoubtCoincident = 16,  // another face lies within the error of the hit's depth
   kDoubtUnresolved = 32,  // neither hit nor miss
-  kDoubtLimit = 64,       // a patch needed more leaves than it may take, and lies here for all that is known
+  kDoubtLimit = 64,       // a patch was given up because it needed too many leaves; it may cover this sample
   kDoubtContradicted =
       128,  // the independent check of a certificate contradicts it (trace/certificate_check.h)
 };
 
-// Of these, nothing is known of the sample.
+// Doubts under which neither a hit nor a miss is known.
 inline constexpr std::uint8_t kUnresolvedDoubts = kDoubtUnresolved | kDoubtLimit | kDoubtContradicted;
 
 // What each bit is called in reports, lowest first.

@@ -5,7 +5,7 @@
 //     and kSlack samples' width are allowed: beside a silhouette a surface bends like a square root, for which twice
 //     is the bound. Planes seen nearly edge-on are taken at their word on the line's own faces only: near enough,
 //     every silhouette is as steep as one likes. A line's own faces, and of silhouettes and smooth edges those
-//     that join them along an edge, may lie before it by what they would if the line were off its curve by kFlatness, as its chords
+//     that join them along an edge, may lie in front of it by as much as they would if the line were off its curve by kFlatness, as its chords
 //     may be: a silhouette does not hide itself.
 //  2. So a change is found to within one sample; runs of less than kShortest samples between two of the other kind
 //     are noise, and are given to them.

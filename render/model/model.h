@@ -23,7 +23,7 @@ namespace facetless {
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
-// The highest degree of a surface, a p-curve or an edge: what OpenCASCADE, our only importer, accepts
+// The highest degree of a surface, a p-curve or an edge: the most that OpenCASCADE, with which the importer reads, accepts
 // (Geom_BSplineSurface::MaxDegree).
 inline constexpr int kMaxDegree = 25;
 

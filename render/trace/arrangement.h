@@ -26,7 +26,7 @@ struct ArrangementRequest {
   double explode = 0;                    // f of law 4, >= 0
   bool show_hidden = false;              // also what the file hides
 
-  // Whether it leaves `model` other than it is.
+  // Whether the request changes what is shown of `model`, or where.
   bool ChangesAnything(const Model& model) const {
     return IsAskedFor() || (!show_hidden && HidesAnything(model));
   }

@@ -29,7 +29,7 @@ enum class Precision : std::uint8_t {
   kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth
 };
 
-// How much CertificateCheck (certificate_check.h) asks again of what is certified.
+// How many certified samples CertificateCheck (certificate_check.h) tests again; none where DirectOptions::leave_out is set.
 enum class CheckLevel : std::uint8_t {
   kAuto,  // kShare with Precision::kCertified, kAll with an audit, else kNone
   kNone,

@@ -23,7 +23,7 @@ constexpr double kRoundingPx = 0x1p-20;
 // A stretch of edge is walked along its chord once it bends by no more than this, in samples.
 constexpr double kFlatPx = 1.0 / 64;
 constexpr int kMaxHalvings = 40;
-// Where a face misses its edge by more than this share of the edge's length, one of the two is wrong, and the importer says so. A gap of that kind
+// Where a face misses its edge by more than this share of the edge's length, one of the two is wrong (the importer warns from 1 % on). A gap of that kind
 // that is wider than so many samples in the picture is seen as what it is: asking all the samples in it took a minute and a half for three faces.
 constexpr double kOffSurface = 2e-3;
 constexpr double kMostReachPx = 8;

@@ -12,7 +12,7 @@
 //     more, on the edge itself. Nothing is taken away.
 //  4. Left alone are faces whose edges don't close in their vertices, or that are bounded by more than edges,
 //     unless in a closed solid; and faces that reach behind the eye.
-//  5. A face that misses an edge by more than two thousandths of its length is drawn with that gap where it is wider than eight samples.
+//  5. Where a face misses an edge by more than two thousandths of the edge's length, and the reach is more than eight samples, the gap is drawn as it is.
 #pragma once
 
 #include <cstdint>

@@ -6,8 +6,8 @@
 //  2. The lengths are integrated across the rows in blocks of eight, by the open formula that is exact to degree
 //     seven. A block that disagrees with its two halves of four rows, or with the neighbours' next rows, is divided by
 //     eight and measured anew, down to where nothing changes or the budget of rows ends: chords end like square roots,
-//     and those ends get small blocks. So does a face whose box is thinner than a block.
-//     thinner than a block, and so does a part of the cut that is (section_contact.h finds them).
+//     and those ends get small blocks. Small blocks also go to places where the box of a face is
+//     thinner than a block, or where a part of the cut is (section_contact.h finds such parts).
 //  3. error_mm2 is the sum of ErrorParts. `rows` is an estimate: the disagreements of the blocks that remain. The others are bounds.
 //  4. A face that lies in the plane, or touches it, makes the rays of the plane run along it, where no crossing can be told from
 //     none. The area is then that of a plane moved by moved_mm: to the kept side where a face lies in the plane, as section.h's

@@ -39,7 +39,7 @@ struct SectionRow {
   double error = 0;   // of the ends of its chords
   double unsure =
       0;  // its way through the model's box where a solid is crossed an odd number of times or a crossing may be missing
-  bool odd = false, undecided = false;       // why: the latter, where the fallback solver gave up
+  bool odd = false, undecided = false;       // why `unsure` is not 0; undecided: the fallback solver gave up
   std::vector<SectionArea::OfSolid> solids;  // lengths, here
 };
 

@@ -232,7 +232,7 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
                                                 " while reading it" +
                                                 (stage.empty() ? "" : ", in the stage \"" + stage + "\"") +
                                                 (entity.empty() ? "" : ", at or after entity " + entity) +
-                                                "; export the model again, or as another version of STEP"};
+                                                "; export the model again, or in another format"};
 }
 
 // The same in one word for who counts; nullptr if it exited or was told to end.

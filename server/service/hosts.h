@@ -2,9 +2,9 @@
 //
 //  1. Such a page can have its own name resolve to this machine (DNS rebinding); its requests then are same-origin for the browser,
 //     and name the page's host. So a request must name a host that this service is known by: an address in numbers, localhost, a name
-//     below localhost, or one of the list. A request without a Host comes from no browser.
+//     below localhost, or one of the list. A request without a Host is answered: no browser sends one.
 //  2. An Origin, where a request has one, must be that of the host that the request names, or one of the list.
-//  3. Names are compared without their capitals, and without a dot at the end; ports of hosts do not matter.
+//  3. Host names are compared without regard to capitals, a final dot or the port. Origins are compared with their ports.
 #pragma once
 
 #include <string>

@@ -130,8 +130,9 @@ ServeConfig::ServeConfig(CLI::App* command) : command_(command) {
       ->capture_default_str();
   AddBounds();
   Add("allow-host", options_.allow_host,
-      "Names by which the service is reached besides localhost and addresses, as a list a,b; *.NAME for all "
-      "names below, * for any. Without keys "
+      "Names by which the service is reached besides localhost and numeric addresses, as a list a,b; *.NAME "
+      "for all "
+      "names below NAME, * for any name. Without keys "
       "on an address of this machine, requests that name another host are refused",
       "NAMES");
   Add("allow-origin", options_.allow_origin,

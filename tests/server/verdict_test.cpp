@@ -80,7 +80,7 @@ TEST(Regress, SaysWhichToleranceBrokeAndInWhichView) {
   EXPECT_THAT(RegressSentences(verdict),
               ElementsAre("bad, view 'top': the tolerance max is broken: the value is 3, the limit is 0",
                           "bad, view 'front': no reference: run with --update",
-                          HasSubstr("lossy: the tolerance lost is broken"), "none: it cannot be read"));
+                          HasSubstr("lossy: the tolerance \"lost\" is broken"), "none: it cannot be read"));
 }
 
 }  // namespace
