@@ -1,6 +1,7 @@
 #include "import/part_converter.h"
 
 #include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <OSD_Signal.hxx>
@@ -10,6 +11,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
@@ -410,20 +412,24 @@ bool PartConverter::IsClosed(int group) const {
 void PartConverter::WarnOfTurning(int group) {
   std::size_t turned = 0, known = 0, all = 0;
   std::uint32_t example = 0;
-  double volume = 0;
+  TopoDS_Compound faces;
+  BRep_Builder builder;
+  builder.MakeCompound(faces);
   for (std::size_t i = 0; i < face_groups_.size(); ++i) {
     if (face_groups_[i] != group) continue;
     const std::uint32_t index = first_face_ + static_cast<std::uint32_t>(i);
     const FaceOrigin* origin = OriginOf(faces_[index]);
     if (all++ == 0) example = index;
-    if (origin != nullptr && origin->sense != 0) {
-      ++known;
-      if ((origin->sense < 0) != model_.faces[index].reversed) ++turned;
-    } else {
-      GProp_GProps properties;
-      BRepGProp::VolumeProperties(faces_[index], properties);
-      volume += properties.Mass();
-    }
+    builder.Add(faces, faces_[index]);
+    if (origin == nullptr || origin->sense == 0) continue;
+    ++known;
+    if ((origin->sense < 0) != model_.faces[index].reversed) ++turned;
+  }
+  double volume = 0;
+  if (known == 0) {
+    GProp_GProps properties;
+    BRepGProp::VolumeProperties(faces, properties);
+    volume = properties.Mass();
   }
   const bool by_senses = known == all && turned == all;
   if (!by_senses && !(known == 0 && volume < 0)) return;

@@ -844,12 +844,9 @@ class Repairer {
     return StandIn(static_cast<std::size_t>(known - repair_.linear_maps.begin()));
   }
 
-  // Operators as placements of mapped items and of assemblies' components become pairs of frames.
+  // Placements that OpenCASCADE 7.6 gets wrong become a frame each, seen from the origin: operators, which it takes for rotations; and pairs of
+  // frames A and B, of which it makes A⁻¹ · B where B · A⁻¹ is meant. The two agree where one of the frames is the origin, as it mostly is.
   void MapOperators() {
-    const bool any = std::any_of(
-        entities_.all().begin(), entities_.all().end(),
-        [](const StepEntity& entity) { return entity.keyword == "CARTESIAN_TRANSFORMATION_OPERATOR_3D"; });
-    if (!any) return;
     for (const StepEntity& entity : entities_.all()) {
       if (entity.structure != 0 || gone_.contains(&entity) || dropped_.contains(&entity)) continue;
       if (entity.keyword == "MAPPED_ITEM" || (entity.keyword == "SOLID_REPLICA" && edits_.contains(&entity)))
@@ -858,38 +855,79 @@ class Repairer {
     }
   }
 
+  bool Is(std::uint64_t id, std::string_view keyword) const {
+    const StepEntity* entity = entities_.Find(id);
+    return entity != nullptr && entity->keyword == keyword;
+  }
+
+  // What the target of a placement does; nothing if it is no kind that is known here.
+  std::optional<Similarity> TargetOf(std::uint64_t id) const {
+    if (Is(id, "CARTESIAN_TRANSFORMATION_OPERATOR_3D")) return OperatorOf(id);
+    if (Is(id, "AXIS2_PLACEMENT_3D")) return FrameOf(id);
+    return {};
+  }
+
+  // target · origin⁻¹.
+  static Similarity Placed(const Similarity& target, const Similarity& origin) {
+    Similarity placed;
+    placed.linear = Product(target.linear, Transposed(origin.linear));
+    placed.origin = Minus(target.origin, Apply(placed.linear, origin.origin), 1);
+    return placed;
+  }
+
+  // True if OpenCASCADE's origin⁻¹ · target is the same.
+  static bool Commutes(const Similarity& target, const Similarity& origin) {
+    const Similarity right = Placed(target, origin);
+    const LinearMap back = Transposed(origin.linear), linear = Product(back, target.linear);
+    const Vector at = Apply(back, Minus(target.origin, origin.origin, 1));
+    double distance = 0, size = 0;
+    for (std::size_t i = 0; i < 9; ++i)
+      distance = std::fmax(distance, std::fabs(linear[i] - right.linear[i]));
+    double moved = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      moved = std::fmax(moved, std::fabs(at[i] - right.origin[i]));
+      size = std::fmax(size, std::fmax(std::fabs(target.origin[i]), std::fabs(origin.origin[i])));
+    }
+    constexpr double kRounding = 1e-9;
+    return distance <= kRounding && moved <= kRounding * size;
+  }
+
+  // The frame that is written for the placement: itself, or its stand-in.
+  std::optional<std::uint64_t> FrameFor(Similarity placed) {
+    const std::optional<LinearMap> rotation = RotationFor(placed.linear);
+    if (!rotation) return {};
+    placed.linear = *rotation;
+    return NewFrame(placed);
+  }
+
   void MapItem(const StepEntity& entity) {
     std::optional<StepRecord> record = RecordOf(entity);
     if (!record || record->parts.front().values.size() != 3) return;
     std::vector<StepValue>& values = record->parts.front().values;
     if (!values[1].IsReference() || !values[2].IsReference()) return;
-    if (!IsOperator(values[2].reference)) return;
-    const std::optional<Similarity> target = OperatorOf(values[2].reference);
-    Similarity origin;
-    if (const auto map = Record(values[1].reference);
-        map && Value(*map, 0) != nullptr && Value(*map, 0)->IsReference())
-      origin = FrameOf(Value(*map, 0)->reference);
-    const std::optional<std::uint64_t> frame = target ? StandInFrame(*target, origin) : std::nullopt;
+    const auto map = Record(values[1].reference);
+    const std::uint64_t from = map ? ReferenceIn(*map, 0) : 0, source = map ? ReferenceIn(*map, 1) : 0;
+    if (!Is(from, "AXIS2_PLACEMENT_3D")) return;
+    const bool is_operator = Is(values[2].reference, "CARTESIAN_TRANSFORMATION_OPERATOR_3D");
+    const std::optional<Similarity> target = TargetOf(values[2].reference);
+    if (!target && is_operator) return LosePlacement(entity, NameIn(*record));
+    const Similarity origin = FrameOf(from);
+    if (!target || (!is_operator && Commutes(*target, origin))) return;
+    const std::optional<std::uint64_t> frame = FrameFor(Placed(*target, origin));
     if (!frame) return LosePlacement(entity, NameIn(*record));
+    values[1].reference = NewEntity("REPRESENTATION_MAP(" + Label(NewFrame({})) + "," + Label(source) + ")");
     values[2].reference = *frame;
     Edit(entity, *record);
   }
 
-  bool IsOperator(std::uint64_t id) const {
-    const StepEntity* entity = entities_.Find(id);
-    return entity != nullptr && entity->keyword == "CARTESIAN_TRANSFORMATION_OPERATOR_3D";
-  }
-
-  // A frame B such that B · origin⁻¹ is the stand-in of target · origin⁻¹.
-  std::optional<std::uint64_t> StandInFrame(const Similarity& target, const Similarity& origin) {
-    const LinearMap linear = Product(target.linear, Transposed(origin.linear));
-    const std::optional<LinearMap> rotation = RotationFor(linear);
-    if (!rotation) return {};
-    const Vector moved = Apply(linear, origin.origin), turned = Apply(*rotation, origin.origin);
-    Similarity frame;
-    frame.linear = Product(*rotation, origin.linear);
-    for (std::size_t i = 0; i < 3; ++i) frame.origin[i] = target.origin[i] - moved[i] + turned[i];
-    return NewFrame(frame);
+  const Representation* FindRepresentation(std::uint64_t id) {
+    FindRepresentations();
+    if (representation_of_.empty()) {
+      for (std::size_t i = 0; i < representations_.size(); ++i)
+        representation_of_[representations_[i].id] = i;
+    }
+    const auto known = representation_of_.find(id);
+    return known == representation_of_.end() ? nullptr : &representations_[known->second];
   }
 
   void MapRelationship(const StepEntity& entity) {
@@ -898,17 +936,48 @@ class Repairer {
       return;
     std::optional<StepRecord> record = RecordOf(entity);
     if (!record) return;
+    StepPart* transformation = nullptr;
     for (StepPart& part : record->parts) {
-      if (part.keyword != "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION" || part.values.size() != 1 ||
-          !part.values[0].IsReference() || !IsOperator(part.values[0].reference))
-        continue;
-      const std::optional<Similarity> target = OperatorOf(part.values[0].reference);
-      const std::optional<std::uint64_t> frame = target ? StandInFrame(*target, {}) : std::nullopt;
-      if (!frame) return LosePlacement(entity, {});
-      part.values[0].reference =
-          NewEntity("ITEM_DEFINED_TRANSFORMATION('',''," + Label(NewFrame({})) + "," + Label(*frame) + ")");
-      Edit(entity, *record);
+      if (part.keyword == "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") transformation = &part;
     }
+    if (transformation == nullptr || transformation->values.size() != 1 ||
+        !transformation->values[0].IsReference())
+      return;
+    std::uint64_t& used = transformation->values[0].reference;
+    std::optional<Similarity> placed;
+    if (Is(used, "CARTESIAN_TRANSFORMATION_OPERATOR_3D")) {
+      placed = OperatorOf(used);
+      if (!placed) return LosePlacement(entity, {});
+    } else if (Is(used, "ITEM_DEFINED_TRANSFORMATION")) {
+      placed = PlacedByItems(used, *record);
+    }
+    if (!placed) return;
+    const std::optional<std::uint64_t> frame = FrameFor(*placed);
+    if (!frame) return LosePlacement(entity, {});
+    used = NewEntity("ITEM_DEFINED_TRANSFORMATION('',''," + Label(NewFrame({})) + "," + Label(*frame) + ")");
+    Edit(entity, *record);
+  }
+
+  // Nothing where OpenCASCADE gets it right, or the two representations have contexts, and may have units, of their own.
+  std::optional<Similarity> PlacedByItems(std::uint64_t id, const StepRecord& relationship) {
+    const auto items = Record(id);
+    const StepPart* part = relationship.Find("REPRESENTATION_RELATIONSHIP");
+    if (!items || items->parts.front().values.size() != 4 || part == nullptr || part->values.size() != 4)
+      return {};
+    std::uint64_t first = ReferenceIn(*items, 2), second = ReferenceIn(*items, 3);
+    const Representation *from = FindRepresentation(part->values[2].reference),
+                         *to = FindRepresentation(part->values[3].reference);
+    if (from == nullptr || to == nullptr || from->context != to->context) return {};
+    if (!Is(first, "AXIS2_PLACEMENT_3D") || !Is(second, "AXIS2_PLACEMENT_3D")) return {};
+    // Some writers name the two the other way around.
+    const auto holds = [](const Representation* representation, std::uint64_t item) {
+      return std::find(representation->items.begin(), representation->items.end(), item) !=
+             representation->items.end();
+    };
+    if (!holds(from, first) && holds(to, first) && holds(from, second)) std::swap(first, second);
+    const Similarity origin = FrameOf(first), target = FrameOf(second);
+    if (Commutes(target, origin)) return {};
+    return Placed(target, origin);
   }
 
   void LosePlacement(const StepEntity& entity, const std::string& name) {
@@ -1296,6 +1365,7 @@ class Repairer {
   std::vector<std::uint64_t> open_;  // taken out, but not yet looked after
   std::vector<const StepEntity*> replicas_;
   std::vector<Representation> representations_;
+  std::unordered_map<std::uint64_t, std::size_t> representation_of_;  // by id
   bool found_representations_ = false;
   std::string added_;
   std::uint64_t added_count_ = 0;

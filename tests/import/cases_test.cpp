@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
 #include <GProp_GProps.hxx>
+#include <TopoDS_Compound.hxx>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -175,6 +177,10 @@ TEST(ScaledPlacements, ScaleMirrorAndConvertTogether) {
       "#1=(LENGTH_UNIT()NAMED_UNIT(*)CONVERSION_BASED_UNIT('INCH',#901));\n"
       "#901=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#902);\n"
       "#902=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));"};
+  const std::string frames =
+      "#904=CARTESIAN_POINT('',(30.,0.,0.));\n#905=DIRECTION('',(0.,1.,0.));\n"
+      "#903=AXIS2_PLACEMENT_3D('',#904,#10,#905);\n#906=CARTESIAN_POINT('',(0.,50.,0.));\n"
+      "#907=AXIS2_PLACEMENT_3D('',#906,#10,#11);\n";
   const Operated cases[] = {
       {"mapped_scale2.step",
        {{"#99=DIRECTION('',(1.0,", "#99=DIRECTION('',(-1.0,"}, {"#101,2.0,#102", "#101,0.5,#102"}},
@@ -188,7 +194,18 @@ TEST(ScaledPlacements, ScaleMirrorAndConvertTogether) {
       {"mapped_scale2.step",
        {{"REPRESENTATION_MAP(#12,#97)", "REPRESENTATION_MAP(#903,#97)"},
         {"#98=", "#904=CARTESIAN_POINT('',(30.,0.,0.));\n#903=AXIS2_PLACEMENT_3D('',#904,#10,#11);\n#98="}},
-       {-30, 0, 0, 50, 40, 20}}};
+       {-30, 0, 0, 50, 40, 20}},
+      // Two frames, neither of which is the origin: the wedge turned by −90° about z, and moved.
+      {"mapped_scale2.step",
+       {{"REPRESENTATION_MAP(#12,#97)", "REPRESENTATION_MAP(#903,#97)"},
+        {"#98=", frames + "#98="},
+        {"(#12,#109,#104)", "(#12,#109)"},
+        {"MAPPED_ITEM('',#98,#108)", "MAPPED_ITEM('',#98,#907)"}},
+       {0, 50, 0, 20, 80, 10}},
+      {"assembly_plain.step",
+       {{"#117=ITEM_DEFINED_TRANSFORMATION('','',#12,#114)",
+         frames + "#117=ITEM_DEFINED_TRANSFORMATION('','',#903,#907)"}},
+       {0, 0, 0, 80, 80, 10}}};
   const TemporaryFolder folder;
   for (const Operated& operated : cases) {
     std::ifstream in(CadFile(std::string("cases/") + operated.file), std::ios::binary);
@@ -211,13 +228,13 @@ TEST(ScaledPlacements, ScaleMirrorAndConvertTogether) {
         << operated.file << " " << model.bounds.high.x;
     // All look outwards: OpenCASCADE's volume of each face's solid is positive.
     for (const Solid& solid : model.solids) EXPECT_TRUE(solid.closed);
+    TopoDS_Compound all;
+    BRep_Builder builder;
+    builder.MakeCompound(all);
+    for (const TopoDS_Face& face : PlacedFaces(conversion.value())) builder.Add(all, face);
     GProp_GProps volume;
-    for (const TopoDS_Face& face : PlacedFaces(conversion.value())) {
-      GProp_GProps one;
-      BRepGProp::VolumeProperties(face, one);
-      volume.Add(one);
-    }
-    EXPECT_GT(volume.Mass(), 0);
+    BRepGProp::VolumeProperties(all, volume);
+    EXPECT_GT(volume.Mass(), 0) << operated.file;
   }
 }
 
