@@ -905,17 +905,20 @@ class Repairer {
     if (!record || record->parts.front().values.size() != 3) return;
     std::vector<StepValue>& values = record->parts.front().values;
     if (!values[1].IsReference() || !values[2].IsReference()) return;
-    const auto map = Record(values[1].reference);
-    const std::uint64_t from = map ? ReferenceIn(*map, 0) : 0, source = map ? ReferenceIn(*map, 1) : 0;
-    if (!Is(from, "AXIS2_PLACEMENT_3D")) return;
     const bool is_operator = Is(values[2].reference, "CARTESIAN_TRANSFORMATION_OPERATOR_3D");
     const std::optional<Similarity> target = TargetOf(values[2].reference);
     if (!target && is_operator) return LosePlacement(entity, NameIn(*record));
-    const Similarity origin = FrameOf(from);
-    if (!target || (!is_operator && Commutes(*target, origin))) return;
+    // A replica's own map, made by us, is seen from the origin; so is one whose origin is of another kind.
+    const auto map = Record(values[1].reference);
+    const std::uint64_t from = map ? ReferenceIn(*map, 0) : 0;
+    const bool framed = Is(from, "AXIS2_PLACEMENT_3D");
+    const Similarity origin = framed ? FrameOf(from) : Similarity{};
+    if (!target || (!is_operator && (!framed || Commutes(*target, origin)))) return;
     const std::optional<std::uint64_t> frame = FrameFor(Placed(*target, origin));
     if (!frame) return LosePlacement(entity, NameIn(*record));
-    values[1].reference = NewEntity("REPRESENTATION_MAP(" + Label(NewFrame({})) + "," + Label(source) + ")");
+    if (map)
+      values[1].reference =
+          NewEntity("REPRESENTATION_MAP(" + Label(NewFrame({})) + "," + Label(ReferenceIn(*map, 1)) + ")");
     values[2].reference = *frame;
     Edit(entity, *record);
   }
