@@ -1,4 +1,4 @@
-// What the importer is at, in a file that outlives it: should it die, whoever started it can say which entity was the last.
+// A file in which the importer notes the entity that it is reading. If the importer dies, its caller can name the last entity.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace facetless {
 // Makes the file `entity` in `folder`; without it NoteEntity does nothing.
 void OpenCrashNote(const std::string& folder);
 
-// "#12", "D7": costs a copy of a few bytes in memory.
+// Notes that the importer is at `entity` ("#12", "D7"). This costs a copy of a few bytes in memory.
 void NoteEntity(const std::string& entity);
 
 }  // namespace facetless

@@ -36,9 +36,8 @@ struct Occurrence {
   bool has_color = false;
   Color color;
   std::string name;
-  TopLoc_Location
-      location;         // what `placement` is made of; identity where nothing in it stands for anything else
-  bool hidden = false;  // the file says that it is not to be shown
+  TopLoc_Location location;  // what `placement` was computed from; it may hold stand-ins (step_placements.h)
+  bool hidden = false;       // the file says that it is not to be shown
 };
 
 // A face that the file declares; what became of it is counted when all is converted.

@@ -41,13 +41,13 @@ struct FaceLoops {
   std::vector<TopoDS_Edge> lost_edges;  // no p-curve could be had
   std::vector<std::string> repairs;     // what had to be done, one clause each
   double open_mm =
-      0;  // the longest line that was invented to close a loop, and its loop's number among the face's
+      0;  // length of the longest line that was invented to close a loop; open_loop is the index of that loop
   std::size_t open_loop = 0;
-  double open_share = 0;  // of the loop's length
+  double open_share = 0;  // open_mm as a share of that loop's length
 };
 
 // The loops of `face` in its FORWARD orientation. `pcurves_in_file`: a stored p-curve is the file's. Errors: kFormatBroken (a wire that
-// cannot be closed on its surface, since nothing closes it or more of it would be invented than there is; loops that enclose nothing).
+// cannot be closed on its surface, or only by inventing more than half of its length; loops that enclose nothing; an edge far off the surface).
 Result<FaceLoops> LoopsOf(const TopoDS_Face& face, bool pcurves_in_file);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// Loops of a face that cross each other, or themselves: what is inside them is not what anyone meant.
+// Finds loops of a face that cross each other or themselves: what such loops enclose is hardly what the file means.
 #pragma once
 
 #include <cstddef>

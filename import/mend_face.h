@@ -1,7 +1,7 @@
 // Faces whose wires walk edges there and back.
 //
-//  1. An edge that is followed by itself in the opposite sense encloses nothing, and goes; what that makes neighbours may go, too. The seam of
-//     a cylinder, a sphere or a torus is none of that: other edges lie between its two uses.
+//  1. An edge that is followed by itself in the opposite sense encloses nothing and is removed; edges that become neighbours by this may be removed, too. The seam of
+//     a cylinder, a sphere or a torus stays: other edges lie between its two uses.
 //  2. A face of which nothing remains is the whole of its surface, if that is closed: a sphere whose bound is one arc, there and back.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace facetless {
 
 struct MendedFace {
   TopoDS_Face face;  // null: nothing is walked there and back, or what remains is no face
-  int left_out = 0;  // different edges that went
+  int left_out = 0;  // how many different edges were removed
 };
 
 // `pieces` are one face of a file, on one surface. May raise OpenCASCADE's exceptions.

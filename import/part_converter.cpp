@@ -188,7 +188,7 @@ void PartConverter::AddFace(std::size_t index) {
     if (!mended.IsNull() && TryFace(member, mended).empty()) {
       const FaceOrigin* origin = OriginOf(member.face);
       model_.info.warnings.push_back("Face " + FaceName(Size(model_.faces.size()) - 1) +
-                                     ": edges that it walks there and back were left out.");
+                                     ": edges along which it runs there and back were left out.");
       for (std::size_t i = 0; i < members_.size(); ++i)
         stored_[i] = stored_[i] || i == index || (origin != nullptr && SameOrigin(members_[i].face, *origin));
       return;
@@ -306,8 +306,8 @@ void PartConverter::WarnOfOpening(std::uint32_t index, const FaceLoops& loops) {
   std::snprintf(distance, sizeof(distance), "%.3g", loops.open_mm);
   const Face& face = model_.faces[index];
   const std::string what = "its loop " + std::to_string(loops.open_loop + 1) + " of " +
-                           std::to_string(loops.loops.size()) + " does not close: over " + distance +
-                           " mm a straight line was put in";
+                           std::to_string(loops.loops.size()) + " does not close: a gap of " + distance +
+                           " mm was bridged by a straight line";
   if (loops.open_share > kOpenLost) {
     model_.info.edges_lost.push_back({index, face.name, face.entity, what});
   } else {
@@ -324,13 +324,13 @@ void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops,
     char place[128];
     std::snprintf(place, sizeof(place), "(%.6g, %.6g, %.6g) mm", p.X(), p.Y(), p.Z());
     const std::string first = std::to_string(crossing.first_loop + 1);
-    model_.info.warnings.push_back("Face " + FaceName(index) +
-                                   (crossing.first_loop == crossing.second_loop
-                                        ? ": its loop " + first + " crosses itself"
-                                        : ": its loops " + first + " and " +
-                                              std::to_string(crossing.second_loop + 1) +
-                                              " cross each other") +
-                                   " at " + place + "; what both enclose counts as outside (even-odd rule).");
+    model_.info.warnings.push_back(
+        "Face " + FaceName(index) +
+        (crossing.first_loop == crossing.second_loop
+             ? ": its loop " + first + " crosses itself"
+             : ": its loops " + first + " and " + std::to_string(crossing.second_loop + 1) +
+                   " cross each other") +
+        " at " + place + "; what is enclosed twice counts as outside (even-odd rule).");
   }
 }
 

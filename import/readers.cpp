@@ -55,15 +55,15 @@ void SettleUnit(double unit_mm, CadDocument& document) {
   if (unit_mm > 0) {
     const std::string name = UnitName(unit_mm, "");
     info.warnings.push_back("The file's unit is " +
-                            (info.unit.empty() ? std::string("not known") : info.unit) + "; as asked for, " +
-                            name + " was taken for it.");
+                            (info.unit.empty() ? std::string("not known") : info.unit) +
+                            "; the requested unit, " + name + ", is used instead.");
     if (unit_mm != info.unit_mm) ScaleDocument(unit_mm / info.unit_mm, document);
     info.unit = name;
     info.unit_mm = unit_mm;
   } else if (info.unit.empty()) {
     info.warnings.push_back(
-        "The file has no length unit that can be read; millimetres were taken for it: --unit says "
-        "otherwise.");
+        "The file has no length unit that can be read, so that millimetres are assumed; --unit sets "
+        "another unit.");
   }
 }
 

@@ -175,7 +175,8 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
   if (*format == CadFormat::kStep) {
     if (const std::size_t scopes = FlattenScopes(bytes); scopes > 0) {
       source.repairs.push_back(std::to_string(scopes) +
-                               " scopes (&SCOPE … ENDSCOPE), which OpenCASCADE does not know, were opened.");
+                               " scopes (&SCOPE … ENDSCOPE), which OpenCASCADE does not know, were removed; "
+                               "their entities were kept.");
       changed = true;
     }
     if (NormaliseStepTexts(bytes, &source.repairs)) changed = true;

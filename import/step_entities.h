@@ -3,7 +3,7 @@
 // Example:
 //   const StepEntities entities(bytes);
 //   for (const StepEntity& entity : entities.all())
-//     if (entity.keyword == "EDGE_LOOP") { auto record = ParseStepRecord(entity.body(bytes)); … }
+//     if (entity.keyword == "EDGE_LOOP") { auto record = ParseStepRecord(entity.Body(bytes)); … }
 //
 //  1. The text is never copied: views point into the bytes that were given, which must outlive them.
 //  2. Nothing fails: what is no entity is passed over, and what cannot be parsed has no record.

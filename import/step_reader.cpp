@@ -272,7 +272,10 @@ class StepReader {
       for (const std::uint64_t context : style.contexts) {
         const auto placed = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(entity(context));
         if (!own || placed.IsNull()) continue;
-        const TopoDS_Shape component = TransferBRep::ShapeResult(process, placed);
+        const Handle(StepRepr_ProductDefinitionShape) shape = placed->RepresentedProductRelation();
+        if (shape.IsNull()) continue;
+        const TopoDS_Shape component =
+            TransferBRep::ShapeResult(process, shape->Definition().ProductDefinitionRelationship());
         if (!component.IsNull()) colors.push_back({component, *own, of_part});
       }
     }

@@ -389,7 +389,8 @@ class Repairer {
   void DropOtherStructures() {
     if (entities_.structures() == 1) return;
     Warn(std::to_string(entities_.structures()) +
-         " files stand one after the other in this one; only the first is read: split it.");
+         " STEP files stand one after the other in this file, and only the first is read; split the file to "
+         "read the others.");
     for (const StepEntity& entity : entities_.all()) {
       if (entity.structure == 0) continue;
       if (IsFaceKeyword(entity.keyword)) {
@@ -508,8 +509,7 @@ class Repairer {
     if (std::is_sorted(record.parts.begin(), record.parts.end(), before)) return;
     std::stable_sort(record.parts.begin(), record.parts.end(), before);
     Edit(entity, record);
-    Warn("The parts of entity " + Label(entity.id) +
-         " were not in the order of the alphabet and were sorted.");
+    Warn("The parts of entity " + Label(entity.id) + " were not in alphabetical order and were sorted.");
   }
 
   void CheckSense(const StepEntity& entity, StepRecord& record, const Sense& rule) {
@@ -621,7 +621,7 @@ class Repairer {
                 kept.end() - static_cast<std::ptrdiff_t>(ends));
     if (kept.empty()) return;
     if (kept.size() == uses.size()) return;
-    Warn("The edge loop " + Label(loop.id) + " walks edges there and back; they were left out.");
+    Warn("The edge loop " + Label(loop.id) + " runs along edges there and back; those edges were left out.");
     std::string body = "EDGE_LOOP('',(";
     for (std::size_t i = 0; i < kept.size(); ++i) body += (i == 0 ? "" : ",") + Label(kept[i].oriented);
     edits_[&loop] = body + "))";
@@ -1255,9 +1255,8 @@ class Repairer {
         if (apostrophes % 2 == 1) --kept;
         out.append(text.substr(at, kept - at));
         repair_.changed = true;
-        Warn("A text of " + std::to_string(length) + " characters" +
-             (id == 0 ? "" : " in entity " + Label(id)) + " was cut after " + std::to_string(kept - at - 1) +
-             ".");
+        Warn("A text of " + std::to_string(length) + " bytes" + (id == 0 ? "" : " in entity " + Label(id)) +
+             " was cut to its first " + std::to_string(kept - at - 1) + ".");
       }
       if (end < text.size()) out += '\'';
       at = end + 1;

@@ -1,9 +1,9 @@
 // Repairs a STEP file's text, so that one malformed entity does not cost the whole file, and lists what the file declares that cannot be
 // shown. OpenCASCADE reads the repaired copy.
 //
-//  1. An entity with an empty list where something is needed is taken out, with all that cannot be without it; where a list can do
+//  1. An entity with an empty list where something is needed is taken out, with every entity that cannot exist without it; where a list can do
 //     without an element, only the element goes. A curve that needs nothing of its list (a surface curve without p-curves, a trimmed curve
-//     without trims) is replaced by the curve that it is about.
+//     without trims) is replaced by its basis curve.
 //  2. Every repair is a sentence with the entity's #id. What is taken out and would have been seen is in `lost`, or, if it is a face, in
 //     `faces_out` with the reason.
 //  3. Placements that scale or mirror become stand-ins (step_placements.h), replicas of solids become mapped items.
@@ -21,17 +21,19 @@
 namespace facetless {
 
 struct StepLostItem {
-  std::string entity, name, reason;  // entity: "#12", or more where that says too little
+  std::string entity, name, reason;  // entity: "#12", with an addition where the number alone is ambiguous
 };
 
 struct StepRepair {
   std::string bytes;  // of the repaired copy, if `changed`
   bool changed = false;
   std::vector<std::string> warnings;
-  std::vector<StepLostItem> lost;  // bodies, occurrences; and what stands beside the first file
+  std::vector<StepLostItem>
+      lost;  // bodies, occurrences, and faces of further STEP files behind the first one
   std::unordered_map<std::uint64_t, std::string> faces_out;  // declared faces that were taken out, and why
   std::vector<LinearMap> linear_maps;                        // what each stand-in stands for
-  std::string refusal;        // why the file must not be read at all, to follow its name; empty: it may
+  std::string
+      refusal;  // why the file must not be read, as a predicate after the file's name; empty: it may be read
   bool unit_missing = false;  // a representation of bodies has no length unit
 };
 

@@ -5,7 +5,7 @@
 //     \S\ after \PA\ … \PI\, and \\.
 //  2. No letter is dropped. A directive that is broken stays as it is written; a control character, and what is no character, becomes
 //     U+FFFD. Line ends within a text are none of its characters.
-//  3. What was guessed, replaced or broken has a sentence.
+//  3. Every guess, every replacement and every broken directive is reported in a sentence.
 #pragma once
 
 #include <string>

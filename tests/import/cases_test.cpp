@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"loop_in_shell.stp", 7, 6, 6, 0, "#8003 emptyloop: its edge loop #8001 has no edges", kCube, 6},
         Case{"gp_sc_used.stp", 6, 6, 6, 0, "#8050", kCube, 6, 1},
         Case{"len_16300.stp", 6, 6, 6, 0, "", kCube, 6, 1},
-        Case{"len_16384.stp", 6, 6, 6, 0, "16384 characters in entity #300", kCube, 6, 1},
+        Case{"len_16384.stp", 6, 6, 6, 0, "16384 bytes in entity #300", kCube, 6, 1},
         Case{"noend.stp", 6, 6, 6, 0, "END-ISO-10303-21", kCube, 6, 1},
         Case{"noend2.stp", 6, 6, 6, 0, "cut off", kCube, 6, 1},
         Case{"bad_same_sense.stp", 6, 6, 6, 0, "edge curve #5760 the file says .U.", kCube, 6, 1},
@@ -153,7 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
         // Loops.
         Case{"oneline.stp", 1, 0, 0, 0, "does not close: the ends of its edges are up to 6 mm apart"},
         Case{"oneline_bs.stp", 1, 0, 0, 0, "#32"},
-        Case{"open3.stp", 1, 1, 1, 1, "over 3 mm a straight line", Bounds{0, 0, 0, 3, 3, 0}, 9},
+        Case{"open3.stp", 1, 1, 1, 1, "a gap of 3 mm was bridged by a straight line",
+             Bounds{0, 0, 0, 3, 3, 0}, 9},
         Case{"M023.stp", 1, 1, 1, 0, "loops 1 and 2 cross each other at (2, 1, 0) mm"}),
     [](const auto& info) {
       std::string name = info.param.file;

@@ -110,7 +110,7 @@ TEST(StepText, TextsAreDecoded) {
                            "ber"),
             "Über");
   EXPECT_EQ(DecodeStepText("  NONE "), "");
-  EXPECT_EQ(DecodeStepText("\\X2\\00"), "00");
+  EXPECT_EQ(DecodeStepText("\\X2\\00"), "\\X2\\00") << "what is broken stays";
 }
 
 }  // namespace

@@ -111,7 +111,12 @@ INSTANTIATE_TEST_SUITE_P(OfFiles, Names,
                                            Naming{"name_latin1.step", "Gehäuse", "ISO 8859-1"},
                                            Naming{"name_shiftjis.step", "表示ソフト", "Shift-JIS"},
                                            Naming{"lat_gehaeuse.stp", "Gehäuse", "ISO 8859-1"},
-                                           Naming{"name_rawctl.stp", "cube", "control characters"}),
+                                           Naming{"name_rawctl.stp",
+                                                  "a\xef\xbf\xbd"
+                                                  "b\xef\xbf\xbd"
+                                                  "c\xef\xbf\xbd"
+                                                  "d",
+                                                  "control characters"}),
                          [](const ::testing::TestParamInfo<Naming>& info) {
                            std::string name = info.param.file;
                            return name.substr(0, name.find('.'));
