@@ -6,6 +6,7 @@
 #include <cctype>
 #include <map>
 #include <memory>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -193,6 +194,74 @@ TEST_F(OpenApi, LeadsNowhereItIsNot) {
     }
   }
   EXPECT_GT(references, 100);
+}
+
+TEST_F(OpenApi, HasWhatGeneratorsOfClientsNeed) {
+  LiveServer server;
+  const Contract contract = Fetch(server);
+  const Json& document = contract.document();
+  EXPECT_EQ(document.at("info").at("license").at("identifier"), "Apache-2.0");
+  Names tags, ids;
+  for (const Json& tag : document.at("tags")) tags.insert(tag.at("name").get<std::string>());
+  for (const auto& [path, item] : document.at("paths").items()) {
+    EXPECT_FALSE(item.contains("$ref"))
+        << path << ": operations that two addresses share have one id for both";
+    for (const auto& [method, operation] : contract.Operations(path)) {
+      const std::string what = method + " " + path;
+      // An identifier, and no other operation's.
+      const std::string id = operation.value("operationId", "");
+      EXPECT_TRUE(std::regex_match(id, std::regex("[a-z][A-Za-z0-9]*"))) << what << ": " << id;
+      EXPECT_TRUE(ids.insert(id).second) << what << ": " << id << " is another operation's";
+      EXPECT_TRUE(method == "HEAD" || operation.contains("summary")) << what << " has no summary";
+      EXPECT_FALSE(operation.at("tags").empty()) << what;
+      for (const Json& tag : operation.at("tags"))
+        EXPECT_TRUE(tags.contains(tag.get<std::string>())) << what << ": " << tag;
+
+      // What stands in braces is a parameter, and what is a parameter of the path stands in braces.
+      Names braced, declared;
+      for (std::size_t open = path.find('{'); open != std::string::npos; open = path.find('{', open + 1))
+        braced.insert(path.substr(open + 1, path.find('}', open) - open - 1));
+      for (const Json& parameters :
+           {item.value("parameters", Json::array()), operation.value("parameters", Json::array())})
+        for (const Json& entry : parameters) {
+          const Json parameter = Resolved(document, entry);
+          EXPECT_TRUE(parameter.contains("schema")) << what << ": " << entry;
+          if (parameter.at("in") != "path") continue;
+          EXPECT_TRUE(parameter.value("required", false)) << what << ": " << entry;
+          declared.insert(parameter.at("name").get<std::string>());
+        }
+      EXPECT_EQ(braced, declared) << what;
+
+      // Every answer says what it is; those that have a body, of which type.
+      bool succeeds = false;
+      for (const auto& [status, entry] : operation.at("responses").items()) {
+        const Json response = Resolved(document, entry);
+        EXPECT_NE(response.value("description", ""), "") << what << " " << status;
+        succeeds = succeeds || status.starts_with("2");
+        const bool without_body = method == "HEAD" || status == "204" || status == "304";
+        const Json content = response.value("content", Json::object());
+        EXPECT_TRUE(without_body || !content.empty()) << what << " " << status;
+        for (const auto& [type, media] : content.items()) {
+          EXPECT_NE(type.find('/'), std::string::npos) << what << " " << status << ": " << type;
+          const bool json = type.ends_with("json");
+          EXPECT_TRUE(!json || media.contains("schema")) << what << " " << status << ": JSON of no schema";
+        }
+      }
+      EXPECT_TRUE(succeeds) << what << " never succeeds";
+    }
+  }
+}
+
+TEST_F(OpenApi, HasNoComponentThatNobodyRefersTo) {
+  LiveServer server;
+  const Contract contract = Fetch(server);
+  const std::string text = contract.document().dump();
+  for (const auto& [kind, components] : contract.document().at("components").items()) {
+    if (kind == "securitySchemes") continue;  // these are named, not referred to
+    for (const auto& [name, component] : components.items())
+      EXPECT_NE(text.find("\"#/components/" + kind + "/" + name + "\""), std::string::npos)
+          << kind << " " << name;
+  }
 }
 
 TEST_F(OpenApi, KnowsEveryOptionOfTheService) {
