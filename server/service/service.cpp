@@ -7,6 +7,7 @@
 
 #include "server/files.h"
 #include "server/service/answers.h"
+#include "server/service/listing.h"
 #include "server/service/problem.h"
 #include "server/service/routes.h"
 #include "server/service/web_assets.h"
@@ -26,6 +27,7 @@ constexpr double kEndSeconds = 2;
 constexpr std::uint64_t kSmallBody = 1 << 20;
 // RFC draft "The Idempotency-Key HTTP Header Field" leaves the length to the service.
 constexpr std::size_t kMaxRetryKey = 255;
+constexpr std::size_t kModelIdDigits = 64, kJobIdDigits = 32;
 // Whoever asks more often whether the service is ready gets the same answer: asking touches the disk.
 constexpr auto kReadyLasts = std::chrono::seconds(1);
 
@@ -178,13 +180,16 @@ HttpResponse Service::Handle(const HttpRequest& request) {
     case RouteKind::kMetrics:
       return MetricsPage();
     case RouteKind::kSubmit:
-      return Submit(request, route.argument);
+      return request.method == "POST" ? Submit(request, route.argument) : ListModels(request);
     case RouteKind::kModel:
-      return GetModel(request.caller, route.argument);
+      return request.method == "DELETE" ? RemoveModel(request.caller, route.argument)
+                                        : GetModel(request.caller, route.argument);
     case RouteKind::kAnswer:
       return GetAnswer(request.caller, route.argument);
     case RouteKind::kArtifact:
       return Artifact(request, route.argument);
+    case RouteKind::kJobs:
+      return ListJobs(request);
     case RouteKind::kJob:
       return request.method == "DELETE" ? CancelJob(request.caller, route.argument)
                                         : GetJob(request.caller, route.argument);
@@ -274,6 +279,38 @@ HttpResponse Service::GetModel(const Caller& caller, const std::string& id) {
   return model ? JsonResponse(200, ModelJson(*model)) : ProblemOfStatus(404);
 }
 
+HttpResponse Service::ListModels(const HttpRequest& request) {
+  const auto page = ParsePageRequest(request.query, kModelIdDigits);
+  if (!page) return ProblemOf(page.error());
+  Json models = Json::array();
+  for (const ListedModel& model :
+       store_.ListModels(request.caller.owner, page.value().after, page.value().limit + 1))
+    models.push_back({{"id", model.id},
+                      {"name", model.name},
+                      {"bytes", model.bytes},
+                      {"created", TimeJson(model.created)},
+                      {"links", {{"self", "/v1/models/" + model.id}}}});
+  return JsonResponse(200, PageJson("/v1/models", "models", page.value(), std::move(models)));
+}
+
+HttpResponse Service::RemoveModel(const Caller& caller, const std::string& id) {
+  const auto removed = store_.RemoveModel(caller.owner, id);
+  if (!removed) return ProblemOf({removed.error().code, "the removal cannot be stored"});
+  switch (removed.value()) {
+    case Removal::kNotThere:
+      break;
+    case Removal::kNeeded:
+      return Problem(409, "in-use", "The model is in use",
+                     "A job that waits or runs needs it. Cancel the job, or wait for its end.");
+    case Removal::kRemoved: {
+      HttpResponse response;
+      response.status = 204;
+      return response;
+    }
+  }
+  return ProblemOfStatus(404);
+}
+
 HttpResponse Service::GetAnswer(const Caller& caller, const std::string& key) {
   auto text = store_.FindAnswer(caller.owner, key);
   return text ? JsonTextResponse(200, std::move(*text)) : ProblemOfStatus(404);
@@ -291,6 +328,17 @@ HttpResponse Service::GetJob(const Caller& caller, const std::string& id) {
   const auto view = FindJob(caller, id);
   if (!view) return ProblemOfStatus(404);
   return OfJob(JsonResponse(200, JobJson(*view, store_)), id);
+}
+
+HttpResponse Service::ListJobs(const HttpRequest& request) {
+  const auto page = ParsePageRequest(request.query, kJobIdDigits);
+  if (!page) return ProblemOf(page.error());
+  const auto ids = jobs_.List(request.caller.owner, page.value().after, page.value().limit + 1);
+  if (!ids) return ProblemOf({ErrorCode::kBadUsage, "after names no job of yours, or one that is forgotten"});
+  Json jobs = Json::array();
+  for (const std::string& id : *ids)
+    if (const auto view = jobs_.Find(id)) jobs.push_back(ListedJobJson(*view));
+  return JsonResponse(200, PageJson("/v1/jobs", "jobs", page.value(), std::move(jobs)));
 }
 
 HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {

@@ -64,6 +64,9 @@ class Service {
   HttpResponse Page(const std::string& name, const std::string& content_type) const;
   HttpResponse Artifact(const HttpRequest& request, const std::string& name);
   HttpResponse GetModel(const Caller& caller, const std::string& id);
+  HttpResponse ListModels(const HttpRequest& request);
+  HttpResponse RemoveModel(const Caller& caller, const std::string& id);
+  HttpResponse ListJobs(const HttpRequest& request);
   HttpResponse GetAnswer(const Caller& caller, const std::string& key);
   std::optional<JobView> FindJob(const Caller& caller, const std::string& id);
   HttpResponse GetJob(const Caller& caller, const std::string& id);

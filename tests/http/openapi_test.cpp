@@ -93,7 +93,7 @@ class Contract {
       for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
       EXPECT_TRUE(reply.headers.contains(lower)) << what << " has no " << name;
     }
-    if (method == "HEAD" || reply.status == 304) {
+    if (method == "HEAD" || reply.status == 304 || reply.status == 204) {
       EXPECT_EQ(reply.body, "") << what;
       return reply;
     }
@@ -325,6 +325,11 @@ void Provocation::OrdinaryAnswers() {
     for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, path).status, 200);
   }
   for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, "/page/none.js").status, 404);
+  for (const char* path : {"/v1/models", "/v1/jobs"})
+    for (const char* method : {"GET", "HEAD"}) {
+      EXPECT_EQ(Ask(server, method, std::string(path) + "?limit=10").status, 200);
+      EXPECT_EQ(Ask(server, method, std::string(path) + "?limit=0").status, 422);
+    }
   EXPECT_EQ(Post(server, "/v1/models", file).status, 201);
   std::map<std::string, std::string> addresses;
   for (const char* path : kWork) {
@@ -390,6 +395,7 @@ void Provocation::Refusals() {
     for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, path).status, 404);
   }
   EXPECT_EQ(Ask(server, "DELETE", "/v1/jobs/" + std::string(32, '0')).status, 404);
+  EXPECT_EQ(Ask(server, "DELETE", "/v1/models/" + std::string(64, '0')).status, 404);
 }
 
 void Provocation::Keys() {
@@ -441,6 +447,18 @@ void Provocation::Ends() {
     for (const char* method : {"GET", "HEAD"})
       EXPECT_EQ(Ask(server, method, "/v1/jobs/" + id + "/events").status, 200);
   }
+  // A model that a job waits for, and the same when none does.
+  const std::string model = Post(server, "/v1/models", "ok to be removed").Json().at("id");
+  const std::string hanging = Running(server, Post(server, "/v1/models", "hang", {{"Prefer", "wait=0"}}));
+  const Reply waiting = contract_->Judge(
+      "POST", "/v1/renders",
+      server.PostJson("/v1/renders", {{"model", model}, {"size", "32x32"}}, {{"Prefer", "wait=0"}}));
+  EXPECT_EQ(waiting.status, 202);
+  EXPECT_EQ(Ask(server, "DELETE", "/v1/models/" + model).status, 409);
+  for (const std::string& id : {waiting.Json().at("id").get<std::string>(), hanging})
+    EXPECT_EQ(Ask(server, "DELETE", "/v1/jobs/" + id).status, 200);
+  EXPECT_EQ(Ask(server, "DELETE", "/v1/models/" + model).status, 204);
+  EXPECT_EQ(Ask(server, "GET", "/v1/models/" + model).status, 404);
   // Jobs of every end, as jobs.
   for (const char* text : {"ok", "unusable nothing-usable"}) {
     const Reply reply = Post(server, "/v1/renders", text, {{"Prefer", "wait=0"}});
@@ -485,7 +503,7 @@ TEST_F(Provocation, GetsEveryDocumentedStatusOrSaysWhichNot) {
   Crowds();
   // A job that is given up needs three deaths of the service (HttpJobs.ThatSeeThreeDeathsAreGivenUp), DELETE work that ends
   // late, and a disk that fills up at that moment.
-  Names missing = {"DELETE /v1/jobs/{id} 202", "DELETE /v1/jobs/{id} 507"};
+  Names missing = {"DELETE /v1/jobs/{id} 202", "DELETE /v1/jobs/{id} 507", "DELETE /v1/models/{id} 507"};
   for (const char* path : kWork) missing.insert(std::string("POST ") + path + " 500");
   Names unseen;
   for (const std::string& documented : contract_->Documented()) {
