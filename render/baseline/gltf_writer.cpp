@@ -60,7 +60,7 @@ class GlbWriter {
   };
 
   void AddNode(const MeshNode& node) {
-    std::vector<Rgb> colors = ColorsOf(node, model_);
+    std::vector<Rgba> colors = ColorsOf(node, model_);
     const auto [mesh, fresh] =
         meshes_.try_emplace({node.part, std::move(colors)}, static_cast<int>(gltf_.meshes.size()));
     if (fresh) AddMesh(node.part, mesh->first.second);
@@ -78,7 +78,7 @@ class GlbWriter {
     gltf_.nodes.push_back(std::move(placed));
   }
 
-  void AddMesh(std::uint32_t part, const std::vector<Rgb>& colors) {
+  void AddMesh(std::uint32_t part, const std::vector<Rgba>& colors) {
     std::vector<FaceData>& faces = faces_of_part_[part];
     if (faces.empty()) faces = AddFaces(mesh_.parts[part]);
     tinygltf::Mesh mesh;
@@ -162,12 +162,14 @@ class GlbWriter {
     return static_cast<int>(gltf_.accessors.size()) - 1;
   }
 
-  int MaterialOf(const Rgb& rgb) {
-    const auto [place, fresh] = materials_.try_emplace(rgb, static_cast<int>(gltf_.materials.size()));
+  int MaterialOf(const Rgba& color) {
+    const auto [place, fresh] = materials_.try_emplace(color, static_cast<int>(gltf_.materials.size()));
     if (fresh) {
       tinygltf::Material material;
-      material.name = "color_" + HexOf(rgb);
-      material.pbrMetallicRoughness.baseColorFactor = {Linear(rgb[0]), Linear(rgb[1]), Linear(rgb[2]), 1};
+      material.name = "color_" + HexOf(color);
+      material.pbrMetallicRoughness.baseColorFactor = {Linear(color[0]), Linear(color[1]), Linear(color[2]),
+                                                       color[3] / 255.0};
+      if (color[3] < 255) material.alphaMode = "BLEND";
       material.pbrMetallicRoughness.metallicFactor = 0;
       material.pbrMetallicRoughness.roughnessFactor = kRoughness;
       // Open shells are seen from both sides.
@@ -221,8 +223,8 @@ class GlbWriter {
   tinygltf::Model gltf_;
   std::vector<unsigned char> vectors_, indices_;
   std::vector<std::vector<FaceData>> faces_of_part_;
-  std::map<std::pair<std::uint32_t, std::vector<Rgb>>, int> meshes_;
-  std::map<Rgb, int> materials_;
+  std::map<std::pair<std::uint32_t, std::vector<Rgba>>, int> meshes_;
+  std::map<Rgba, int> materials_;
 };
 
 }  // namespace

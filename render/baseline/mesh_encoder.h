@@ -10,13 +10,14 @@
 
 namespace facetless {
 
-// A colour as files have it: sRGB, eight bits each.
-using Rgb = std::array<std::uint8_t, 3>;
-Rgb ToRgb(const Color& color);
-std::string HexOf(const Rgb& rgb);  // "b2b2b8"
+// A colour as files have it: sRGB and opacity, eight bits each.
+using Rgba = std::array<std::uint8_t, 4>;
+Rgba ToRgba(const Color& color);
+// "b2b2b8", or "b2b2b880" where one sees through.
+std::string HexOf(const Rgba& color);
 
 // The colours of the faces that `node` places, by face of its part.
-std::vector<Rgb> ColorsOf(const MeshNode& node, const Model& model);
+std::vector<Rgba> ColorsOf(const MeshNode& node, const Model& model);
 
 // The shortest decimal that reads back as the same number.
 void AppendNumber(std::string& text, double number);

@@ -31,25 +31,26 @@ void AppendShortest(std::string& text, Number number) {
 
 }  // namespace
 
-Rgb ToRgb(const Color& color) {
+Rgba ToRgba(const Color& color) {
   const auto byte = [](float share) {
     return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0f, 1.0f)));
   };
-  return {byte(color.r), byte(color.g), byte(color.b)};
+  return {byte(color.r), byte(color.g), byte(color.b), byte(color.a)};
 }
 
-std::string HexOf(const Rgb& rgb) {
+std::string HexOf(const Rgba& color) {
   constexpr const char* kDigits = "0123456789abcdef";
   std::string text;
-  for (std::uint8_t byte : rgb) text += {kDigits[byte >> 4], kDigits[byte & 15]};
+  for (std::uint8_t byte : color) text += {kDigits[byte >> 4], kDigits[byte & 15]};
+  if (color[3] == 255) text.resize(6);
   return text;
 }
 
-std::vector<Rgb> ColorsOf(const MeshNode& node, const Model& model) {
+std::vector<Rgba> ColorsOf(const MeshNode& node, const Model& model) {
   const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
-  std::vector<Rgb> colors;
+  std::vector<Rgba> colors;
   for (std::uint32_t f = 0; f < model.parts[instance.part].faces.count; ++f)
-    colors.push_back(ToRgb(model.PlacedFaceColor(instance.first_placed_face + f)));
+    colors.push_back(ToRgba(model.PlacedFaceColor(instance.first_placed_face + f)));
   return colors;
 }
 

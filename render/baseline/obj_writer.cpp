@@ -39,7 +39,7 @@ class ObjWriter {
     for (const auto& n : part.normals)
       AppendVector(text_, "vn", PlacedNormal(node.placement, {n[0], n[1], n[2]}));
 
-    const std::vector<Rgb> colors = ColorsOf(node, model_);
+    const std::vector<Rgba> colors = ColorsOf(node, model_);
     const bool mirrored = node.placement.Determinant() < 0;
     std::uint32_t face = kNoIndex;
     for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
@@ -64,26 +64,28 @@ class ObjWriter {
 
   std::string Materials() const {
     std::string text = "# facetless: colours in sRGB\n";
-    for (const auto& [rgb, name] : materials_) {
+    for (const auto& [color, name] : materials_) {
       text += "newmtl " + name + "\nKd";
-      for (std::uint8_t byte : rgb) {
+      for (int k = 0; k < 3; ++k) {
         text += ' ';
-        AppendNumber(text, static_cast<float>(byte) / 255);
+        AppendNumber(text, static_cast<float>(color[k]) / 255);
       }
-      text += "\nd 1\nillum 1\n";
+      text += "\nd ";
+      AppendNumber(text, static_cast<float>(color[3]) / 255);
+      text += "\nillum 1\n";
     }
     return text;
   }
   std::string Take() && { return std::move(text_); }
 
  private:
-  const std::string& MaterialOf(const Rgb& rgb) {
-    return materials_.try_emplace(rgb, "color_" + HexOf(rgb)).first->second;
+  const std::string& MaterialOf(const Rgba& color) {
+    return materials_.try_emplace(color, "color_" + HexOf(color)).first->second;
   }
 
   const Model& model_;
   std::string text_;
-  std::map<Rgb, std::string> materials_;
+  std::map<Rgba, std::string> materials_;
   std::uint64_t vertices_ = 0, normals_ = 0;  // of earlier placements
 };
 

@@ -47,7 +47,7 @@ class ModelWriter {
 
   void Add(const MeshNode& node, const MeshPart& part) {
     // Placements of one part that look alike share an object. 3MF leaves mirrored ones to the writer, so that they get one of their own.
-    std::vector<Rgb> colors = ColorsOf(node, model_);
+    std::vector<Rgba> colors = ColorsOf(node, model_);
     const bool mirrored = node.placement.Determinant() < 0;
     const auto [object, fresh] =
         objects_.try_emplace({node.part, mirrored, std::move(colors)},
@@ -67,15 +67,15 @@ class ModelWriter {
     text += Attribute(model_.info.file) +
             "</metadata>\n<metadata name=\"Application\">facetless</metadata>\n<resources>\n";
     text += "<basematerials id=\"" + std::to_string(kMaterials) + "\">\n";
-    for (const Rgb& rgb : palette_)
-      text += "<base name=\"color_" + HexOf(rgb) + "\" displaycolor=\"#" + HexOf(rgb) + "\"/>\n";
+    for (const Rgba& color : palette_)
+      text += "<base name=\"color_" + HexOf(color) + "\" displaycolor=\"#" + HexOf(color) + "\"/>\n";
     text += "</basematerials>\n" + resources_ + "</resources>\n<build>\n" + items_ + "</build>\n</model>\n";
     return text;
   }
 
  private:
   void AddObject(std::uint32_t id, const MeshPart& part, const WeldedPart& welded,
-                 const std::vector<Rgb>& colors, bool mirrored) {
+                 const std::vector<Rgba>& colors, bool mirrored) {
     resources_ += "<object id=\"" + std::to_string(id) + "\" type=\"model\" pid=\"" +
                   std::to_string(kMaterials) + "\" pindex=\"" +
                   std::to_string(ColorIndex(
@@ -114,16 +114,16 @@ class ModelWriter {
     items_ += "/>\n";
   }
 
-  std::uint32_t ColorIndex(const Rgb& rgb) {
-    const auto [place, fresh] = color_index_.try_emplace(rgb, static_cast<std::uint32_t>(palette_.size()));
-    if (fresh) palette_.push_back(rgb);
+  std::uint32_t ColorIndex(const Rgba& color) {
+    const auto [place, fresh] = color_index_.try_emplace(color, static_cast<std::uint32_t>(palette_.size()));
+    if (fresh) palette_.push_back(color);
     return place->second;
   }
 
   const Model& model_;
-  std::map<std::tuple<std::uint32_t, bool, std::vector<Rgb>>, std::uint32_t> objects_;
-  std::map<Rgb, std::uint32_t> color_index_;
-  std::vector<Rgb> palette_;
+  std::map<std::tuple<std::uint32_t, bool, std::vector<Rgba>>, std::uint32_t> objects_;
+  std::map<Rgba, std::uint32_t> color_index_;
+  std::vector<Rgba> palette_;
   std::string resources_, items_;
 };
 

@@ -323,6 +323,20 @@ TEST(MeshWriter, ThreeMfHasObjectsItemsAndColours) {
   EXPECT_EQ(ColorsOf(placed), kColors);
 }
 
+TEST(MeshWriter, OpacityIsCarried) {
+  Boxes boxes;
+  boxes.model.faces[2].color.a = 0.5f;
+  const std::string glb = boxes.Encode(MeshFormat::kGlb);
+  EXPECT_THAT(glb, ::testing::HasSubstr("\"alphaMode\":\"BLEND\""));
+  EXPECT_THAT(glb, ::testing::HasSubstr("color_ff000080"));
+  const auto obj = EncodeMesh(boxes.mesh, boxes.model, MeshFormat::kObj, "x");
+  ASSERT_TRUE(obj.ok());
+  EXPECT_THAT(obj.value()[0].bytes, ::testing::HasSubstr("newmtl color_ff000080\nKd 1 0 0\nd 0.5019608\n"));
+  const TemporaryFolder folder;
+  EXPECT_THAT(Unzipped(folder.Write("x.3mf", boxes.Encode(MeshFormat::k3mf)), "3D/3dmodel.model"),
+              ::testing::HasSubstr("displaycolor=\"#ff000080\""));
+}
+
 TEST(MeshWriter, PlacementsThatLookAlikeShareAPart) {
   Boxes boxes;
   boxes.model.instances[1].has_color = false;
