@@ -76,7 +76,12 @@ Both sides take turns on an otherwise idle machine, and medians count. docs/perf
 
 constexpr const char* kMeshFooter = R"(Examples:
   facetless mesh part.step --out part.glb
-  facetless mesh part.step --out part.glb --deflection-mm 0.01 --angular 10)";
+  facetless mesh part.step --out part.glb --deflection-mm 0.01 --angular 10
+  facetless mesh part.step --out part.stl --deflection-mm 0.05 --angular 5
+  facetless mesh part.step --out part.obj        with colours in part.mtl
+
+The suffix says the format: .glb, .stl (binary), .obj or .3mf. Standard output gets the path; standard error says how many triangles were
+written and whether they are watertight.)";
 
 constexpr const char* kInspectFooter = R"(Example:
   facetless inspect part.step | jq '.model.faces_skipped')";
@@ -203,7 +208,8 @@ int RunCommandLine(int argc, char** argv) {
   CLI::App* continuity = AddFileCommand(
       app, "continuity", "Measure how smoothly neighbouring faces meet (JSON)", kContinuityFooter, arguments);
   CLI::App* render = AddFileCommand(app, "render", "Render the exact surfaces", kRenderFooter, arguments);
-  CLI::App* mesh = AddFileCommand(app, "mesh", "Write a tessellation as glTF binary", kMeshFooter, arguments);
+  CLI::App* mesh = AddFileCommand(app, "mesh", "Write a tessellation: glTF binary, STL, OBJ or 3MF",
+                                  kMeshFooter, arguments);
   CLI::App* compare =
       AddFileCommand(app, "compare", "Render exact surfaces and a mesh, and report the difference",
                      kCompareFooter, arguments);
@@ -242,7 +248,11 @@ int RunCommandLine(int argc, char** argv) {
   AddTradeOptions(trade, options);
   AddCameraOptions(bench, options);
   AddBenchOptions(bench, arguments);
-  mesh->add_option("--out", arguments.out, "The glTF file to write")->required()->type_name("FILE.glb");
+  mesh->add_option("--out", arguments.out,
+                   "The file to write; its suffix is the format: .glb, .stl, .obj, .3mf")
+      ->required()
+      ->type_name("FILE");
+  AddShowHiddenOption(mesh, options);
   options.Text(compare, "mesh", "glTF binary or STL file to compare with, instead of our own tessellation",
                "FILE");
   options.Text(compare, "mesh-unit", "Unit of --mesh: mm, cm, m, in, ft (default: glTF m, STL mm)", "UNIT");

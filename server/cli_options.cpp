@@ -2,9 +2,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <utility>
 #include <vector>
 
 #include "server/files.h"
+#include "server/json_text.h"
 
 namespace facetless {
 
@@ -49,10 +51,11 @@ Result<Json> OptionCollector::Take() {
     if (!file) return Error{ErrorCode::kBadUsage, "--camera: " + file.error().message};
     text = std::move(file).value();
   }
-  json_["camera"] = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json_["camera"].is_discarded())
+  auto camera = ParseJsonText(text, "--camera");
+  if (!camera)
     return Error{ErrorCode::kBadUsage,
-                 "--camera is no valid JSON; an example is '{\"eye\":[200,-300,150],\"height\":120}'"};
+                 camera.error().message + "; an example is '{\"eye\":[200,-300,150],\"height\":120}'"};
+  json_["camera"] = std::move(camera).value();
   return json_;
 }
 
@@ -111,6 +114,11 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
 }
 
+void AddShowHiddenOption(CLI::App* app, OptionCollector& options) {
+  options.Switch(app, "show-hidden",
+                 "Show also what the file hides: invisible items and layers, blanked entities");
+}
+
 void AddPictureOptions(CLI::App* app, OptionCollector& options) {
   options.Text(app, "color", "face (default: what the file says), part (a colour for each) or #rrggbb",
                "NAME");
@@ -120,8 +128,7 @@ void AddPictureOptions(CLI::App* app, OptionCollector& options) {
   options.List(app, "hide", "Leave such occurrences out; repeatable", "NAME");
   options.Number(app, "explode", "Move occurrences apart: 1 doubles their distance from the centre",
                  "FACTOR");
-  options.Switch(app, "show-hidden",
-                 "Show also what the file hides: invisible items and layers, blanked entities");
+  AddShowHiddenOption(app, options);
   options.Switch(app, "scale-bar", "Draw a scale bar into the pictures (orthographic views)");
   options.Switch(app, "axes", "Draw the model's axes into the pictures");
   options.Switch(app, "sheet", "Write sheet.png: all views on one picture");

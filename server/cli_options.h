@@ -34,6 +34,7 @@ class OptionCollector {
 
 void AddCameraOptions(CLI::App* app, OptionCollector& options);
 void AddViewOptions(CLI::App* app, OptionCollector& options);  // those of cameras, too
+void AddShowHiddenOption(CLI::App* app, OptionCollector& options);
 void AddPictureOptions(CLI::App* app, OptionCollector& options);
 void AddTurntableOptions(CLI::App* app, OptionCollector& options);
 void AddTessellationOptions(CLI::App* app, OptionCollector& options);

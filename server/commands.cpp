@@ -12,6 +12,7 @@
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/mesh_output.h"
 #include "server/progress.h"
 #include "server/regress.h"
 #include "server/run.h"
@@ -134,6 +135,9 @@ int RenderCommand(const CommandArguments& arguments) {
 }
 
 int MeshCommand(const CommandArguments& arguments) {
+  // A name that no format has is refused before anything is imported.
+  const auto format = MeshFormatOf(arguments.out);
+  if (!format) return PrintError(format.error());
   Progress progress(arguments.progress);
   ImportRequest request = ToImportRequest(arguments, progress);
   request.meshes = {arguments.options.tessellation};
@@ -141,11 +145,18 @@ int MeshCommand(const CommandArguments& arguments) {
   if (!files) return PrintError(files.error());
   auto model = ReadModel(files.value().model_path);
   if (!model) return PrintError(model.error());
-  if (auto moved = MoveFile(files.value().mesh_paths.front(), arguments.out); !moved)
-    return PrintError(moved.error());
-  Print(arguments.out);
   const std::vector<std::string> unmeshed = UnmeshedOf(files.value().summary);
   WarnOfUnmeshed(unmeshed);
+  auto mesh = LoadMesh(files.value().mesh_paths.front(), {}, nullptr);
+  if (!mesh && mesh.error().code == ErrorCode::kNothingUsable)
+    return PrintError({ErrorCode::kNothingUsable, "the mesher made no triangle of any face"});
+  if (!mesh) return PrintError(mesh.error());
+  auto said = WriteMeshFiles(model.value(), std::move(mesh).value(), format.value(),
+                             arguments.options.picture.arrangement.show_hidden, arguments.out);
+  if (!said) return PrintError(said.error());
+  Print(arguments.out);
+  for (const std::string& sentence : said.value())
+    std::fprintf(stderr, "facetless: %s\n", Printable(sentence).c_str());
   return LossExitCode(arguments.options, model.value(), unmeshed.size());
 }
 
@@ -154,6 +165,9 @@ int CompareCommand(const CommandArguments& arguments) {
   const RunOptions& options = arguments.options;
   // What no mesh can show is said before anything is imported.
   if (auto can = CheckMeshCanShow(options.inspection, true); !can) return PrintError(can.error());
+  if (options.mesh.empty() && !(options.mesh_unit + options.mesh_up).empty())
+    return PrintError(
+        {ErrorCode::kBadUsage, "--mesh-unit and --mesh-up are about --mesh, which is not given"});
   ImportRequest request = ToImportRequest(arguments, progress);
   if (options.mesh.empty()) request.meshes = {options.tessellation};
   auto imported = Import(request);

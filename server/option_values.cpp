@@ -17,7 +17,45 @@ std::string Plain(double number) {
   return text;
 }
 
+// How many letters have to be put in, taken out, exchanged or swapped with the next one to make `b` of `a`.
+std::size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before, last, next(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) next[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = std::exchange(last, next);
+    next[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      next[j] = std::min({last[j] + 1, next[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        next[j] = std::min(next[j], before[j - 2] + 1);
+    }
+  }
+  return next[b.size()];
+}
+
 }  // namespace
+
+std::string Suggestion(const std::string& word, const std::vector<std::string>& names) {
+  // No option is as long as that, and the comparison takes the product of the lengths.
+  constexpr std::size_t kLongest = 64;
+  std::string best;
+  std::size_t least = 1 + std::max<std::size_t>(1, word.size() / 3);
+  for (const std::string& name : names) {
+    if (word.size() > kLongest) break;
+    const std::size_t distance = EditDistance(word, name);
+    if (distance >= least) continue;
+    least = distance;
+    best = name;
+  }
+  return best.empty() ? "" : " (did you mean " + best + "?)";
+}
+
+std::string Shortened(const std::string& word) {
+  constexpr std::size_t kMostShown = 64;
+  return word.size() <= kMostShown
+             ? "\"" + word + "\""
+             : "\"" + word.substr(0, kMostShown) + "…\" (" + std::to_string(word.size()) + " bytes)";
+}
 
 Error BadUsage(std::string message) {
   return {ErrorCode::kBadUsage, std::move(message)};

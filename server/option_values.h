@@ -20,6 +20,11 @@ std::string Quoted(const nlohmann::json& json);
 // With commas.
 std::string Joined(const std::vector<std::string>& names);
 
+// " (did you mean size?)" if one of `names` is spelled much like `word`; else "".
+std::string Suggestion(const std::string& word, const std::vector<std::string>& names);
+// A word of the caller's in quotes, cut where it is too long to be one.
+std::string Shortened(const std::string& word);
+
 // A number of [low, high]; high may be infinite.
 Result<double> ParseNumber(const nlohmann::json& json, const std::string& name, double low, double high);
 Result<int> ParseInteger(const nlohmann::json& json, const std::string& name, int low, int high);

@@ -295,7 +295,8 @@ Result<RunOptions> ParseOptions(const Json& json) {
     const auto parser = std::find_if(Parsers().begin(), Parsers().end(),
                                      [&](const auto& entry) { return entry.first == name; });
     if (parser == Parsers().end())
-      return BadUsage("there is no option \"" + key + "\"; the options are " + Joined(OptionNames()));
+      return BadUsage("there is no option " + Shortened(key) + Suggestion(name, OptionNames()) +
+                      "; the options are " + Joined(OptionNames()));
     if (!given.insert(name).second) return BadUsage("the option " + name + " is given twice");
     if (auto parsed = parser->second(value, options); !parsed) return parsed.error();
   }
@@ -322,14 +323,18 @@ const std::vector<std::string>& OptionNames() {
   return names;
 }
 
-Result<Camera> ParseCamera(const Json& json, const RunOptions& options, const Box3& bounds,
-                           const std::string& default_name) {
+namespace {
+
+// A camera as it is written, whose place is not looked at yet: `bounds` says what is not written.
+Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box3& bounds,
+                          const std::string& default_name) {
   static const std::set<std::string> kKeys = {"name",   "eye",       "target", "up",       "projection",
                                               "height", "fov_y_deg", "width",  "height_px"};
   for (const auto& [key, value] : json.items()) {
     if (!kKeys.contains(key))
-      return BadUsage("a camera has no \"" + key +
-                      "\"; it has name, eye, target, up, projection, height or fov_y_deg, width, height_px");
+      return BadUsage("a camera has no " + Shortened(key) +
+                      Suggestion(key, std::vector<std::string>(kKeys.begin(), kKeys.end())) +
+                      "; it has name, eye, target, up, projection, height or fov_y_deg, width, height_px");
   }
   Camera camera;
   camera.name = default_name;
@@ -387,16 +392,53 @@ Result<Camera> ParseCamera(const Json& json, const RunOptions& options, const Bo
     auto angle = ParseNumber(json["fov_y_deg"], "camera.fov_y_deg", 1e-3, 179);
     if (auto stored = Store(std::move(angle), camera.fov_y_deg); !stored) return stored.error();
   }
-  if (auto frame = MakeFrame(camera, bounds.diagonal()); !frame) return frame.error();
   return camera;
+}
+
+// "camera", "camera-2", …: of the camera at `index`.
+std::string DefaultCameraName(std::size_t index) {
+  return index == 0 ? "camera" : "camera-" + std::to_string(index + 1);
+}
+
+}  // namespace
+
+Result<Camera> ParseCamera(const Json& json, const RunOptions& options, const Box3& bounds,
+                           const std::string& default_name) {
+  auto camera = ReadCamera(json, options, bounds, default_name);
+  if (!camera) return camera.error();
+  if (auto frame = MakeFrame(camera.value(), bounds.diagonal()); !frame) return frame.error();
+  return camera;
+}
+
+Result<std::uint64_t> CountSamples(const RunOptions& options) {
+  const auto of_picture = [&](int width, int height) {
+    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) *
+           static_cast<std::uint64_t>(options.samples);
+  };
+  std::vector<std::uint64_t> views;
+  if (options.cameras.is_array()) {
+    Box3 any;
+    any.Add({0, 0, 0});
+    any.Add({1, 1, 1});
+    for (const Json& json : options.cameras) {
+      const auto camera = ReadCamera(json, options, any, DefaultCameraName(views.size()));
+      if (!camera) return camera.error();
+      views.push_back(of_picture(camera.value().width_px, camera.value().height_px));
+    }
+  } else {
+    views.assign(options.views.size(), of_picture(options.width, options.height));
+  }
+  std::uint64_t count = 0;
+  for (std::uint64_t view : views) count += view;
+  if (!views.empty()) count += static_cast<std::uint64_t>(options.picture.turntable) * views.front();
+  return count;
 }
 
 Result<std::vector<Camera>> ResolveCameras(const RunOptions& options, const Box3& bounds) {
   std::vector<Camera> cameras;
   if (options.cameras.is_array()) {
     for (const Json& json : options.cameras) {
-      const std::string name = cameras.empty() ? "camera" : "camera-" + std::to_string(cameras.size() + 1);
-      auto camera = ParseCamera(json, options, bounds, name);
+      auto camera = ParseCamera(json, options, bounds, DefaultCameraName(cameras.size()));
       if (!camera) return camera.error();
       cameras.push_back(std::move(camera).value());
     }

@@ -98,6 +98,7 @@ struct RunOptions {
   CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
+  std::uint64_t max_view_bytes = DirectOptions{}.max_bytes;  // of the leaves of one view; no caller's to say
   std::optional<double> timeout_s;  // none: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
@@ -131,6 +132,10 @@ const std::vector<std::string>& OptionNames();
 // the options. So a camera of a report can be given back as it is. Error: kBadUsage.
 Result<Camera> ParseCamera(const nlohmann::json& json, const RunOptions& options, const Box3& bounds,
                            const std::string& default_name);
+
+// How many samples a run takes: pixels × samples per pixel × views, and those of a turntable's frames. It needs no model. Error: kBadUsage
+// (a camera).
+Result<std::uint64_t> CountSamples(const RunOptions& options);
 
 // The cameras of a run, their names distinct. Error: kBadUsage.
 Result<std::vector<Camera>> ResolveCameras(const RunOptions& options, const Box3& bounds);

@@ -12,6 +12,7 @@
 #include "render/image/metrics.h"
 #include "server/exit_code.h"
 #include "server/files.h"
+#include "server/json_text.h"
 #include "server/report_html.h"
 #include "server/shown_model.h"
 #include "server/version.h"
@@ -110,7 +111,9 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
 Result<std::vector<Entry>> ParseManifest(const RegressRequest& request) {
   auto text = ReadFile(request.manifest, kMaxManifestBytes);
   if (!text) return text.error();
-  const Json json = Json::parse(text.value(), nullptr, /*allow_exceptions=*/false, /*ignore_comments=*/true);
+  const auto parsed = ParseJsonText(text.value(), request.manifest, /*ignore_comments=*/true);
+  if (!parsed) return parsed.error();
+  const Json& json = parsed.value();
   if (!json.is_object() || !json.contains("files") || !json["files"].is_array())
     return BadManifest("it must be a JSON object with a list \"files\"");
   for (const auto& [key, value] : json.items()) {

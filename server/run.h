@@ -34,6 +34,7 @@ struct ImportedModel {
   std::unique_ptr<const Model> model;
   std::vector<Mesh> meshes;  // one for each TessellationOptions
   double import_ms = 0;      // wall time of the importer process
+  bool import_kept = false;  // an earlier run has paid that
   double load_ms = 0;        // of reading its files
   std::uint64_t import_peak_bytes = 0, import_peak_address_bytes = 0;
 };

@@ -55,6 +55,7 @@ Result<ShownModel> ShownModel::Of(const ImportedModel& imported, const Mesh* mes
   ImportedModel& arranged = shown.arranged_.emplace();
   arranged.model = std::make_unique<const Model>(Arranged(model, arrangement.value()));
   arranged.import_ms = imported.import_ms;
+  arranged.import_kept = imported.import_kept;
   arranged.load_ms = imported.load_ms;
   arranged.import_peak_bytes = imported.import_peak_bytes;
   arranged.import_peak_address_bytes = imported.import_peak_address_bytes;

@@ -66,24 +66,6 @@ Result<std::vector<unsigned char>> ReadBytes(const std::string& path, const std:
   return bytes;
 }
 
-// A mesh that says it was made from a model belongs to this one only if its nodes are this model's
-// instances, face by face.
-bool NamesFacesOf(const Mesh& mesh, const Model& model) {
-  const std::uint32_t placed = model.PlacedFaceCount();
-  for (const MeshNode& node : mesh.nodes) {
-    const MeshPart& part = mesh.parts[node.part];
-    if (part.triangles.empty()) continue;
-    if (node.first_placed_face >= placed) return false;
-    const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
-    const std::uint32_t highest =
-        *std::max_element(part.face_of_triangle.begin(), part.face_of_triangle.end());
-    if (instance.first_placed_face != node.first_placed_face ||
-        highest >= model.parts[instance.part].faces.count)
-      return false;
-  }
-  return true;
-}
-
 std::string Times(double ratio) {
   char text[64];
   std::snprintf(text, sizeof text, "%.4g times as %s", ratio > 1 ? ratio : 1 / ratio,
@@ -105,6 +87,23 @@ double HalfUlp(float x) {
 }
 
 }  // namespace
+
+bool NamesFacesOf(const Mesh& mesh, const Model& model) {
+  if (!mesh.from_model) return false;
+  const std::uint32_t placed = model.PlacedFaceCount();
+  for (const MeshNode& node : mesh.nodes) {
+    const MeshPart& part = mesh.parts[node.part];
+    if (part.triangles.empty()) continue;
+    if (node.first_placed_face >= placed) return false;
+    const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
+    const std::uint32_t highest =
+        *std::max_element(part.face_of_triangle.begin(), part.face_of_triangle.end());
+    if (instance.first_placed_face != node.first_placed_face ||
+        highest >= model.parts[instance.part].faces.count)
+      return false;
+  }
+  return true;
+}
 
 Placement FileToModel(FileAxes axes) {
   const double s = axes.unit_mm;
@@ -209,7 +208,7 @@ Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, c
   // Compare with the model.
   const Result<void> size = CheckMeshSize(MeshBounds(mesh.value()), axes.value().unit_mm, model->bounds);
   if (!size.ok()) return Error{size.error().code, name + ": " + size.error().message};
-  mesh.value().from_model = mesh.value().from_model && NamesFacesOf(mesh.value(), *model);
+  mesh.value().from_model = NamesFacesOf(mesh.value(), *model);
   return mesh;
 }
 

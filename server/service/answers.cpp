@@ -101,7 +101,7 @@ std::optional<std::string> AnswerText(const Job& job, Store& store) {
   return JsonText(ModelJson(*model)) + "\n";
 }
 
-Json JobJson(const JobView& view, Store& store) {
+Json ListedJobJson(const JobView& view) {
   const Job& job = view.job;
   const std::string self = "/v1/jobs/" + job.id;
   Json json = {{"id", job.id},
@@ -115,6 +115,12 @@ Json JobJson(const JobView& view, Store& store) {
                {"attempts", job.attempts},
                {"links", {{"self", self}, {"events", self + "/events"}}}};
   if (job.state == JobState::kFailed) json["problem"] = job.problem;
+  return json;
+}
+
+Json JobJson(const JobView& view, Store& store) {
+  const Job& job = view.job;
+  Json json = ListedJobJson(view);
   if (job.state != JobState::kDone) return json;
   json["result"] = nullptr;
   const auto text = AnswerText(job, store);

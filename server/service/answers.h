@@ -20,6 +20,9 @@ HttpResponse JsonTextResponse(int status, std::string text);
 
 nlohmann::json ModelJson(const StoredModel& model);
 
+// A job of a list: JobJson without its result.
+nlohmann::json ListedJobJson(const JobView& view);
+
 // A job for its caller; "result" is what `store` has for it, null if that was given up.
 nlohmann::json JobJson(const JobView& view, Store& store);
 

@@ -242,6 +242,47 @@ std::optional<StoredModel> FileStore::FindModel(const std::string& owner, const 
   return model;
 }
 
+std::vector<ListedModel> FileStore::ListModels(const std::string& owner, const std::string& after,
+                                               std::size_t limit) {
+  const std::string prefix = ModelItem(owner, "");
+  // '0' is the character after '/', with which the prefix ends.
+  const std::string end = prefix.substr(0, prefix.size() - 1) + "0";
+  std::vector<ListedModel> models;
+  (void)directory_.reader().Query(
+      "SELECT id, record, created FROM items WHERE id > ? AND id < ? ORDER BY id LIMIT ?",
+      {prefix + after, end, static_cast<std::int64_t>(limit)}, [&](const SqlRow& row) {
+        const nlohmann::json record = nlohmann::json::parse(row.Text(1), nullptr, /*allow_exceptions=*/false);
+        if (!record.is_object()) return;
+        models.push_back({row.Text(0).substr(prefix.size()), record.value("name", ""),
+                          record.value("bytes", std::uint64_t{0}), row.Real(2)});
+      });
+  return models;
+}
+
+Result<Removal> FileStore::RemoveModel(const std::string& owner, const std::string& id) {
+  if (!IsSha256Hex(id)) return Removal::kNotThere;
+  const std::string item = ModelItem(owner, id);
+  {
+    Database& database = directory_.writer();
+    Transaction transaction(database);
+    if (!transaction.begun()) return transaction.begun().error();
+    bool needed = false;
+    if (auto asked = database.Query("SELECT 1 FROM needs WHERE item = ? LIMIT 1", {item},
+                                    [&](const SqlRow&) { needed = true; });
+        !asked)
+      return asked.error();
+    if (needed) return Removal::kNeeded;
+    const auto removed = database.Run("DELETE FROM items WHERE id = ?", {item});
+    if (!removed) return removed.error();
+    if (removed.value() == 0) return Removal::kNotThere;
+    if (auto unused = database.Run("DELETE FROM uses WHERE holder = ?", {item}); !unused)
+      return unused.error();
+    if (auto committed = transaction.Commit(); !committed) return committed.error();
+  }
+  RemoveLooseFiles();
+  return Removal::kRemoved;
+}
+
 Result<void> FileStore::PutMesh(const std::string& owner, const std::string& id, const std::string& key,
                                 const KeptFile& mesh) {
   if (auto room = MakeRoom(mesh.bytes); !room) return room;

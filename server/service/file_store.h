@@ -35,6 +35,9 @@ class FileStore : public Store {
   Result<void> PutModel(const std::string& owner, const std::string& id, const std::string& name,
                         const nlohmann::json& report, const KeptFile& source, const KeptFile& model) override;
   std::optional<StoredModel> FindModel(const std::string& owner, const std::string& id) override;
+  std::vector<ListedModel> ListModels(const std::string& owner, const std::string& after,
+                                      std::size_t limit) override;
+  Result<Removal> RemoveModel(const std::string& owner, const std::string& id) override;
   Result<void> PutMesh(const std::string& owner, const std::string& id, const std::string& key,
                        const KeptFile& mesh) override;
   std::optional<std::string> FindMesh(const std::string& owner, const std::string& id,

@@ -103,6 +103,10 @@ class JobStore {
   // job as it is then; nothing if there is none.
   virtual Result<std::optional<Job>> Cancel(const std::string& id) = 0;
   virtual std::optional<Job> Find(const std::string& id) = 0;
+  // Ids of an owner's jobs, the newest first, from the first one older than `after` on ("": the newest of all): at most `limit`. Nothing if
+  // there is no job `after` of that owner.
+  virtual std::optional<std::vector<std::string>> List(const std::string& owner, const std::string& after,
+                                                       std::size_t limit) = 0;
   virtual JobCounts Counts() = 0;
 
   // Nothing, if it would take a job now. Errors: those of Submit.

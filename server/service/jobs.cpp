@@ -8,6 +8,7 @@
 
 #include "server/interrupt.h"
 #include "server/service/data_directory.h"
+#include "server/service/heap.h"
 #include "server/service/problem.h"
 
 namespace facetless {
@@ -153,6 +154,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
   EnterStage(*active, "");
   RecordEnd(Ended(*active, result, deadline.expired()), Seconds(Clock::now() - active->began).count());
   store_.Sweep();
+  GiveBackHeap();
 }
 
 // Reports the time of the stage that is over.

@@ -54,6 +54,11 @@ class Jobs {
 
   Result<Submitted> Submit(const NewJob& job);
   std::optional<JobView> Find(const std::string& id);
+  // JobStore::List.
+  std::optional<std::vector<std::string>> List(const std::string& owner, const std::string& after,
+                                               std::size_t limit) {
+    return queue_.List(owner, after, limit);
+  }
   // The job when it has ended, or when `seconds` are over.
   std::optional<JobView> WaitForEnd(const std::string& id, double seconds);
   // The same for any change since `version`.

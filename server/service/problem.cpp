@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/files.h"
+#include "server/service/http_terms.h"
 
 namespace facetless {
 namespace {
@@ -68,7 +69,7 @@ HttpResponse ProblemResponse(const nlohmann::json& document) {
 
 HttpResponse ProblemOf(const Error& error) {
   const int status = error.code == ErrorCode::kWriteFailed ? 507 : CallerIsToBlame(error.code) ? 422 : 500;
-  return Problem(status, ErrorCodeName(error.code), TitleOf(error.code), error.message);
+  return Problem(status, ErrorCodeName(error.code), TitleOf(error.code), InHttpTerms(error.message));
 }
 
 HttpResponse ProblemOfStatus(int status) {

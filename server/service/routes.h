@@ -16,6 +16,7 @@ enum class RouteKind {
   kModel,
   kAnswer,
   kArtifact,
+  kJobs,
   kJob,
   kJobEvents
 };

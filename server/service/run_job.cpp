@@ -1,6 +1,7 @@
 #include "server/service/run_job.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -30,13 +31,6 @@ std::string MeshKey(const TessellationOptions& mesh) {
                          {"deflection_mm", mesh.deflection_mm},
                          {"angular_deg", mesh.angular_deg}};
   return Sha256Hex(JsonText(identity, -1));
-}
-
-std::uint64_t SamplesOf(const std::vector<Camera>& cameras, int samples) {
-  std::uint64_t count = 0;
-  for (const Camera& camera : cameras)
-    count += std::uint64_t(camera.width_px) * std::uint64_t(camera.height_px) * std::uint64_t(samples);
-  return count;
 }
 
 // Tells how fast the direct renderer was, view by view; a trade's report has none.
@@ -91,6 +85,9 @@ class JobRun {
     if (job_.kind != "model" && store_.FindAnswer(job_.owner, job_.question)) return answer;
 
     // The model, and the mesh to compare it with.
+    // A job that waited while the service was started again may ask for more than is allowed by now.
+    if (job_.kind != "model")
+      if (auto small = CheckSamples(request_.options, limits_.max_samples); !small) return small.error();
     if (auto ready = MakeModel(); !ready) return ready.error();
     if (job_.kind == "model") return ModelItem(job_.owner, request_.model_id);
     std::string mesh_path;
@@ -130,6 +127,7 @@ class JobRun {
     if (job_.kind == "comparison" && !foreign_mesh()) meshes.push_back(request_.options.tessellation);
     auto files = Import(source->path, request_.file_name, meshes);
     if (!files) return files.error();
+    imported_ = true;
 
     // Describe it and keep it.
     auto read = ReadModel(files.value().model_path);
@@ -164,7 +162,10 @@ class JobRun {
     if (foreign_mesh()) {
       posted_mesh_ = store_.Pin(request_.mesh);
       if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh is not there any more"};
-      return posted_mesh_->path;
+      // Under the name that it came with, which errors show.
+      auto path = UnderName(posted_mesh_->path, request_.mesh_name.empty() ? "mesh" : request_.mesh_name);
+      if (!path) return path.error();
+      return std::move(path).value();
     }
     const std::string key = MeshKey(request_.options.tessellation);
     if (auto known = store_.FindMesh(job_.owner, model_->id, key)) return *known;
@@ -176,17 +177,25 @@ class JobRun {
     return mesh.value().path;
   }
 
-  // What every import of the job has in common. `source` lies in the job's scratch directory under the name that
-  // it came with: reports show it.
-  Result<ImportRequest> ImportRequestFor(const std::string& path, const std::string& name) {
+  // The file at `path`, in a scratch directory of the job's under another name.
+  Result<std::string> UnderName(const std::string& path, const std::string& name) {
     auto scratch = store_.Scratch();
     if (!scratch) return scratch.error();
     scratch_.push_back(std::move(scratch).value());
-    ImportRequest request;
-    request.input = scratch_.back().File(name);
+    const std::string link = scratch_.back().File(name);
     std::error_code error;
-    std::filesystem::create_hard_link(path, request.input, error);
+    std::filesystem::create_hard_link(path, link, error);
     if (error) return Error{ErrorCode::kWriteFailed, "cannot store the upload: " + error.message()};
+    return link;
+  }
+
+  // What every import of the job has in common. `source` lies in the job's scratch directory under the name that
+  // it came with: reports show it.
+  Result<ImportRequest> ImportRequestFor(const std::string& path, const std::string& name) {
+    auto input = UnderName(path, name);
+    if (!input) return input.error();
+    ImportRequest request;
+    request.input = std::move(input).value();
     // The job's deadline ends it first.
     request.limits.timeout_s = 2 * limits_.timeout_s;
     request.limits.memory_mb = limits_.import_memory_mb;
@@ -212,24 +221,16 @@ class JobRun {
   }
 
   Result<void> Execute(const std::string& mesh_path) {
+    const auto start = std::chrono::steady_clock::now();
     auto read = ReadModel(model_->model_path);
     if (!read) return read.error();
     ImportedModel imported;
+    imported.import_kept = !imported_;
+    imported.load_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     imported.model = std::make_unique<const Model>(std::move(read).value());
     imported.import_ms = model_->report.value("import_ms", 0.0);
     imported.import_peak_bytes = model_->report.value("import_peak_bytes", std::uint64_t{0});
-
-    // How much work is asked for.
-    auto cameras = ResolveCameras(request_.options, imported.model->bounds);
-    if (!cameras) return cameras.error();
-    const std::uint64_t frames = static_cast<std::uint64_t>(request_.options.picture.turntable);
-    const std::uint64_t samples = SamplesOf(cameras.value(), request_.options.samples) +
-                                  frames * SamplesOf({cameras.value().front()}, request_.options.samples);
-    if (samples > limits_.max_samples)
-      return Error{ErrorCode::kLimitExceeded,
-                   "the request asks for " + std::to_string(samples) +
-                       " samples (pixels × samples per pixel × views and frames), and " +
-                       std::to_string(limits_.max_samples) + " are allowed"};
 
     // Run into a directory of its own, then move its files into the store.
     auto scratch = store_.Scratch();
@@ -245,6 +246,7 @@ class JobRun {
     const RunContext context = {watch_.deadline->flag(), watch_.progress};
     RunOptions options = request_.options;
     options.timeout_s = 0;  // the job's own deadline ends it
+    options.max_view_bytes = limits_.max_view_bytes;
     if (job_.kind == "render") return RunRender(imported, options, out, context);
     if (job_.kind == "comparison") {
       const MeshLoadOptions how = {.unit = request_.options.mesh_unit, .up = request_.options.mesh_up};
@@ -254,7 +256,8 @@ class JobRun {
     }
     const double budget_s = limits_.timeout_s / (request_.budget_given ? 1 : kTradePoints);
     options.trade.budget_s = std::min(options.trade.budget_s, budget_s);
-    options.trade.budget_mb = std::min(options.trade.budget_mb, limits_.import_memory_mb);
+    options.trade.budget_mb =
+        std::min({options.trade.budget_mb, limits_.import_memory_mb, limits_.max_view_bytes >> 20});
     auto request = ImportRequestFor(model_->source_path, model_->name);
     if (!request) return request.error();
     request.value().progress = nullptr;
@@ -308,6 +311,7 @@ class JobRun {
   JobRequest request_;
   std::string source_id_;  // of the file, where the model is read in another unit than its own
   std::optional<StoredModel> model_;
+  bool imported_ = false;  // by this job
   std::optional<KeptFile> posted_mesh_;
   std::vector<TempDir> scratch_;
 };

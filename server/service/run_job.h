@@ -21,6 +21,7 @@ struct RunLimits {
   double timeout_s = 300;               // of one attempt
   std::uint64_t max_samples = 1 << 25;  // pixels × samples per pixel × views
   std::uint64_t import_memory_mb = 8192;
+  std::uint64_t max_view_bytes = std::uint64_t{2} << 30;  // of the leaves of one view
 };
 
 struct JobWatch {

@@ -17,6 +17,7 @@
 #include "server/service/access.h"
 #include "server/service/data_directory.h"
 #include "server/service/file_store.h"
+#include "server/service/heap.h"
 #include "server/service/http_server.h"
 #include "server/service/jobs.h"
 #include "server/service/keys.h"
@@ -135,6 +136,8 @@ JobSettings JobSettingsOf(const ServeOptions& options, const std::string& data) 
   settings.run.timeout_s = options.timeout_s;
   settings.run.max_samples = options.max_samples;
   settings.run.import_memory_mb = options.import_memory_mb;
+  // Each job renders one view at a time.
+  settings.run.max_view_bytes = (options.max_view_memory_mb << 20) / static_cast<std::uint64_t>(options.jobs);
   settings.forget_after_s = options.max_age_days * kDaySeconds;
   settings.private_directory = data;
   return settings;
@@ -153,6 +156,7 @@ std::string DefaultDataDirectory() {
 }
 
 int Serve(const ServeOptions& options) {
+  BoundHeap();
   auto address = ParseAddress("--listen", options.listen);
   if (!address) return PrintError(address.error());
   const bool apart = !options.ops_listen.empty();
@@ -186,6 +190,7 @@ int Serve(const ServeOptions& options) {
   limits.queue = options.queue;
   limits.timeout_s = options.timeout_s;
   limits.max_upload_bytes = options.max_upload_mb << 20;
+  limits.max_samples = options.max_samples;
   limits.operations_apart = apart;
   // Where nobody needs a key and only this machine reaches the service, its visitors' browsers are the way in for others.
   if ((anonymous.value() && OnlyThisMachineReaches(address.value().host)) || !options.allow_host.empty() ||

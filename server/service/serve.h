@@ -16,8 +16,9 @@ struct ServeOptions {
   std::uint64_t max_samples = 1 << 25;
   double timeout_s = 300;
   std::uint64_t import_memory_mb = 8192;
-  std::uint64_t max_store_mb = 0;  // 0: none
-  double max_age_days = 0;         // 0: none
+  std::uint64_t max_view_memory_mb = 2048;  // of all jobs that run at the same time
+  std::uint64_t max_store_mb = 0;           // 0: none
+  double max_age_days = 0;                  // 0: none
   std::string allow_host,
       allow_origin;           // hosts.h: names by which the service is reached, origins of pages that may ask
   bool require_keys = false;  // also on an address of this machine only

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/files.h"
+#include "server/json_text.h"
 
 namespace facetless {
 namespace {
@@ -82,9 +83,9 @@ Result<Values> ReadConfigFile(const std::string& path) {
   Values values;
   const std::size_t first = text.value().find_first_not_of(" \t\r\n");
   if (first != std::string::npos && text.value()[first] == '{') {
-    const Json json = Json::parse(text.value(), nullptr, /*allow_exceptions=*/false);
-    if (json.is_discarded()) return BadUsage(path + " begins like JSON and is none");
-    if (auto added = AddJson(values, path, json, true); !added) return added.error();
+    const auto json = ParseJsonText(text.value(), path);
+    if (!json) return json.error();
+    if (auto added = AddJson(values, path, json.value(), true); !added) return added.error();
     return values;
   }
   try {
@@ -162,6 +163,13 @@ void ServeConfig::AddBounds() {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   Add("import-memory", options_.import_memory_mb, "Megabytes of address space of one import", "MB")
+      ->check(CLI::Range(64, 1 << 30))
+      ->capture_default_str();
+  Add("max-view-memory", options_.max_view_memory_mb,
+      "Megabytes that the leaves of views may take, of all jobs that run at the same time; what would take "
+      "more is "
+      "in doubt",
+      "MB")
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();
   Add("max-store", options_.max_store_mb,

@@ -7,6 +7,7 @@
 
 #include "server/files.h"
 #include "server/service/answers.h"
+#include "server/service/listing.h"
 #include "server/service/problem.h"
 #include "server/service/routes.h"
 #include "server/service/web_assets.h"
@@ -16,6 +17,7 @@ namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
 
 // How long a caller waits who says nothing about it: small runs are done by then.
 constexpr double kUsualWaitSeconds = 10;
@@ -25,6 +27,7 @@ constexpr double kEndSeconds = 2;
 constexpr std::uint64_t kSmallBody = 1 << 20;
 // RFC draft "The Idempotency-Key HTTP Header Field" leaves the length to the service.
 constexpr std::size_t kMaxRetryKey = 255;
+constexpr std::size_t kModelIdDigits = 64, kJobIdDigits = 32;
 // Whoever asks more often whether the service is ready gets the same answer: asking touches the disk.
 constexpr auto kReadyLasts = std::chrono::seconds(1);
 
@@ -71,6 +74,25 @@ HttpResponse ShuttingDown() {
 HttpResponse Answer(int status, const std::string& kind, const std::string& model_id, std::string text) {
   HttpResponse response = JsonTextResponse(status, std::move(text));
   if (kind == "model") response.headers.emplace_back("Location", "/v1/models/" + model_id);
+  return response;
+}
+
+// An answer that was there already. Its timing_ms is of this request, which did nothing but look it up: what the work took once is in
+// kept.timing_ms.
+HttpResponse KeptAnswer(const std::string& kind, const std::string& model_id, const std::string& text,
+                        Clock::time_point arrived) {
+  Json report = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  HttpResponse response;
+  if (report.is_object() && report.contains("timing_ms")) {
+    const std::chrono::duration<double, std::milli> elapsed = Clock::now() - arrived;
+    report["kept"] = {{"timing_ms", std::move(report["timing_ms"])}};
+    report["timing_ms"] = {{"total", elapsed.count()}};
+    response = Answer(200, kind, model_id, JsonText(report) + "\n");
+  } else {
+    response = Answer(200, kind, model_id, text);
+  }
+  // RFC 9211.
+  response.headers.emplace_back("Cache-Status", "facetless; hit");
   return response;
 }
 
@@ -158,13 +180,16 @@ HttpResponse Service::Handle(const HttpRequest& request) {
     case RouteKind::kMetrics:
       return MetricsPage();
     case RouteKind::kSubmit:
-      return Submit(request, route.argument);
+      return request.method == "POST" ? Submit(request, route.argument) : ListModels(request);
     case RouteKind::kModel:
-      return GetModel(request.caller, route.argument);
+      return request.method == "DELETE" ? RemoveModel(request.caller, route.argument)
+                                        : GetModel(request.caller, route.argument);
     case RouteKind::kAnswer:
       return GetAnswer(request.caller, route.argument);
     case RouteKind::kArtifact:
       return Artifact(request, route.argument);
+    case RouteKind::kJobs:
+      return ListJobs(request);
     case RouteKind::kJob:
       return request.method == "DELETE" ? CancelJob(request.caller, route.argument)
                                         : GetJob(request.caller, route.argument);
@@ -254,6 +279,38 @@ HttpResponse Service::GetModel(const Caller& caller, const std::string& id) {
   return model ? JsonResponse(200, ModelJson(*model)) : ProblemOfStatus(404);
 }
 
+HttpResponse Service::ListModels(const HttpRequest& request) {
+  const auto page = ParsePageRequest(request.query, kModelIdDigits);
+  if (!page) return ProblemOf(page.error());
+  Json models = Json::array();
+  for (const ListedModel& model :
+       store_.ListModels(request.caller.owner, page.value().after, page.value().limit + 1))
+    models.push_back({{"id", model.id},
+                      {"name", model.name},
+                      {"bytes", model.bytes},
+                      {"created", TimeJson(model.created)},
+                      {"links", {{"self", "/v1/models/" + model.id}}}});
+  return JsonResponse(200, PageJson("/v1/models", "models", page.value(), std::move(models)));
+}
+
+HttpResponse Service::RemoveModel(const Caller& caller, const std::string& id) {
+  const auto removed = store_.RemoveModel(caller.owner, id);
+  if (!removed) return ProblemOf({removed.error().code, "the removal cannot be stored"});
+  switch (removed.value()) {
+    case Removal::kNotThere:
+      break;
+    case Removal::kNeeded:
+      return Problem(409, "in-use", "The model is in use",
+                     "A job that waits or runs needs it. Cancel the job, or wait for its end.");
+    case Removal::kRemoved: {
+      HttpResponse response;
+      response.status = 204;
+      return response;
+    }
+  }
+  return ProblemOfStatus(404);
+}
+
 HttpResponse Service::GetAnswer(const Caller& caller, const std::string& key) {
   auto text = store_.FindAnswer(caller.owner, key);
   return text ? JsonTextResponse(200, std::move(*text)) : ProblemOfStatus(404);
@@ -271,6 +328,17 @@ HttpResponse Service::GetJob(const Caller& caller, const std::string& id) {
   const auto view = FindJob(caller, id);
   if (!view) return ProblemOfStatus(404);
   return OfJob(JsonResponse(200, JobJson(*view, store_)), id);
+}
+
+HttpResponse Service::ListJobs(const HttpRequest& request) {
+  const auto page = ParsePageRequest(request.query, kJobIdDigits);
+  if (!page) return ProblemOf(page.error());
+  const auto ids = jobs_.List(request.caller.owner, page.value().after, page.value().limit + 1);
+  if (!ids) return ProblemOf({ErrorCode::kBadUsage, "after names no job of yours, or one that is forgotten"});
+  Json jobs = Json::array();
+  for (const std::string& id : *ids)
+    if (const auto view = jobs_.Find(id)) jobs.push_back(ListedJobJson(*view));
+  return JsonResponse(200, PageJson("/v1/jobs", "jobs", page.value(), std::move(jobs)));
 }
 
 HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
@@ -294,7 +362,8 @@ HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
 }
 
 HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind) {
-  auto parsed = ParseSubmission(request, kind);
+  const Clock::time_point arrived = Clock::now();
+  auto parsed = ParseSubmission(request, kind, limits_.max_samples);
   if (!parsed) return ProblemOf(parsed.error());
   const Submission& submission = parsed.value();
   NewJob job;
@@ -307,7 +376,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   const std::string& owner = request.caller.owner;
   auto known = KnownAnswer(owner, submission);
   if (looked_up) looked_up(kind, known.has_value());
-  if (known && job.retry_key.empty()) return Answer(200, kind, submission.model_id, std::move(*known));
+  if (known && job.retry_key.empty()) return KeptAnswer(kind, submission.model_id, *known, arrived);
   if (!known && submission.file == nullptr && !store_.FindModel(owner, submission.model_id))
     return Problem(404, "not-found", "Not found", "There is no model " + submission.model_id + ".");
 
@@ -343,7 +412,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
     case SubmitOutcome::kSame:
       break;
   }
-  return OfJob(WaitAndAnswer(request, submitted.value()), submitted.value().job.id);
+  return OfJob(WaitAndAnswer(request, submitted.value(), arrived), submitted.value().job.id);
 }
 
 std::optional<std::string> Service::KnownAnswer(const std::string& owner, const Submission& submission) {
@@ -369,7 +438,8 @@ Result<void> Service::KeepUploads(const Caller& caller, const Submission& submis
   return {};
 }
 
-HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted& submitted) {
+HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted& submitted,
+                                    Clock::time_point arrived) {
   const Place place(waiters_, limits_.waiters);
   const double wanted =
       WaitSeconds(request.Header("prefer"), kUsualWaitSeconds, limits_.timeout_s + kEndSeconds);
@@ -390,6 +460,9 @@ HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted&
   auto text = AnswerText(view->job, store_);
   // Given up before it could be sent: the job tells that much.
   if (!text) return JsonResponse(200, JobJson(*view, store_));
+  // Nobody worked for it, or somebody did for an earlier request.
+  if (view->job.attempts == 0 || submitted.outcome == SubmitOutcome::kSame)
+    return KeptAnswer(view->job.kind, view->job.request.value("model", ""), *text, arrived);
   const bool created =
       view->job.kind == "model" && submitted.outcome == SubmitOutcome::kAccepted && view->job.attempts > 0;
   return Answer(created ? 201 : 200, view->job.kind, view->job.request.value("model", ""), std::move(*text));

@@ -34,8 +34,9 @@ struct ServiceLimits {
   int listeners = 32;      // event streams
   double timeout_s = 300;  // the longest wait; an upload has as long
   std::uint64_t max_upload_bytes = std::uint64_t{256} << 20;
-  bool operations_apart = false;  // /metrics is for HttpRequest::operations only
-  HostPolicy hosts;               // which hosts and origins are answered for
+  std::uint64_t max_samples = 1 << 25;  // of one request: pixels × samples per pixel × views
+  bool operations_apart = false;        // /metrics is for HttpRequest::operations only
+  HostPolicy hosts;                     // which hosts and origins are answered for
 };
 
 class Service {
@@ -63,6 +64,9 @@ class Service {
   HttpResponse Page(const std::string& name, const std::string& content_type) const;
   HttpResponse Artifact(const HttpRequest& request, const std::string& name);
   HttpResponse GetModel(const Caller& caller, const std::string& id);
+  HttpResponse ListModels(const HttpRequest& request);
+  HttpResponse RemoveModel(const Caller& caller, const std::string& id);
+  HttpResponse ListJobs(const HttpRequest& request);
   HttpResponse GetAnswer(const Caller& caller, const std::string& key);
   std::optional<JobView> FindJob(const Caller& caller, const std::string& id);
   HttpResponse GetJob(const Caller& caller, const std::string& id);
@@ -72,7 +76,8 @@ class Service {
   std::optional<std::string> KnownAnswer(const std::string& owner, const Submission& submission);
   Result<void> KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
                            std::vector<KeptFile>& kept);
-  HttpResponse WaitAndAnswer(const HttpRequest& request, const Submitted& submitted);
+  HttpResponse WaitAndAnswer(const HttpRequest& request, const Submitted& submitted,
+                             std::chrono::steady_clock::time_point arrived);
 
   Store& store_;
   Jobs& jobs_;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "server/files.h"
@@ -297,6 +298,27 @@ Result<std::optional<Job>> SqlJobStore::Cancel(const std::string& id) {
 std::optional<Job> SqlJobStore::Find(const std::string& id) {
   auto job = SelectJob(directory_.reader(), "id = ?", {id});
   return job ? std::move(job).value() : std::nullopt;
+}
+
+std::optional<std::vector<std::string>> SqlJobStore::List(const std::string& owner, const std::string& after,
+                                                          std::size_t limit) {
+  // Numbers are given in order and never again.
+  std::int64_t below = std::numeric_limits<std::int64_t>::max();
+  if (!after.empty()) {
+    bool found = false;
+    (void)directory_.reader().Query("SELECT number FROM jobs WHERE id = ? AND owner = ?", {after, owner},
+                                    [&](const SqlRow& row) {
+                                      found = true;
+                                      below = row.Integer(0);
+                                    });
+    if (!found) return std::nullopt;
+  }
+  std::vector<std::string> ids;
+  (void)directory_.reader().Query(
+      "SELECT id FROM jobs WHERE owner = ? AND number < ? ORDER BY number DESC LIMIT ?",
+      {owner, below, static_cast<std::int64_t>(limit)},
+      [&](const SqlRow& row) { ids.push_back(row.Text(0)); });
+  return ids;
 }
 
 JobCounts SqlJobStore::Counts() {

@@ -18,6 +18,8 @@ class SqlJobStore : public JobStore {
   Result<bool> Release(const Job& job) override;
   Result<std::optional<Job>> Cancel(const std::string& id) override;
   std::optional<Job> Find(const std::string& id) override;
+  std::optional<std::vector<std::string>> List(const std::string& owner, const std::string& after,
+                                               std::size_t limit) override;
   JobCounts Counts() override;
   Result<void> Check() override;
   Result<void> Recover() override;

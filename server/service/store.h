@@ -41,6 +41,19 @@ struct StoredModel {
   std::string source_path, model_path;  // files to read; never to change
 };
 
+// A model of a list.
+struct ListedModel {
+  std::string id, name;
+  std::uint64_t bytes = 0;
+  double created = 0;  // WallClock
+};
+
+enum class Removal {
+  kRemoved,
+  kNotThere,
+  kNeeded,  // a job that waits or runs needs it
+};
+
 struct StoredArtifact {
   std::string path;
   std::uint64_t bytes = 0;
@@ -68,6 +81,12 @@ class Store {
                                 const nlohmann::json& report, const KeptFile& source,
                                 const KeptFile& model) = 0;
   virtual std::optional<StoredModel> FindModel(const std::string& owner, const std::string& id) = 0;
+
+  // An owner's models by id, from the first one behind `after` on ("" is before all): at most `limit`.
+  virtual std::vector<ListedModel> ListModels(const std::string& owner, const std::string& after,
+                                              std::size_t limit) = 0;
+  // Gives a model up with its meshes; answers about it stay. Error: kWriteFailed.
+  virtual Result<Removal> RemoveModel(const std::string& owner, const std::string& id) = 0;
 
   // A mesh of a model that is there; `key` is a digest of how it was made.
   virtual Result<void> PutMesh(const std::string& owner, const std::string& id, const std::string& key,

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <set>
 #include <utility>
 
 #include "server/files.h"
+#include "server/json_text.h"
+#include "server/option_values.h"
+#include "server/service/http_terms.h"
 #include "server/service/store.h"
 #include "server/sha256.h"
 #include "server/version.h"
@@ -20,8 +24,9 @@ Error Malformed(const std::string& message) {
 }
 
 Result<Json> ParseObject(const std::string& text, const std::string& what) {
-  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded() || !json.is_object()) return Malformed(what + " must be a JSON object");
+  auto json = ParseJsonText(text, what);
+  if (!json) return json.error();
+  if (!json.value().is_object()) return Malformed(what + " must be a JSON object");
   return json;
 }
 
@@ -32,22 +37,43 @@ std::string BodyDigest(const HttpRequest& request, const std::string& kind) {
   return Sha256Hex(JsonText(parts, -1));
 }
 
+// Of two parts with one name, one would be dropped without a word.
+Result<void> CheckPartNames(const HttpRequest& request) {
+  std::set<std::string> names;
+  for (const BodyPart& part : request.parts)
+    if (!names.insert(part.name).second)
+      return Malformed("there are two parts " + Shortened(part.name) + "; each part is sent once");
+  return {};
+}
+
+// A model's id is a digest: 64 hexadecimal digits in lower case.
+Result<void> CheckModelId(const std::string& id) {
+  constexpr std::size_t kDigits = 64;
+  if (id.size() == kDigits && id.find_first_not_of("0123456789abcdef") == std::string::npos) return {};
+  return Malformed("model is " + Shortened(id) +
+                   ", but must be the id that POST /v1/models gave: 64 hexadecimal digits");
+}
+
 Result<void> TakeParts(const HttpRequest& request, Submission& submission) {
   const bool mesh_allowed = submission.kind == "comparison";
+  std::vector<std::string> names = {"file", "model", "options"};
+  if (mesh_allowed) names.push_back("mesh");
+  if (auto once = CheckPartNames(request); !once) return once;
   for (const BodyPart& part : request.parts) {
     if (part.name == "file") {
       submission.file = &part;
     } else if (part.name == "mesh" && mesh_allowed) {
       submission.mesh = &part;
     } else if (part.name == "model") {
+      if (auto id = CheckModelId(part.text); !id) return id;
       submission.model_id = part.text;
     } else if (part.name == "options") {
       auto json = ParseObject(part.text, "the part \"options\"");
       if (!json) return json.error();
       submission.options = std::move(json).value();
     } else {
-      return Malformed("there is no part \"" + part.name + "\"; the parts are file or model, options" +
-                       (mesh_allowed ? " and mesh" : ""));
+      return Malformed("there is no part " + Shortened(part.name) + Suggestion(part.name, names) +
+                       "; the parts are file or model, options" + (mesh_allowed ? " and mesh" : ""));
     }
   }
   return {};
@@ -61,11 +87,13 @@ Result<void> TakeJson(const HttpRequest& request, Submission& submission) {
   if (!submission.options["model"].is_string())
     return Malformed("model must be the id that POST /v1/models gave");
   submission.model_id = submission.options["model"].get<std::string>();
+  if (auto id = CheckModelId(submission.model_id); !id) return id;
   submission.options.erase("model");
   return {};
 }
 
 Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
+  if (auto once = CheckPartNames(request); !once) return once;
   for (const BodyPart& part : request.parts) {
     if (part.name == "file" || (request.parts.size() == 1 && part.name.empty())) submission.file = &part;
   }
@@ -74,15 +102,30 @@ Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
   return {};
 }
 
-Result<void> CheckOptions(const Submission& submission) {
-  // Options that make sense on the caller's own machine only.
-  for (const char* name :
-       {"mesh", "threads", "timeout", "import_timeout", "import-timeout", "import_memory", "import-memory"}) {
-    if (submission.options.contains(name))
-      return Malformed(std::string(name) + " is no option of the service");
+Result<void> CheckOptions(const Submission& submission, std::uint64_t max_samples) {
+  std::vector<std::string> names;
+  for (const std::string& name : OptionNames())
+    if (IsRequestOption(name)) names.push_back(name);
+  for (const auto& [key, value] : submission.options.items()) {
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '-', '_');
+    if (IsRequestOption(name)) continue;
+    // Options that make sense on the caller's own machine only.
+    if (name == "mesh") return Malformed("mesh is no option of the service; send it as the part \"mesh\"");
+    const auto& all = OptionNames();
+    if (std::find(all.begin(), all.end(), name) != all.end())
+      return Malformed(name + " is no option of a request; whoever runs the service sets it");
+    return Malformed("there is no option " + Shortened(key) + Suggestion(name, names) + "; the options are " +
+                     Joined(names));
   }
-  auto options = ParseOptions(submission.options);
+  // The part is what the option --mesh is on the command line.
+  Json all = submission.options;
+  if (submission.mesh != nullptr) all["mesh"] = submission.mesh->file_name;
+  auto options = ParseOptions(all);
   if (!options) return options.error();
+  if (submission.mesh == nullptr && !(options.value().mesh_unit + options.value().mesh_up).empty())
+    return Malformed("mesh_unit and mesh_up are about the part \"mesh\", and there is none");
+  if (auto small = CheckSamples(options.value(), max_samples); !small) return small;
   if (submission.kind == "comparison")
     if (auto can = CheckMeshCanShow(options.value().inspection, true); !can) return can.error();
   return CheckPictureOptions(options.value().picture,
@@ -91,7 +134,18 @@ Result<void> CheckOptions(const Submission& submission) {
 
 }  // namespace
 
-Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind) {
+Result<void> CheckSamples(const RunOptions& options, std::uint64_t most) {
+  const auto samples = CountSamples(options);
+  if (!samples) return samples.error();
+  if (samples.value() <= most) return {};
+  return Error{ErrorCode::kLimitExceeded,
+               "the request asks for " + std::to_string(samples.value()) +
+                   " samples (pixels × samples per pixel × views and frames), and " + std::to_string(most) +
+                   " are allowed"};
+}
+
+Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind,
+                                   std::uint64_t max_samples) {
   Submission submission;
   submission.kind = kind;
   if (kind == "model") {
@@ -103,7 +157,7 @@ Result<Submission> ParseSubmission(const HttpRequest& request, const std::string
     if ((submission.file != nullptr) == !submission.model_id.empty())
       return Malformed(
           "give either a file (multipart part \"file\") or a model (the id that POST /v1/models gave)");
-    if (auto checked = CheckOptions(submission); !checked) return checked.error();
+    if (auto checked = CheckOptions(submission, max_samples); !checked) return checked.error();
   }
   if (submission.file != nullptr) submission.model_id = submission.file->sha256;
   const Json identity = {{"version", Version()},
@@ -119,7 +173,10 @@ Result<Submission> ParseSubmission(const HttpRequest& request, const std::string
 Json JobRequestJson(const Submission& submission) {
   Json json = {{"model", submission.model_id}, {"options", submission.options}};
   if (submission.file != nullptr) json["name"] = SafeFileName(submission.file->file_name);
-  if (submission.mesh != nullptr) json["mesh"] = submission.mesh->sha256;
+  if (submission.mesh != nullptr) {
+    json["mesh"] = submission.mesh->sha256;
+    json["mesh_name"] = SafeFileName(submission.mesh->file_name);
+  }
   return json;
 }
 
@@ -130,6 +187,7 @@ Result<JobRequest> ParseJobRequest(const Json& json) {
   request.model_id = json.value("model", "");
   request.file_name = json.value("name", "");
   request.mesh = json.value("mesh", "");
+  request.mesh_name = json.value("mesh_name", "");
   request.budget_given =
       json["options"].contains("budget_seconds") || json["options"].contains("budget-seconds");
   auto options = ParseOptions(json["options"]);

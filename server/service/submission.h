@@ -25,15 +25,20 @@ struct Submission {
   std::string body;  // digest of the submission as it came, for Idempotency-Key
 };
 
-// `request` must outlive the answer. Error: kBadUsage.
-Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind);
+// `request` must outlive the answer. Errors: kBadUsage, kLimitExceeded (more than `max_samples`): whatever can be known without the model.
+Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind,
+                                   std::uint64_t max_samples);
 
-// {"model", "name"?, "mesh"?, "options"}: what ParseJobRequest reads.
+// kLimitExceeded if `options` ask for more than `most` samples.
+Result<void> CheckSamples(const RunOptions& options, std::uint64_t most);
+
+// {"model", "name"?, "mesh"?, "mesh_name"?, "options"}: what ParseJobRequest reads.
 nlohmann::json JobRequestJson(const Submission& submission);
 
 struct JobRequest {
   std::string model_id;
   std::string file_name;  // empty: the model was there when the job was submitted
+  std::string mesh_name;  // as it was posted, made safe
   std::string mesh;       // SHA-256 of a mesh that was posted; else empty
   RunOptions options;
   bool budget_given = false;  // a trade's budget_seconds

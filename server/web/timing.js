@@ -27,11 +27,13 @@ const stagesOf = ({ timing_ms: { mesh, build, prepare, trace, color, shade } }) 
 // What both tracers share has rows of its own; reports of before may lack them.
 export const timing = (report, view) => {
   const direct = view.direct, baseline = view.baseline, dt = direct.timing_ms, bt = baseline?.timing_ms || {};
+  // Of an answer that was there already, what the work took once stands apart.
+  const shared = report.kept?.timing_ms ?? report.timing_ms;
   const rows = [["Mesh", "–", milliseconds(bt.mesh)], ["Prepare; build", milliseconds(dt.prepare), milliseconds(bt.build)], ["Trace", milliseconds(dt.trace), milliseconds(bt.trace)],
     ["Colour samples", milliseconds(dt.color), milliseconds(bt.color)], ["Shade", milliseconds(dt.shade), milliseconds(bt.shade)], ["Total", milliseconds(dt.total), milliseconds(bt.total)],
     ["Memory", bytes(direct.peak_bytes), bytes(baseline?.peak_bytes)],
     ["Size", `${number(direct.leaves)} leaves`, baseline ? count(baseline.triangles, "triangle") : "–"]];
   return element("section", { class: "cost" }, element("h3", {}, "Time and memory"),
-    timeBars([["Import", { import: report.model.import_ms, load: report.timing_ms?.load, scene: report.timing_ms?.scene }], ["Direct", stagesOf(direct)], baseline && ["Baseline", stagesOf(baseline)], view.timing_ms && ["Both", view.timing_ms]].filter(Boolean)),
+    timeBars([["Import", { import: report.model.import_ms, load: shared?.load, scene: shared?.scene }], ["Direct", stagesOf(direct)], baseline && ["Baseline", stagesOf(baseline)], view.timing_ms && ["Both", view.timing_ms]].filter(Boolean)),
     table("Time and memory", ["", "direct", "baseline"].slice(0, baseline ? 3 : 2), (baseline ? rows : rows.slice(1)).map((row) => row.slice(0, baseline ? 3 : 2))));
 };

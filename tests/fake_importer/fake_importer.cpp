@@ -1,5 +1,5 @@
 // Stands in for facetless-import in tests. What it does is the first word of the input file:
-//   ok         writes a model of one square, and a mesh file of a few bytes per --mesh
+//   ok         writes a model of one square, and a mesh file of its two triangles per --mesh
 //   slow       the same after so many milliseconds (second word)
 //   unmeshed   the same as ok, and says that a face has no triangle
 //   unusable   exit code 4 with an error of the given code (second word)
@@ -91,10 +91,33 @@ int Answer(const std::string& text) {
   return 0;
 }
 
+// The square's two triangles as the importer writes a mesh.
+std::string SquareMesh() {
+  const float vectors[24] = {-5, -5, 0, 5, -5, 0, 5, 5, 0, -5, 5, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+  const std::uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  std::string data(reinterpret_cast<const char*>(vectors), sizeof vectors);
+  data.append(reinterpret_cast<const char*>(indices), sizeof indices);
+  std::string json =
+      R"({"asset":{"version":"2.0","extras":{"from_model":true,"deflection_mm":1,"angular_deg":20}},"scene":0,)"
+      R"("scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"matrix":[1e-3,0,0,0,0,0,-1e-3,0,0,1e-3,0,0,0,0,0,1]},)"
+      R"({"mesh":0,"translation":[5,5,0],"extras":{"first_placed_face":0}}],"meshes":[{"primitives":[{"attributes":)"
+      R"({"POSITION":0,"NORMAL":1},"indices":2,"extras":{"face":0}}]}],"buffers":[{"byteLength":120}],"bufferViews":)"
+      R"([{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":24}],"accessors":[{"bufferView":0,)"
+      R"("componentType":5126,"count":4,"type":"VEC3"},{"bufferView":0,"byteOffset":48,"componentType":5126,"count":4,)"
+      R"("type":"VEC3"},{"bufferView":1,"componentType":5125,"count":6,"type":"SCALAR"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto word = [](std::size_t value) {
+    const auto stored = static_cast<std::uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&stored), sizeof stored);
+  };
+  return "glTF" + word(2) + word(28 + json.size() + data.size()) + word(json.size()) + "JSON" + json +
+         word(data.size()) + std::string("BIN\0", 4) + data;
+}
+
 int WriteModelAndMeshes(int argc, char** argv, bool answer = true) {
   std::fprintf(stderr, "progress read 0.5\nprogress transfer 1\n");
   for (int i = 2; i + 1 < argc; ++i) {
-    if (std::string(argv[i]) == "--mesh") std::ofstream(argv[i + 1]) << "mesh";
+    if (std::string(argv[i]) == "--mesh") std::ofstream(argv[i + 1]) << SquareMesh();
     if (std::string(argv[i]) != "--model") continue;
     if (auto written = facetless::WriteModel(Square(), argv[i + 1]); !written) {
       Answer(R"({"ok":false,"error":{"code":"write-failed","message":"The model cannot be written."}})");

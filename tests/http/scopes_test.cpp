@@ -62,8 +62,13 @@ constexpr Row kTable[] = {
     {"GET", "/v1/jobs/{id}/events", {401, 404, 403, 200, 404, 200}},
     {"HEAD", "/v1/jobs/{id}/events", {401, 404, 403, 200, 404, 200}},
     {"DELETE", "/v1/jobs/{id}", {401, 403, 404, 200, 404, 200}},
-    // A file that anna has sent is new to whoever else may send it. The last, as it is theirs then, too.
-    {"POST", "/v1/models", {401, 403, 201, 403, 201, 200}},
+    {"GET", "/v1/models", {401, 200, 403, 403, 200, 200}},
+    {"HEAD", "/v1/models", {401, 200, 403, 403, 200, 200}},
+    {"GET", "/v1/jobs", {401, 200, 403, 403, 200, 200}},
+    {"HEAD", "/v1/jobs", {401, 200, 403, 403, 200, 200}},
+    {"DELETE", "/v1/models/{id}", {401, 403, 404, 403, 404, 204}},
+    // A file that anna has sent is new to whoever else may send it, and to her too, as she has given it up. The last, as it is theirs then.
+    {"POST", "/v1/models", {401, 403, 201, 403, 201, 201}},
 };
 
 class Scopes : public testing::Test {

@@ -168,6 +168,8 @@ TEST(Layering, EachLibraryHasOneHome) {
       << "it loads two hundred libraries before a program begins";
   EXPECT_THAT(IncludersOutside("(.*/)?tiny_gltf\\.h", {"import/", "render/baseline/", "tests/import/"}),
               IsEmpty());
+  EXPECT_THAT(IncludersOf("zip\\.h"), testing::UnorderedElementsAre("render/baseline/threemf_writer.cpp",
+                                                                    "tests/baseline/mesh_writer_test.cpp"));
   EXPECT_THAT(IncludersOutside("(flatbuffers/.*|.*_generated\\.h)", {"render/model/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("hwy/.*", {"render/kernels/"}), IsEmpty());
   EXPECT_THAT(IncludersOutside("cairo.*", {"render/compare/"}), IsEmpty());

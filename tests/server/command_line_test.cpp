@@ -60,6 +60,25 @@ TEST_F(CommandLine, NamesFacesWithoutATriangle) {
   EXPECT_EQ(RunFake("mesh", "unmeshed", {"--out", out, "--strict"}).exit_code, kExitFailed);
 }
 
+TEST_F(CommandLine, MeshIsWrittenInTheFormatOfItsNameAndSaysWhetherItIsClosed) {
+  for (const char* suffix : {".glb", ".stl", ".obj", ".3mf"}) {
+    const std::string out = directory_.File(std::string("part") + suffix);
+    const ChildOutcome written = RunFake("mesh", "ok", {"--out", out});
+    EXPECT_EQ(written.exit_code, kExitDone) << written.error_tail;
+    EXPECT_EQ(written.out, out + "\n");
+    EXPECT_THAT(written.error_tail, HasSubstr("2 triangles; not watertight: 4 open edges"));
+    EXPECT_TRUE(std::filesystem::exists(out));
+  }
+  EXPECT_TRUE(std::filesystem::exists(directory_.File("part.mtl")));
+  // The first bytes are those of the formats.
+  EXPECT_EQ(ReadText(directory_.File("part.glb")).substr(0, 4), "glTF");
+  EXPECT_EQ(ReadText(directory_.File("part.stl")).size(), 84u + 2 * 50);
+  EXPECT_EQ(ReadText(directory_.File("part.3mf")).substr(0, 4), "PK\3\4");
+  const ChildOutcome refused = RunFake("mesh", "hang", {"--out", directory_.File("part.ply")});
+  EXPECT_EQ(refused.exit_code, kExitUsage);
+  EXPECT_THAT(refused.error_tail, HasSubstr(".glb, .stl, .obj, .3mf; not .ply"));
+}
+
 TEST_F(CommandLine, RefusesWrongOptionsBeforeAnyWork) {
   const std::string file = WriteText(directory_.File("part.step"), "hang");
   const std::vector<std::vector<std::string>> wrong = {
@@ -80,7 +99,10 @@ TEST_F(CommandLine, RefusesWrongOptionsBeforeAnyWork) {
       {"compare", file, "--out", "d", "--deflection", "0"},
       {"compare", file, "--out", "d", "--deflection", "1e-3", "--deflection-mm", "1"},
       {"compare", file, "--out", "d", "--mesh", "m.glb", "--mesh-unit", "parsec"},
+      {"compare", file, "--out", "d", "--mesh-unit", "in"},
       {"mesh", file},
+      {"mesh", file, "--out", "part.ply"},
+      {"mesh", file, "--out", "part"},
       {"serve", "--listen", "nowhere"},
       {"serve", "--jobs", "0"}};
   for (const auto& arguments : wrong) {

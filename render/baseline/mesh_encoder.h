@@ -1,0 +1,34 @@
+// What the writers of single mesh formats share. Private to baseline/.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render/baseline/mesh_writer.h"
+
+namespace facetless {
+
+// A colour as files have it: sRGB and opacity, eight bits each.
+using Rgba = std::array<std::uint8_t, 4>;
+Rgba ToRgba(const Color& color);
+// "b2b2b8", or "b2b2b880" where one sees through.
+std::string HexOf(const Rgba& color);
+
+// The colours of the faces that `node` places, by face of its part.
+std::vector<Rgba> ColorsOf(const MeshNode& node, const Model& model);
+
+// The shortest decimal that reads back as the same number.
+void AppendNumber(std::string& text, double number);
+void AppendNumber(std::string& text, float number);
+
+// A normal as a placement carries it: orthogonal to the placed surface, on the same side, of unit length.
+Vec3 PlacedNormal(const Placement& placement, Vec3 normal);
+
+Result<std::string> EncodeGlb(const Mesh& mesh, const Model& model);
+Result<std::string> EncodeStl(const Mesh& mesh, const Model& model);
+std::vector<MeshOutput> EncodeObj(const Mesh& mesh, const Model& model, const std::string& stem);
+Result<std::string> Encode3mf(const Mesh& mesh, const Model& model);
+
+}  // namespace facetless
