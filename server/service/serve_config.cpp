@@ -166,9 +166,8 @@ void ServeConfig::AddBounds() {
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();
   Add("max-view-memory", options_.max_view_memory_mb,
-      "Megabytes that the leaves of views may take, of all jobs that run at the same time; what would take "
-      "more is "
-      "in doubt",
+      "Megabytes that the leaves of views may take, of all jobs that run at the same time; a view that needs "
+      "more than its share is refused",
       "MB")
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();

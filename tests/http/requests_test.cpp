@@ -87,7 +87,8 @@ TEST_F(Requests, AModelThatIsNoIdIsNotEchoed) {
   EXPECT_THAT(detail, HasSubstr("64 hexadecimal digits"));
   EXPECT_LT(detail.size(), 300u);
   EXPECT_THAT(DetailOf({{"model", "", std::string(64, 'A')}}), HasSubstr("64 hexadecimal digits"));
-  EXPECT_THAT(DetailOf({{"model", "", std::string(64, 'a')}}, 404), HasSubstr("There is no model"));
+  EXPECT_THAT(DetailOf({{"model", "", std::string(64, 'a')}, {"options", "", R"({"size":"32x32"})"}}, 404),
+              HasSubstr("There is no model"));
   const Reply json = server_.PostJson("/v1/renders", {{"model", "../x"}});
   EXPECT_EQ(json.status, 422);
   EXPECT_THAT(json.Json().at("detail"), HasSubstr("64 hexadecimal digits"));
@@ -133,7 +134,7 @@ TEST(RequestsOfRealFiles, ErrorsHaveTheNamesOfTheFilesAndOptionsOfRequests) {
   // A thousand times too small.
   std::string stl = "solid x\n";
   for (const char* corners :
-       {"0 0 0\nvertex 0.05 0 0\nvertex 0 0.05 0.05", "0 0 0\nvertex 0 0.05 0\nvertex 0 0 0.05"})
+       {"0 0 0\nvertex 0.02 0 0\nvertex 0 0.02 0.02", "0 0 0\nvertex 0 0.02 0\nvertex 0 0 0.02"})
     stl += std::string("facet normal 0 0 1\nouter loop\nvertex ") + corners + "\nendloop\nendfacet\n";
   EXPECT_THAT(detail(stl + "endsolid x\n"),
               AllOf(HasSubstr("my export.stl: "), HasSubstr("mesh_unit"), Not(HasSubstr("--"))));

@@ -47,9 +47,9 @@ constexpr Row kTable[] = {
     // Of a model of anna's.
     {"POST", "/v1/renders", {401, 403, 404, 403, 404, 200}},
     {"POST", "/v1/render", {401, 403, 404, 403, 404, 200}},
-    {"POST", "/v1/comparisons", {401, 403, 404, 403, 404, 422}},
-    {"POST", "/v1/compare", {401, 403, 404, 403, 404, 422}},
-    {"POST", "/v1/trades", {401, 403, 404, 403, 404, 422}},
+    {"POST", "/v1/comparisons", {401, 403, 404, 403, 404, 200}},
+    {"POST", "/v1/compare", {401, 403, 404, 403, 404, 200}},
+    {"POST", "/v1/trades", {401, 403, 404, 403, 404, 200}},
     // Her things.
     {"GET", "/v1/models/{id}", {401, 404, 403, 403, 404, 200}},
     {"HEAD", "/v1/models/{id}", {401, 404, 403, 403, 404, 200}},
@@ -118,7 +118,6 @@ class Scopes : public testing::Test {
     if (method != "POST") return server_.Request(method, Address(pattern), Of(caller), "");
     if (pattern == "/v1/models")
       return server_.PostForm(pattern, {{"file", "square.step", "ok"}}, Of(caller));
-    // The stand-in for the importer makes no mesh that could be compared with.
     return server_.PostJson(pattern, {{"model", model_}, {"size", "32x32"}}, Of(caller));
   }
 

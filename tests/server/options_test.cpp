@@ -86,7 +86,7 @@ TEST(Options, ShadeIsATextOrAnObject) {
 
 TEST(Options, ThatAreWrongNameThemselvesAndWhatIsAllowed) {
   EXPECT_THAT(OptionsMessage(R"({"colour":1})"),
-              HasSubstr("there is no option \"colour\"; the options are view, camera"));
+              HasSubstr("there is no option \"colour\" (did you mean color?); the options are view, camera"));
   EXPECT_THAT(OptionsMessage(R"({"view":"above"})"),
               HasSubstr("there is no view \"above\"; the views are front, back"));
   EXPECT_THAT(OptionsMessage(R"({"size":"10"})"), HasSubstr("WIDTHxHEIGHT"));

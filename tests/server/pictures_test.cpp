@@ -162,6 +162,22 @@ TEST_F(Pictures, TheTurntableIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(Read("one/sheet.png"), Read("three/sheet.png"));
 }
 
+TEST_F(Pictures, AViewThatNeedsMoreMemoryThanItMayTakeSaysSo) {
+  ImportRequest request;
+  request.input = Sample("teapot.step");
+  const ScopedEnvironment importer("FACETLESS_IMPORTER", Program("facetless-import"));
+  auto imported = Import(request);
+  ASSERT_TRUE(imported.ok()) << imported.error().message;
+  RunOptions options;
+  options.width = options.height = 32;
+  EXPECT_TRUE(RunRender(imported.value(), options, directory_.File("bounded"), {}).ok());
+  options.max_view_bytes = 1;
+  const auto refused = RunRender(imported.value(), options, directory_.File("bounded"), {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);
+  EXPECT_NE(refused.error().message.find("more leaves than fit into the memory"), std::string::npos);
+}
+
 TEST_F(Pictures, ATurntableCanBeStopped) {
   ImportRequest request;
   request.input = Sample("sphere.step");
