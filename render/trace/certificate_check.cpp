@@ -18,9 +18,9 @@ constexpr double kDerivativeSlack = 2;
 constexpr double kNewtonPixels = 1.0 / 4;
 constexpr int kNewtonSteps = 12;
 constexpr int kMostHalvings = 96;
-// What makes a hit certain: the sine of the angle between the images of the tangents, the distance to the border of the patch in
-// Bézier parameters, and the residual in pixels.
-constexpr double kLeastSine = 1e-3, kBorderShare = 1e-6, kResidualPixels = 1e-7;
+// What makes a hit certain: the area that the tangents span on the screen, as a share of what they could, the distance to the border
+// of the patch in Bézier parameters, and the residual in pixels.
+constexpr double kLeastSine = 1e-2, kBorderShare = 1e-6, kResidualPixels = 1e-7;
 // A hit counts as nearer than another by more than this share of the model's diagonal, besides all errors.
 constexpr double kDepthShare = 1e-9;
 // The widest band around an edge: its gap as a grazing ray sees it.
@@ -344,7 +344,10 @@ bool CertificateCheck::IsCertainHit(std::uint32_t instance, std::uint32_t face, 
     };
     const Vec2 du = image(at.du), dv = image(at.dv), off{x - seen.x, y - seen.y};
     const double determinant = Cross(du, dv);
-    if (!(std::fabs(determinant) > kLeastSine * Length(du) * Length(dv))) return false;
+    // Neither seen at grazing incidence nor along tangents that nearly coincide.
+    const double area = std::fabs(determinant) * frame_.pixel_x * frame_.pixel_y * scale * scale;
+    if (!(area > kLeastSine * Length(placement.Vector(at.du)) * Length(placement.Vector(at.dv))))
+      return false;
     if (converged) {
       if (!(seen.depth < limit)) return false;
       // Away from the patch's border and from every edge.
