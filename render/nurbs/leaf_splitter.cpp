@@ -140,7 +140,6 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
   arena_ = arena;
   lost_ = false;
   node_limit_ = std::numeric_limits<std::uint64_t>::max();
-  bytes_ = 0;
   Node* root = Level(0, 0);
   root->u_mid = 0.5 * (patch.u_low + patch.u_high), root->u_half = 0.5 * (patch.u_high - patch.u_low);
   root->v_mid = 0.5 * (patch.v_low + patch.v_high), root->v_half = 0.5 * (patch.v_high - patch.v_low);
@@ -207,14 +206,14 @@ void LeafSplitter::Visit(const Node& node) {
     return;
   }
 
-  // Give up what is left of a patch that has had its share of work or memory.
+  // Give up what is left of a patch that has had its share of work.
   const double window_samples = 4 * window_.half_width * window_.half_height;
   const double samples = box.in_front ? double(col_end - col_begin) * (row_end - row_begin) : window_samples;
   if (node.level == 0) {
     const std::uint64_t limit = std::min(patch_->max_nodes, NodeLimit(samples, net.degree_u, net.degree_v));
     node_limit_ = nodes_ + limit;
   }
-  if (nodes_ > node_limit_ || bytes_ > patch_->max_bytes) {
+  if (nodes_ > node_limit_) {
     Leaf leaf = HardLeaf(net, patch_->rule, /*edge_on=*/false);
     leaf.flags |= kLeafGivenUp;
     leaf.near_depth = box.in_front ? box.near_depth : window_.perspective ? window_.near_depth : -INFINITY;
@@ -301,7 +300,6 @@ void LeafSplitter::Keep(Leaf leaf, const Node& node, RectClass trim, const doubl
   }
   leaves_->push_back(leaf);
   const auto bytes = static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double));
-  bytes_ += bytes;
   budget_->bytes_left.fetch_sub(bytes, std::memory_order_relaxed);
 }
 

@@ -6,7 +6,7 @@
 //     eye, between the sample centres, or trimmed away.
 //  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
 //     be split further, or are seen edge-on, or lie anywhere (edge_on.h), where splitting leads nowhere.
-//  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces, or after max_bytes of leaves,
+//  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces
 //     becomes leaves that say so (kLeafGivenUp), one for each piece that waits, at most kMaxLevels + 1.
 //  4. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
@@ -73,7 +73,6 @@ struct SplitPatch {
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
   // Law 3. No patch of a sound model comes near to its nodes: see NodeLimit.
   std::uint64_t max_nodes = std::numeric_limits<std::uint64_t>::max();
-  std::int64_t max_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
 // The pieces that a patch may be split into, for so many sample centres in the box of its image.
@@ -109,7 +108,6 @@ class LeafSplitter {
   bool lost_ = false;  // a leaf of this patch stands for all its pieces that may lie anywhere
   std::uint64_t nodes_ = 0;
   std::uint64_t node_limit_ = 0;  // nodes_ at which this patch is given up
-  std::int64_t bytes_ = 0;        // that leaves of this patch have taken
 };
 
 }  // namespace facetless

@@ -15,9 +15,6 @@ namespace {
 // From this many patches on, a face's patches are shared out among the threads.
 constexpr std::uint32_t kParallelPatches = 16;
 
-// Where leaves do not fit into memory, a patch may take 2^-shift of it.
-constexpr int kFirstShareShift = 4, kLastShareShift = 24, kShareShiftStep = 4;
-
 // What one thread splits into.
 struct Worker {
   Worker(const SplitWindow& window, SplitBudget* budget) : splitter(window, budget) {}
@@ -49,14 +46,6 @@ class Preparation {
 
   Result<PreparedView> Run(int columns, int rows) {
     Split();
-    // Where the leaves of all patches together do not fit, bound each patch's: first that of the greediest. Whether they fit
-    // does not depend on the order in which threads split them, so the leaves that are kept don't either.
-    for (int shift = kFirstShareShift; budget_.Exhausted() && shift <= kLastShareShift;
-         shift += kShareShiftStep) {
-      patch_bytes_ = max_bytes_ >> shift;
-      workers_.clear();
-      Split();
-    }
     if (budget_.Exhausted()) {
       return Error{ErrorCode::kLimitExceeded,
                    "the view needs more leaves than fit into the memory allowed; use a smaller image"};
@@ -150,7 +139,6 @@ class Preparation {
     split.trim = &data.trim;
     split.placed_face = placed_face;
     split.patch = patch;
-    split.max_bytes = patch_bytes_;
 
     Worker& worker = workers_.local();
     BezierNet& net = worker.splitter.Begin(surface.degree_u, surface.degree_v);
@@ -257,8 +245,7 @@ class Preparation {
   SplitWindow window_;
   SplitBudget budget_;
   const std::vector<bool>* leave_out_ = nullptr;
-  std::int64_t max_bytes_ = 0;                                           // of all leaves
-  std::int64_t patch_bytes_ = std::numeric_limits<std::int64_t>::max();  // of one patch's leaves
+  std::int64_t max_bytes_ = 0;  // of all leaves
   PerThread<Worker> workers_;
 };
 

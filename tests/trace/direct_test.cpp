@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -238,41 +237,11 @@ TEST(Direct, ThreadsDoNotChangeABit) {
   EXPECT_EQ(a.certificate, b.certificate);
 }
 
-// The patches that take most are given up, by name, and the rest is certified as before.
-TEST(Direct, WhatDoesNotFitIntoMemoryIsInDoubtByName) {
-  const Model model = ModelOf({Torus({0, 0, 0}, 10, 3), Rectangle({-6, -6, 8}, {12, 0, 0}, {0, 12, 0})});
-  const Scene scene(model);
-  const Camera camera = ViewOf(model, "iso", Projection::kPerspective);
-  const DirectResult whole = TraceDirect(scene, camera, {}).value();
-  for (const std::uint64_t max_bytes : {250000u, 150000u}) {
-    DirectOptions options;
-    options.max_bytes = max_bytes;
-    options.threads = 1;
-    const DirectResult limited = TraceDirect(scene, camera, options).value();
-    const auto limit = static_cast<std::size_t>(std::countr_zero(std::uint8_t{kDoubtLimit}));
-    EXPECT_STREQ(kDoubtNames[limit], "limit");
-    EXPECT_GT(limited.stats.doubts[limit], 1000u);
-    EXPECT_GE(limited.stats.unresolved, limited.stats.doubts[limit]);
-    EXPECT_GT(limited.stats.certified_hits, 30u);
-    for (std::size_t i = 0; i < whole.samples.size(); ++i) {
-      if (limited.samples.certificate[i] != Certificate::kCertified) continue;
-      ASSERT_EQ(std::isfinite(limited.samples.depth[i]), std::isfinite(whole.samples.depth[i])) << i;
-      if (std::isfinite(whole.samples.depth[i])) {
-        ASSERT_NEAR(limited.samples.depth[i], whole.samples.depth[i], 1e-9) << i;
-      }
-    }
-    options.threads = 2;
-    const DirectResult again = TraceDirect(scene, camera, options).value();
-    EXPECT_EQ(again.samples.depth, limited.samples.depth);
-    EXPECT_EQ(again.samples.doubt, limited.samples.doubt);
-  }
-}
-
 TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
   const Model model = ModelOf({Torus({0, 0, 0}, 10, 3)});
   const Scene scene(model);
   DirectOptions small;
-  small.max_bytes = 1000;  // not even a leaf for each patch
+  small.max_bytes = 100000;
   const Result<DirectResult> limited =
       TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), small);
   ASSERT_FALSE(limited.ok());
