@@ -13,7 +13,8 @@ enum Doubt : std::uint8_t {
   kDoubtTrim = 8,         // a trim curve or an edge lies within the error of the hit
   kDoubtCoincident = 16,  // another face lies within the error of the hit's depth
   kDoubtUnresolved = 32,  // neither hit nor miss
-  kDoubtLimit = 64,       // a patch was given up because it needed too many leaves; it may cover this sample
+  kDoubtLimit =
+      64,  // a patch that needed too many leaves, or a ray that needed too much work, was given up: neither hit nor miss
   kDoubtContradicted =
       128,  // the independent check of a certificate contradicts it (trace/certificate_check.h)
 };

@@ -238,6 +238,10 @@ void LeafSplitter::Visit(const Node& node) {
     const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
     if ((certified && (trimmed_small || last_level)) || hard) {
       if (hard) leaf = HardLeaf(net, patch_->rule, edge_on);
+      // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as large a share of the patch's
+      // work as the pieces that they would make.
+      if (hard && !edge_on)
+        node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
       leaf.near_depth = box.near_depth - leaf.depth_error;
       leaf.col_begin = col_begin, leaf.col_end = col_end;
       leaf.row_begin = row_begin, leaf.row_end = row_end;

@@ -40,8 +40,10 @@ DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
 
 }  // namespace
 
-std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double limit,
+std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double limit, RayWork* work_left,
                                    std::vector<FallbackRoot>* roots) {
+  if (work_left->exhausted()) return kDoubtLimit;
+  work_left->Spend(leaf.points());
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
   const DepthRule rule{perspective, (leaf.flags & kLeafWeightVaries) != 0,
                        (leaf.flags & kLeafDepthVaries) != 0};
@@ -73,6 +75,8 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     const Piece* work = stack_[depth].get();
     --depth;
     if (++pieces > kMaxPieces) return kDoubtUnresolved;
+    work_left->Spend(work->net.points());
+    if (work_left->exhausted()) return kDoubtLimit;
 
     const BezierNet& net = work->net;
     const Residual residual = nets_.residual(net, x, y);

@@ -150,7 +150,15 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
                                    leaf_index, hit, hit_doubt});
     };
   }
-  if (!empty()) kernel_(job_);
+  if (empty()) return;
+  work_.fill({});
+  kernel_(job_);
+}
+
+int TileTracer::SampleAt(double x, double y) const {
+  const int row = static_cast<int>(y - 0.5 + job_.half_height) - job_.row;
+  const int column = static_cast<int>(x - 0.5 + job_.half_width) - job_.column;
+  return row * kTileSize + column;
 }
 
 TileTracer::Root TileTracer::RootOf(const Leaf& leaf, double s, double t) {
@@ -201,18 +209,23 @@ bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y
 }
 
 template <typename Found>
-void TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found) {
-  const int row = static_cast<int>(y - 0.5 + job_.half_height) - job_.row;
-  const int column = static_cast<int>(x - 0.5 + job_.half_width) - job_.column;
-  const std::uint64_t* rows = bitmaps_.Row(row);
-  const std::uint64_t* columns = bitmaps_.Column(column);
+bool TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found) {
+  const int sample = SampleAt(x, y);
+  RayWork& work = work_[sample];
+  const std::uint64_t* rows = bitmaps_.Row(sample / kTileSize);
+  const std::uint64_t* columns = bitmaps_.Column(sample % kTileSize);
+  // A seam leaf asks all leaves of its ray, so that many seams on one ray ask many times as many.
+  work.Spend(job_.words);
   for (int word = 0; word < job_.words; ++word) {
     for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
       const Leaf& candidate = job_.leaves[job_.list[64 * word + __builtin_ctzll(bits)]];
+      work.Spend(1);
       if (candidate.placed_face != placed_face || (candidate.flags & kLeafSeam)) continue;
+      work.Spend(candidate.points());
+      if (work.exhausted()) return false;
       if (candidate.flags & kLeafHard) {
         std::vector<FallbackRoot> roots;
-        solver_.Solve(candidate, x, y, INFINITY, &roots);
+        solver_.Solve(candidate, x, y, INFINITY, &work, &roots);
         for (const FallbackRoot& root : roots) found(candidate, RootOf(root), root.hit);
         continue;
       }
@@ -221,6 +234,7 @@ void TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const 
         found(candidate, RootOf(candidate, hit.s, hit.t), hit);
     }
   }
+  return !work.exhausted();
 }
 
 std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, const Root& root,
@@ -275,10 +289,11 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
     neighbour = Neighbour{hit.depth, hit.error, inside >= -error};
   };
 
-  EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
-    if (leaf.patch == patch && !neighbour) consider(leaf, other, hit);
-  });
-  return neighbour;
+  const bool complete =
+      EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
+        if (leaf.patch == patch && !neighbour) consider(leaf, other, hit);
+      });
+  return complete ? neighbour : std::nullopt;
 }
 
 bool TileTracer::OnSeam(const Leaf& own, const Root& root, const TrimAnswer& answer, double depth, double x,
@@ -324,12 +339,14 @@ std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, void* s
                                                  bool kept)) {
   // Every root of the face on this ray, with the trimming's answer.
   seam_roots_.clear();
-  EveryRoot(seam.placed_face, x, y, [&](const Leaf& leaf, const Root& root, const TileHit& hit) {
-    std::uint8_t ignored = 0;
-    if (!(hit.depth > job_.near_depth)) return;
-    if ((leaf.flags & kLeafTrimmed) && !Keep(leaf, root, x, y, &ignored)) return;
-    seam_roots_.emplace_back(leaf, hit);
-  });
+  const bool complete =
+      EveryRoot(seam.placed_face, x, y, [&](const Leaf& leaf, const Root& root, const TileHit& hit) {
+        std::uint8_t ignored = 0;
+        if (!(hit.depth > job_.near_depth)) return;
+        if ((leaf.flags & kLeafTrimmed) && !Keep(leaf, root, x, y, &ignored)) return;
+        seam_roots_.emplace_back(leaf, hit);
+      });
+  if (!complete) return kDoubtLimit;
 
   // One more where they don't come out odd, or even, as the border says.
   std::sort(seam_roots_.begin(), seam_roots_.end(),
@@ -347,7 +364,7 @@ std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, do
                                                  bool kept)) {
   if (hard_leaf.flags & kLeafSeam) return SolveSeam(hard_leaf, x, y, sink, found);
   roots_.clear();
-  const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &roots_);
+  const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &work_[SampleAt(x, y)], &roots_);
   for (const FallbackRoot& root : roots_) {
     if (!(root.hit.depth > job_.near_depth)) continue;
     const Root at = RootOf(root);

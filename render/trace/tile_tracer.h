@@ -122,9 +122,12 @@ class TileTracer {
   static Root RootOf(const FallbackRoot& root);
   // With its errors, in native parameters.
   TrimAnswer QueryTrim(const Leaf& leaf, const Root& root, double cosine) const;
-  // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed.
+  // Where the ray through (x, y), relative to the image centre, lies in the arrays of the tile.
+  int SampleAt(double x, double y) const;
+  // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed. Returns false if the ray's work
+  // does not suffice for all of them.
   template <typename Found>
-  void EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
+  bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
   // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds to
   // *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
   bool KeepOnBorder(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
@@ -151,6 +154,7 @@ class TileTracer {
   TileBitmaps bitmaps_;
   TileJob job_;
   FallbackSolver solver_;
+  std::array<RayWork, kSamples> work_;  // of the tile's rays
   std::vector<FallbackRoot> roots_;
   std::vector<RootTwin> seam_roots_;
   std::vector<Crossing>* crossings_ = nullptr;
