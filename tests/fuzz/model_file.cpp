@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto model = facetless::ReadModel(file.Write(data, size));
   if (!model.ok()) return 0;
   // Mutants of counts would be rendered for minutes.
-  if (model.value().PlacedFaceCount() > 1000) return 0;
+  if (model.value().PlacedFaceCount() > 100) return 0;
   facetless::Camera camera;
   const facetless::Vec3 center = model.value().bounds.center();
   const double diagonal = model.value().bounds.diagonal();
