@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 

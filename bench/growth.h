@@ -13,7 +13,7 @@
 
 #include "bench/aims.h"
 #include "bench/table.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "render/trace/direct.h"
 
 namespace facetless {

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/table.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "render/trace/direct.h"
 
 namespace facetless {

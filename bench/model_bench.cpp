@@ -12,7 +12,7 @@
 
 #include "bench/model_tables.h"
 #include "bench/statistics.h"
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

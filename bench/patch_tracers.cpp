@@ -7,7 +7,7 @@
 
 #include "bench/bernstein.h"
 #include "bench/statistics.h"
-#include "render/trace/projection.h"
+#include "render/view/projection.h"
 
 namespace facetless {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "bench/patch_scene.h"
 #include "bench/patch_tree.h"
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

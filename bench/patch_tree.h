@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bench/patch_scene.h"
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 

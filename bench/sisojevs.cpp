@@ -4,7 +4,7 @@
 #include <span>
 
 #include "bench/statistics.h"
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "bench/patch_tracers.h"
 #include "bench/table.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "render/trace/direct.h"
 
 namespace facetless {

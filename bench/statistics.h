@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

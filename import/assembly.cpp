@@ -20,7 +20,7 @@
 #include <map>
 #include <unordered_map>
 
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 
 namespace facetless {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "render/base/vec.h"
 #include "render/model/model.h"
-#include "render/model/vec.h"
 
 namespace facetless {
 

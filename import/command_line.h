@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "import/document.h"
+#include "render/base/result.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

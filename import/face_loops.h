@@ -13,7 +13,7 @@
 
 #include "import/bezier_pieces.h"
 #include "import/surface_patches.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "import/convert.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "import/bezier_pieces.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

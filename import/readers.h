@@ -5,7 +5,7 @@
 
 #include "import/document.h"
 #include "import/source_file.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -7,7 +7,7 @@
 #include "import/iges_text.h"
 #include "import/step_repair.h"
 #include "import/step_text.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 
 namespace facetless {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "import/step_strings.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -5,8 +5,8 @@
 #include <gp_Trsf.hxx>
 #include <vector>
 
+#include "render/base/result.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

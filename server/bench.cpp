@@ -18,8 +18,8 @@
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
 #include "render/baseline/mesh_file.h"
-#include "render/compare/quantity_text.h"
 #include "render/model/model_file.h"
+#include "render/trade/quantity_text.h"
 #include "server/interrupt.h"
 #include "server/version.h"
 

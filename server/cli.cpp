@@ -1,5 +1,5 @@
 #include "server/cli.h"
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 
 #include <CLI/CLI.hpp>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 #include "server/cli_options.h"
 #include "server/commands.h"
 #include "server/exit_code.h"

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/commands.h"
 
 namespace CLI {

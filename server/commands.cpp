@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <utility>
 
+#include "render/base/utf8.h"
 #include "render/baseline/mesh_file.h"
 #include "render/inspect/report.h"
 #include "render/model/model_file.h"
-#include "render/model/utf8.h"
 #include "server/exit_code.h"
 #include "server/files.h"
 #include "server/interrupt.h"

@@ -1,7 +1,7 @@
 // Exit codes, in the manner of OpenImageIO's idiff.
 #pragma once
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

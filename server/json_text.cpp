@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 
 namespace facetless {
 namespace {

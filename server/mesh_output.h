@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "render/base/result.h"
 #include "render/baseline/mesh_writer.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

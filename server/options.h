@@ -55,14 +55,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/compare/trade_answers.h"
+#include "render/base/result.h"
+#include "render/base/vec.h"
 #include "render/inspect/inspection.h"
 #include "render/lines/line.h"
-#include "render/model/result.h"
-#include "render/model/vec.h"
 #include "render/shade/shade.h"
-#include "render/trace/camera.h"
 #include "render/trace/direct.h"
+#include "render/trade/trade_answers.h"
+#include "render/view/camera.h"
 #include "server/importer/import_process.h"
 #include "server/picture_options.h"
 #include "server/section_options.h"

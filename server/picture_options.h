@@ -4,7 +4,7 @@
 // margin          free share of the picture on each side, 0 … 0.45               0.05
 // up              x | y | z: the model's axis that named views draw upwards      z
 // color           face | part | #rrggbb                                          face
-// parts, hide     a pattern or a list of them (render/trace/arrangement.h)       all, none
+// parts, hide     a pattern or a list of them (render/view/arrangement.h)       all, none
 // explode         0 … 100: how much farther apart occurrences are                0
 // show_hidden     bool: also what the file hides                                 false
 // scale_bar, axes, sheet   true | false                                          false
@@ -17,10 +17,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/result.h"
 #include "render/compare/face_colors.h"
-#include "render/model/result.h"
-#include "render/trace/arrangement.h"
-#include "render/trace/camera.h"
+#include "render/view/arrangement.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

@@ -12,9 +12,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/result.h"
 #include "render/image/film.h"
 #include "render/image/io.h"
-#include "render/model/result.h"
 #include "server/options.h"
 #include "server/run.h"
 

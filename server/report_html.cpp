@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "render/base/parallel.h"
 #include "render/compare/pixel_data.h"
 #include "render/image/io.h"
-#include "render/trace/parallel.h"
 #include "server/files.h"
 #include "server/service/web_assets.h"
 

@@ -1,9 +1,9 @@
 #include "server/run.h"
 
-#include <chrono>
 #include <cmath>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
@@ -51,12 +51,6 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.audit = options.audit;
   view.cancel = cancel;
   return view;
-}
-
-using Clock = std::chrono::steady_clock;
-
-double MillisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 std::string SvgOf(const ImportedModel& imported, const Camera& camera, const DirectView& view) {
@@ -151,16 +145,15 @@ class Run {
         directory_(directory),
         context_(context),
         command_(command),
-        start_(Clock::now()),
         timeout_s_(options.timeout_s.value_or(kRunTimeoutS)),
         deadline_(timeout_s_, context.cancel) {}
 
   const std::atomic<bool>* cancel() const { return deadline_.flag(); }
   // What does not depend on the view.
   Scene MakeScene() {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch stopwatch;
     Scene scene(*imported_.model);
-    scene_ms_ = MillisecondsSince(start);
+    scene_ms_ = stopwatch.Milliseconds();
     return scene;
   }
   const std::string& directory() const { return directory_; }
@@ -223,7 +216,7 @@ class Run {
     Json timing = {{"import", import_ms},
                    {"load", imported_.load_ms},
                    {"scene", scene_ms_},
-                   {"total", import_ms + imported_.load_ms + MillisecondsSince(start_)}};
+                   {"total", import_ms + imported_.load_ms + stopwatch_.Milliseconds()}};
     if (imported_.import_kept) timing["import_kept"] = imported_.import_ms;
     return timing;
   }
@@ -288,7 +281,7 @@ class Run {
   const std::string directory_;
   const RunContext& context_;
   const char* command_;
-  const Clock::time_point start_;
+  const Stopwatch stopwatch_;
   double scene_ms_ = 0;
   Findings findings_;
   Json notes_ = Json::object();
@@ -305,7 +298,7 @@ Result<ImportedModel> Import(const ImportRequest& request) {
   imported.import_ms = files.value().wall_ms;
   imported.import_peak_bytes = files.value().peak_bytes;
   imported.import_peak_address_bytes = files.value().peak_address_bytes;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   auto model = ReadModel(files.value().model_path);
   if (!model) return model.error();
   imported.model = std::make_unique<const Model>(std::move(model).value());
@@ -314,7 +307,7 @@ Result<ImportedModel> Import(const ImportRequest& request) {
     if (!mesh) return mesh.error();
     imported.meshes.push_back(std::move(mesh).value());
   }
-  imported.load_ms = MillisecondsSince(start);
+  imported.load_ms = stopwatch.Milliseconds();
   return imported;
 }
 

@@ -11,8 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
-#include "render/trace/section.h"
+#include "render/base/result.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

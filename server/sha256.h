@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/result.h"
 #include "render/inspect/inspection.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

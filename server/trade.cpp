@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "render/baseline/mesh_file.h"
-#include "render/compare/quantity_text.h"
 #include "render/compare/report.h"
-#include "render/compare/trade_measure.h"
-#include "render/compare/trade_report.h"
 #include "render/image/io.h"
+#include "render/trade/quantity_text.h"
+#include "render/trade/trade_measure.h"
+#include "render/trade/trade_report.h"
 #include "server/files.h"
 #include "server/interrupt.h"
 #include "server/verdict.h"

@@ -1,11 +1,11 @@
 #include "server/view_files.h"
 
-#include <chrono>
 #include <utility>
 
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
 #include "render/image/io.h"
 #include "render/shade/certificate_map.h"
-#include "render/trace/parallel.h"
 #include "server/files.h"
 
 namespace facetless {
@@ -58,7 +58,7 @@ void ViewFiles::Aovs(const SampleBuffer& samples, const RunOptions& options) {
 }
 
 Result<void> ViewFiles::Write(nlohmann::json& view, int threads) const {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   std::vector<Result<void>> written(files_.size());
   RunWithThreads(threads, [&] {
     ParallelFor(std::size_t{0}, files_.size(),
@@ -67,8 +67,7 @@ Result<void> ViewFiles::Write(nlohmann::json& view, int threads) const {
   for (const Result<void>& result : written)
     if (!result) return result.error();
   for (const File& file : files_) view["files"][file.role] = file.name;
-  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
-  view["timing_ms"]["files"] = elapsed.count();
+  view["timing_ms"]["files"] = stopwatch.Milliseconds();
   return {};
 }
 

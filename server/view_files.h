@@ -11,11 +11,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/result.h"
 #include "render/compare/pixel_data.h"
 #include "render/image/film.h"
 #include "render/inspect/picture.h"
-#include "render/model/result.h"
-#include "render/trace/samples.h"
+#include "render/view/samples.h"
 #include "server/options.h"
 
 namespace facetless {

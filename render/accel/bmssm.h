@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "render/model/large_pages.h"
+#include "render/base/large_pages.h"
 #include "render/nurbs/leaf.h"
 
 namespace facetless {

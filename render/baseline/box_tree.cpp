@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "render/base/parallel.h"
 #include "render/baseline/scene_data.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 

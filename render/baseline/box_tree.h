@@ -10,7 +10,7 @@
 #include <memory>
 #include <span>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

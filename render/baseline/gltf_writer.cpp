@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
+#include "render/base/utf8.h"
 #include "render/baseline/mesh_encoder.h"
-#include "render/model/utf8.h"
 
 namespace facetless {
 namespace {

@@ -20,9 +20,9 @@
 #include <cstdint>
 #include <string>
 
+#include "render/base/result.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

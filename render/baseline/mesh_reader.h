@@ -10,10 +10,10 @@
 #include <span>
 #include <string>
 
+#include "render/base/result.h"
+#include "render/base/vec.h"
 #include "render/baseline/mesh_file.h"
 #include "render/model/mesh.h"
-#include "render/model/result.h"
-#include "render/model/vec.h"
 
 namespace facetless {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/model/mesh.h"
-#include "render/trace/section.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

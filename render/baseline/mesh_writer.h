@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "render/base/result.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

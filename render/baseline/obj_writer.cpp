@@ -1,9 +1,9 @@
 // Wavefront OBJ, and the file of its materials.
 #include <map>
 
+#include "render/base/utf8.h"
 #include "render/baseline/mesh_encoder.h"
 #include "render/baseline/mesh_topology.h"
-#include "render/model/utf8.h"
 
 namespace facetless {
 namespace {

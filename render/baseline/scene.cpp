@@ -1,13 +1,13 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <new>
 #include <string>
 
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/scene_data.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 
@@ -32,8 +32,6 @@ Result<void> CheckEmbree(RTCDevice device) {
 }
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // An entry of an instance's matrix. What is smaller than this share of the largest entry is less than
 // float32 resolves of the sums that it enters, and is set to 0: see kLeastCoordinate in tracer.cpp.
@@ -272,7 +270,7 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
   }
   data->reach = std::min(kReachShare * data->bounds.diagonal(), kGreatestCoordinate);
 
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   // The threads are those of the arena that commits; a number given to the device would bind the whole
   // process.
   data->device = rtcNewDevice(nullptr);
@@ -285,7 +283,7 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
     return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
   }
   if (!built.ok()) return built.error();
-  data->build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  data->build_ms = stopwatch.Milliseconds();
   return BaselineScene(std::move(data));
 }
 

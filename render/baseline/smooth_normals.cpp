@@ -7,7 +7,7 @@
 #include <numeric>
 #include <span>
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 namespace {

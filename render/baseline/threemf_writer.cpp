@@ -6,9 +6,9 @@
 #include <string_view>
 #include <tuple>
 
+#include "render/base/utf8.h"
 #include "render/baseline/mesh_encoder.h"
 #include "render/baseline/mesh_topology.h"
-#include "render/model/utf8.h"
 
 namespace facetless {
 namespace {

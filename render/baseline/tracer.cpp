@@ -1,19 +1,17 @@
 #include "render/baseline/tracer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <new>
 #include <tuple>
 #include <vector>
 
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
 #include "render/baseline/scene_data.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kTile = 32;   // pixels on a side of what one task traces
 constexpr int kPacket = 4;  // pixels on a side of a packet of 16 rays
@@ -315,7 +313,7 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
   if (!options.sections.empty() && (options.solids == nullptr || !scene.data().to_be_cut))
     return Error{ErrorCode::kBadUsage,
                  "section planes need the model's solids, and a mesh prepared to be cut"};
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   BaselineResult result;
   result.frame = frame.value();
   std::atomic<std::uint64_t> hits{0};
@@ -340,7 +338,7 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
   result.stats.hits = hits;
   result.stats.buffer_bytes =
       result.samples.size() * (sizeof(double) + 3 * sizeof(float) + sizeof(std::uint32_t));
-  result.stats.trace_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  result.stats.trace_ms = stopwatch.Milliseconds();
   return result;
 }
 

@@ -9,7 +9,7 @@
 //     the ray than its triangle does (silhouettes of coarse meshes) is turned back to the horizon.
 //  4. Everything is relative to the mesh's centre before it becomes float32: a model 10 km away loses
 //     nothing.
-//  5. With section planes (trace/section.h) a ray collects all triangles that it meets. Those that share an edge
+//  5. With section planes (view/section.h) a ray collects all triangles that it meets. Those that share an edge
 //     or a corner may both be met by one ray: neighbours in depth, to within kSameCrossing of the diagonal, that are
 //     entered or left alike are one crossing. A mesh of another program has solids of unknown extent: each node is
 //     taken for one.
@@ -22,11 +22,11 @@
 #include <memory>
 #include <span>
 
+#include "render/base/result.h"
 #include "render/model/mesh.h"
-#include "render/model/result.h"
-#include "render/trace/camera.h"
-#include "render/trace/samples.h"
-#include "render/trace/section.h"
+#include "render/view/camera.h"
+#include "render/view/samples.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

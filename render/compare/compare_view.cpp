@@ -1,28 +1,22 @@
 #include "render/compare/compare_view.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <new>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
 #include "render/compare/see_through.h"
 #include "render/lines/draw_lines.h"
 #include "render/lines/view_lines.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kMaxSamples = 64;
-
-double MillisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 std::uint64_t BufferBytes(const SampleBuffer& samples) {
   return samples.depth.size() * sizeof(double) + samples.normal.size() * sizeof(samples.normal[0]) +
@@ -136,7 +130,7 @@ struct DirectPasses {
 
 Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const Subject& subject,
                                const ViewOptions& options) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   DirectPasses passes;
   DirectView& view = passes.view;
   view.grid = GridOf(options.samples);
@@ -165,7 +159,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
   // The colour pass.
   CameraFrame color_frame = view.frame;
   if (options.samples > 1) {
-    const Clock::time_point color_start = Clock::now();
+    const Stopwatch color_watch;
     trace.uv = NeedsExactSurface(options.inspection.kind);
     trace.depth_error = trace.audit = false;
     trace.check = CheckLevel::kNone;  // the report's certificates are those of the pixel centres
@@ -173,7 +167,7 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
     if (!color.ok()) return color.error();
     color_frame = color.value().frame;
     passes.color_samples = std::move(color.value().samples);
-    view.color_ms = MillisecondsSince(color_start);
+    view.color_ms = color_watch.Milliseconds();
     view.peak_bytes =
         std::max(view.peak_bytes, color.value().stats.scene_bytes + BufferBytes(view.samples) +
                                       BufferBytes(passes.color_samples) + FilmBytes(passes.color_samples));
@@ -182,18 +176,18 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
   // What lies behind transparent faces.
   SampleBuffer behind;
   if (!subject.transparent.empty()) {
-    const Clock::time_point behind_start = Clock::now();
+    const Stopwatch behind_watch;
     trace.uv = trace.depth_error = trace.audit = false;
     trace.leave_out = &subject.transparent;
     Result<DirectResult> seen = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
     if (!seen.ok()) return seen.error();
     behind = std::move(seen.value().samples);
-    view.color_ms += MillisecondsSince(behind_start);
+    view.color_ms += behind_watch.Milliseconds();
   }
 
   // Lines.
   if (options.lines != LineMode::kNone || options.find_lines) {
-    const Clock::time_point lines_start = Clock::now();
+    const Stopwatch lines_watch;
     view.lines =
         FindLines(scene, camera, view.frame, passes.color(), color_frame,
                   {.sections = options.sections, .threads = options.threads, .cancel = options.cancel});
@@ -203,11 +197,11 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
       return !line.visible && (options.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
                                line.kind == LineClass::kSmooth);
     });
-    view.lines_ms = MillisecondsSince(lines_start);
+    view.lines_ms = lines_watch.Milliseconds();
   }
 
   // Light.
-  const Clock::time_point shade_start = Clock::now();
+  const Stopwatch shade_watch;
   auto inspected = Inspected(subject.model, &scene, view.samples, view.frame, options);
   if (!inspected.ok()) return inspected.error();
   view.inspection = std::move(inspected).value();
@@ -216,8 +210,8 @@ Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const S
       subject, Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
-  view.shade_ms = MillisecondsSince(shade_start);
-  view.total_ms = MillisecondsSince(start);
+  view.shade_ms = shade_watch.Milliseconds();
+  view.total_ms = stopwatch.Milliseconds();
   return passes;
 }
 
@@ -243,7 +237,7 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
 Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
                                  const Subject& subject, const std::vector<ViewLine>& lines,
                                  const ViewOptions& options) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   const SampleGrid grid = GridOf(options.samples);
   BaselineView view;
 
@@ -261,19 +255,19 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   CameraFrame color_frame = traced.value().frame;
   SampleBuffer color = view.samples;
   if (options.samples > 1) {
-    const Clock::time_point color_start = Clock::now();
+    const Stopwatch color_watch;
     Result<BaselineResult> fine = TraceBaseline(scene, camera.Supersampled(grid.x, grid.y), trace);
     if (!fine.ok()) return fine.error();
     color_frame = fine.value().frame;
     color = std::move(fine.value().samples);
-    view.color_ms = MillisecondsSince(color_start);
+    view.color_ms = color_watch.Milliseconds();
     view.peak_bytes = scene_bytes + BufferBytes(view.samples) + BufferBytes(color) + FilmBytes(color);
   }
 
   // What lies behind transparent faces. Those of a mesh of another program are not known.
   SampleBuffer behind;
   if (!subject.transparent.empty() && scene.mesh().from_model) {
-    const Clock::time_point behind_start = Clock::now();
+    const Stopwatch behind_watch;
     const Mesh opaque = OpaqueMesh(scene.mesh(), subject.transparent);
     Result<BaselineScene> opaque_scene = BaselineScene::Build(opaque, options.threads);
     if (opaque_scene.ok()) {
@@ -286,11 +280,11 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
     } else {
       return opaque_scene.error();
     }
-    view.color_ms += MillisecondsSince(behind_start);
+    view.color_ms += behind_watch.Milliseconds();
   }
 
   // Light.
-  const Clock::time_point shade_start = Clock::now();
+  const Stopwatch shade_watch;
   if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
   auto inspected = Inspected(subject.model, nullptr, view.samples, traced.value().frame, options);
   if (!inspected.ok()) return inspected.error();
@@ -300,8 +294,8 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
               Address(view.inspection), options);
   if (!image.ok()) return image.error();
   view.image = std::move(image).value();
-  view.shade_ms = MillisecondsSince(shade_start);
-  view.total_ms = MillisecondsSince(start);
+  view.shade_ms = shade_watch.Milliseconds();
+  view.total_ms = stopwatch.Milliseconds();
   return view;
 }
 
@@ -388,13 +382,13 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     comparison.baseline = std::move(meshed).value();
 
     // Compare.
-    const Clock::time_point start = Clock::now();
+    const Stopwatch stopwatch;
     Result<void> compared;
     RunWithThreads(options.threads,
                    [&] { compared = CompareViews(scene.model(), baseline, options, comparison); });
     if (!compared.ok()) return compared.error();
     if (subject.solids) NameCaps(*subject.solids, &comparison.difference);
-    comparison.difference_ms = MillisecondsSince(start);
+    comparison.difference_ms = stopwatch.Milliseconds();
     return comparison;
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);

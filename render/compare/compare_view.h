@@ -11,7 +11,7 @@
 //  4. An inspection is measured at pixel centres, its robust range included, and drawn where the colour comes from.
 //  5. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
 //     shows there, and the commonest colour of that image where it shows none.
-//  6. Section planes cut both models (trace/section.h). An audit counts the crossings of the whole model.
+//  6. Section planes cut both models (view/section.h). An audit counts the crossings of the whole model.
 #pragma once
 
 #include <atomic>
@@ -29,8 +29,8 @@
 #include "render/lines/line.h"
 #include "render/model/model.h"
 #include "render/shade/shade.h"
-#include "render/trace/camera.h"
 #include "render/trace/direct.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <string>
 
+#include "render/base/parallel.h"
 #include "render/compare/distance_transform.h"
 #include "render/shade/features.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

@@ -18,12 +18,12 @@
 #include <string>
 #include <vector>
 
+#include "render/base/result.h"
 #include "render/image/film.h"
 #include "render/image/metrics.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
-#include "render/trace/camera.h"
-#include "render/trace/samples.h"
+#include "render/view/camera.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 

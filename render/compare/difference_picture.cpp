@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <string>
 
+#include "render/base/parallel.h"
 #include "render/image/color_map.h"
 #include "render/image/text.h"
 #include "render/shade/features.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

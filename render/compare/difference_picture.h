@@ -9,9 +9,9 @@
 //     plain.
 #pragma once
 
+#include "render/base/result.h"
 #include "render/compare/difference.h"
 #include "render/image/film.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

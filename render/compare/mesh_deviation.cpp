@@ -11,9 +11,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/parallel.h"
 #include "render/compare/surface_pieces.h"
 #include "render/nurbs/surface_eval.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

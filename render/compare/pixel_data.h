@@ -17,9 +17,9 @@
 #include <array>
 #include <cstdint>
 
+#include "render/base/result.h"
 #include "render/compare/difference.h"
 #include "render/image/film.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

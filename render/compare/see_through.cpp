@@ -1,6 +1,6 @@
 #include "render/compare/see_through.h"
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 

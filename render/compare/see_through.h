@@ -8,7 +8,7 @@
 #include "render/image/film.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
-#include "render/trace/samples.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "render/base/result.h"
 #include "render/image/film.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

@@ -1,8 +1,8 @@
 // What every comparison checks first. Private to image/.
 #pragma once
 
+#include "render/base/result.h"
 #include "render/image/film.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

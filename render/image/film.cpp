@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "render/model/large_pages.h"
-#include "render/model/result.h"
+#include "render/base/large_pages.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

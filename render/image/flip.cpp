@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/base/parallel.h"
 #include "render/image/compare_input.h"
 #include "render/image/metrics.h"
 #include "render/image/plane.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "render/base/large_pages.h"
+#include "render/base/result.h"
 #include "render/image/film.h"
-#include "render/model/large_pages.h"
-#include "render/model/result.h"
-#include "render/trace/samples.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 
@@ -45,7 +45,7 @@ struct AovSelection {
 };
 // Channels: depth.Z (float32 of the depth), normal.X/Y/Z, face.id (uint32; 4294967295: none), uv.U/V,
 // certificate.C (uint32: 0 certified, 1 converged, 2 unresolved), certificate.doubt (uint32: bits of
-// render/kernels/doubt.h) and certificate.error (float32: bound of the depth's error, mm), curvature.H.
+// render/view/doubt.h) and certificate.error (float32: bound of the depth's error, mm), curvature.H.
 // kBadUsage if an AOV is asked for that the samples don't hold.
 Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, const AovSelection& aovs);
 

@@ -14,8 +14,8 @@
 
 #include <vector>
 
+#include "render/base/result.h"
 #include "render/image/film.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "render/image/film.h"
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

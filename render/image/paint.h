@@ -8,8 +8,8 @@
 #include <array>
 #include <cstdint>
 
+#include "render/base/vec.h"
 #include "render/image/film.h"
-#include "render/model/vec.h"
 
 namespace facetless {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

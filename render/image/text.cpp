@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
+#include "render/base/trigonometry.h"
+#include "render/base/vec.h"
 #include "render/image/paint.h"
-#include "render/model/vec.h"
-#include "render/nurbs/angle_map.h"
 
 namespace facetless {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/nurbs/angle_map.h"
+#include "render/base/trigonometry.h"
 
 namespace facetless {
 

@@ -1,7 +1,7 @@
 // Angles between directions, the same bits on every machine: no libm but sqrt.
 #pragma once
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <optional>
 
+#include "render/base/parallel.h"
 #include "render/inspect/angle.h"
 #include "render/inspect/curvature.h"
 #include "render/nurbs/edge_points.h"
 #include "render/nurbs/surface_eval.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

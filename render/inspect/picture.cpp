@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include "render/base/parallel.h"
 #include "render/image/color_map.h"
 #include "render/inspect/angle.h"
 #include "render/inspect/stripes.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

@@ -12,8 +12,8 @@
 
 #include <cstdint>
 
+#include "render/base/vec.h"
 #include "render/inspect/inspection.h"
-#include "render/model/vec.h"
 
 namespace facetless {
 

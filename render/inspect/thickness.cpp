@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/inspect/solid_tree.h"
+#include "render/rays/solid_tree.h"
 
 namespace facetless {
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
+#include "render/base/parallel.h"
 #include "render/inspect/angle.h"
 #include "render/inspect/curvature.h"
 #include "render/inspect/thickness.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "render/base/large_pages.h"
 #include "render/inspect/inspection.h"
-#include "render/model/large_pages.h"
 #include "render/nurbs/surface_eval.h"
 #include "render/trace/direct.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "render/base/result.h"
 #include "render/kernels/tile_kernel.h"
-#include "render/model/result.h"
 #include "render/nurbs/net_operations.h"
 
 namespace facetless {

@@ -23,9 +23,9 @@
 #include <array>
 #include <cstdint>
 
-#include "render/kernels/doubt.h"
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 #include "render/nurbs/leaf.h"
+#include "render/view/doubt.h"
 
 namespace facetless {
 

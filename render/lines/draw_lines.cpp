@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

@@ -9,9 +9,9 @@
 #include <span>
 #include <string>
 
+#include "render/base/result.h"
 #include "render/image/film.h"
 #include "render/lines/line.h"
-#include "render/model/result.h"
 
 namespace facetless {
 

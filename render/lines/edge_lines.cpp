@@ -6,10 +6,10 @@
 #include <numbers>
 #include <optional>
 
-#include "render/nurbs/angle_map.h"
+#include "render/base/parallel.h"
+#include "render/base/trigonometry.h"
 #include "render/nurbs/monotone_curve.h"
 #include "render/nurbs/surface_eval.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

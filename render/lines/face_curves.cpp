@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "render/base/parallel.h"
 #include "render/nurbs/bracketed_root.h"
 #include "render/nurbs/surface_eval.h"
-#include "render/trace/parallel.h"
 #include "render/trace/scene.h"
 
 namespace facetless {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "render/model/model.h"
-#include "render/trace/camera.h"
-#include "render/trace/section.h"
+#include "render/view/camera.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

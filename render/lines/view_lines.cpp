@@ -4,10 +4,10 @@
 #include <iterator>
 #include <utility>
 
+#include "render/base/parallel.h"
 #include "render/lines/edge_lines.h"
 #include "render/lines/face_curves.h"
 #include "render/lines/visibility.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

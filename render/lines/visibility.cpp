@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

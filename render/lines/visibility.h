@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "render/lines/line.h"
-#include "render/trace/samples.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 

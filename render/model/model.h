@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "render/model/result.h"
-#include "render/model/vec.h"
+#include "render/base/result.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 

@@ -19,7 +19,7 @@ namespace facetless {
 
 inline constexpr int kMaxNetPoints = (kMaxDegree + 1) * (kMaxDegree + 1);
 
-// Components of a projected net, in this order. See trace/projection.h for what they mean.
+// Components of a projected net, in this order. See view/projection.h for what they mean.
 enum NetComponent : int { kX = 0, kY = 1, kW = 2, kQ = 3, kNetComponents = 4 };
 
 struct BezierNet {

@@ -1,8 +1,8 @@
 // Points of edges, at the parameter of the 3D curve that two faces share.
 #pragma once
 
+#include "render/base/vec.h"
 #include "render/model/model.h"
-#include "render/model/vec.h"
 
 namespace facetless {
 

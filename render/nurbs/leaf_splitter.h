@@ -17,7 +17,7 @@
 #include <memory>
 #include <vector>
 
-#include "render/model/large_pages.h"
+#include "render/base/large_pages.h"
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/bezier.h"
 #include "render/nurbs/leaf.h"

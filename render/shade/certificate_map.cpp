@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "render/image/text.h"
-#include "render/kernels/doubt.h"
+#include "render/view/doubt.h"
 
 namespace facetless {
 namespace {

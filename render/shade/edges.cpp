@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/nurbs/angle_map.h"
+#include "render/base/parallel.h"
+#include "render/base/trigonometry.h"
 #include "render/shade/features.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

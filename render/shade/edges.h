@@ -3,8 +3,8 @@
 
 #include "render/image/film.h"
 #include "render/shade/shade.h"
-#include "render/trace/camera.h"
-#include "render/trace/samples.h"
+#include "render/view/camera.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 

@@ -13,8 +13,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/trace/camera.h"
-#include "render/trace/samples.h"
+#include "render/view/camera.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "render/base/parallel.h"
 #include "render/shade/edges.h"
 #include "render/shade/hatch.h"
 #include "render/shade/studio.h"
-#include "render/trace/parallel.h"
 
 namespace facetless {
 namespace {

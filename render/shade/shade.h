@@ -17,11 +17,11 @@
 #include <cstdint>
 #include <span>
 
+#include "render/base/result.h"
 #include "render/image/film.h"
 #include "render/model/model.h"
-#include "render/model/result.h"
-#include "render/trace/camera.h"
-#include "render/trace/samples.h"
+#include "render/view/camera.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 
@@ -33,7 +33,7 @@ struct ShadeOptions {
   double edge_angle_deg = 20;        // 0 … 180
   int samples_x = 1, samples_y = 1;  // samples per pixel: the width of edges
   Color fallback;                    // of a face id beyond `colors`
-  // Face ids from here on are caps, those of a plane following each other by solid (trace/section.h).
+  // Face ids from here on are caps, those of a plane following each other by solid (view/section.h).
   std::uint32_t first_cap = kNoIndex, cap_stride = 1;
   int threads = 0;  // 0: all cores
 };

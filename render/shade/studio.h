@@ -5,7 +5,7 @@
 //  2. Sums, products, quotients and square roots of doubles only, in a fixed order.
 #pragma once
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 
 namespace facetless {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <tuple>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 #include "render/trace/tile_tracer.h"
 
 namespace facetless {

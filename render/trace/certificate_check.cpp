@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

@@ -19,8 +19,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/trace/camera.h"
 #include "render/trace/scene.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

@@ -1,16 +1,16 @@
 #include "render/trace/direct.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
 #include "render/kernels/dispatch.h"
 #include "render/trace/audit.h"
 #include "render/trace/hit_geometry.h"
-#include "render/trace/parallel.h"
 #include "render/trace/prepare.h"
 #include "render/trace/section_tracer.h"
 #include "render/trace/tally.h"
@@ -18,12 +18,6 @@
 
 namespace facetless {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double MillisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // Asks the independent check about the root of sample `k` of a tile, if it is certified and one of the share that is checked. Roots
 // of hard leaves have been asked about.
@@ -151,7 +145,7 @@ CheckLevel LevelOf(const DirectOptions& options) {
 }
 
 Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   DirectResult result;
   if (auto sound = CheckSections(options.sections); !sound.ok()) return sound.error();
   if (auto frame = MakeFrame(camera, scene.model().Diagonal()); frame.ok()) {
@@ -178,10 +172,10 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     shared.roots_per_checked_root = level == CheckLevel::kAll ? 1 : kRootsPerCheckedRoot;
     shared.rays_per_checked_ray = level == CheckLevel::kAll ? kRaysPerAuditedRay : kRaysPerCheckedRay;
   }
-  result.stats.prepare_ms = MillisecondsSince(start);
+  result.stats.prepare_ms = stopwatch.Milliseconds();
 
   // Trace tile by tile.
-  const Clock::time_point traced = Clock::now();
+  const Stopwatch tracing;
   SampleBuffer& samples = result.samples;
   samples.Allocate(camera.width_px, camera.height_px);
   samples.certificate.resize(samples.size());
@@ -208,7 +202,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   }
   if (options.cancel && options.cancel->load())
     return Error{ErrorCode::kCancelled, "cancelled while tracing"};
-  result.stats.trace_ms = MillisecondsSince(traced);
+  result.stats.trace_ms = tracing.Milliseconds();
 
   // Add up.
   DirectStats& stats = result.stats;

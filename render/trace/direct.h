@@ -14,11 +14,11 @@
 #include <optional>
 #include <vector>
 
-#include "render/kernels/doubt.h"
 #include "render/model/model.h"
-#include "render/trace/camera.h"
-#include "render/trace/samples.h"
-#include "render/trace/section.h"
+#include "render/view/camera.h"
+#include "render/view/doubt.h"
+#include "render/view/samples.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

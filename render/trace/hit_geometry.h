@@ -1,9 +1,9 @@
 // From a root (s, t) of a leaf back to geometry: tangents, normal and native parameters.
 #pragma once
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 #include "render/nurbs/leaf.h"
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

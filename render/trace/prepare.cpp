@@ -5,9 +5,9 @@
 #include <limits>
 #include <span>
 
+#include "render/base/parallel.h"
 #include "render/kernels/dispatch.h"
-#include "render/trace/parallel.h"
-#include "render/trace/projection.h"
+#include "render/view/projection.h"
 
 namespace facetless {
 namespace {

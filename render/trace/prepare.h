@@ -8,8 +8,8 @@
 
 #include "render/accel/bmssm.h"
 #include "render/nurbs/leaf_splitter.h"
-#include "render/trace/camera.h"
 #include "render/trace/scene.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {

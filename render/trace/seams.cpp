@@ -6,11 +6,11 @@
 #include <optional>
 #include <tuple>
 
+#include "render/base/parallel.h"
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/edge_points.h"
-#include "render/nurbs/edge_winding.h"
-#include "render/nurbs/projected_edges.h"
-#include "render/trace/parallel.h"
+#include "render/trace/edge_winding.h"
+#include "render/trace/projected_edges.h"
 
 namespace facetless {
 namespace {

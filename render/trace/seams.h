@@ -3,7 +3,7 @@
 //
 //  1. A ray crosses a face an odd number of times iff the image of the face's border winds around the pixel an
 //     odd number of times: so it is for every surface, folded or seen edge-on. Here the border runs along the
-//     3D edges (nurbs/edge_winding.h), which neighbours share. Over a closed solid every edge is counted twice:
+//     3D edges (trace/edge_winding.h), which neighbours share. Over a closed solid every edge is counted twice:
 //     its faces together owe each ray an even number of crossings.
 //  2. P-curves draw the border a little beside the edges. The two disagree only on rays that pass an edge within
 //     the gap of one of its faces, or a vertex within what its edges' ends miss it by: the seam samples. All
@@ -20,7 +20,7 @@
 
 #include "render/model/model.h"
 #include "render/nurbs/leaf_splitter.h"
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
 #include "render/kernels/dispatch.h"
-#include "render/trace/parallel.h"
 #include "render/trace/section_contact.h"
 #include "render/trace/section_rows.h"
 
 namespace facetless {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Blocks of the first pass, and pieces that a block is divided into.
 constexpr int kFirstBlocks = 128, kPieces = 8;
@@ -303,7 +301,7 @@ class Measurement {
 
 Result<SectionArea> MeasureSection(const Scene& scene, std::span<const SectionPlane> planes,
                                    std::size_t index, const SectionAreaOptions& options) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   if (auto sound = CheckSections(planes); !sound.ok()) return sound.error();
   const Result<Kernels>& kernels = ActiveKernels();
   if (!kernels.ok()) return kernels.error();
@@ -325,7 +323,7 @@ Result<SectionArea> MeasureSection(const Scene& scene, std::span<const SectionPl
   area.error_parts.move = place.error;
   const SectionArea::ErrorParts& parts = area.error_parts;
   area.error_mm2 = parts.rows + parts.odd + parts.move + parts.gaps + parts.missed;
-  area.ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  area.ms = stopwatch.Milliseconds();
   return area;
 }
 

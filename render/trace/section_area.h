@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "render/trace/direct.h"
-#include "render/trace/section.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

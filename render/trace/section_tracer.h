@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "render/trace/section.h"
 #include "render/trace/tally.h"
 #include "render/trace/tile_tracer.h"
+#include "render/view/section.h"
 
 namespace facetless {
 

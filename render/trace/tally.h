@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "render/kernels/doubt.h"
 #include "render/trace/direct.h"
-#include "render/trace/samples.h"
+#include "render/view/doubt.h"
+#include "render/view/samples.h"
 
 namespace facetless {
 

@@ -12,10 +12,10 @@
 
 #include "render/accel/bmssm.h"
 #include "render/kernels/tile_kernel.h"
-#include "render/nurbs/projected_edges.h"
 #include "render/trace/certificate_check.h"
 #include "render/trace/fallback_solver.h"
 #include "render/trace/prepare.h"
+#include "render/trace/projected_edges.h"
 
 namespace facetless {
 

@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/importer/file_access.h"
 
 namespace facetless {

@@ -21,7 +21,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/temp_dir.h"
 
 namespace facetless {

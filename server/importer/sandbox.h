@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

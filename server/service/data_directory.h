@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/service/database.h"
 
 namespace facetless {

@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

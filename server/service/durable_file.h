@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

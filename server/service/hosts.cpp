@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 
 namespace facetless {
 namespace {

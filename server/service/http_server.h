@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/service/service.h"
 
 namespace facetless {

@@ -13,7 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/service/database.h"
 
 namespace facetless {

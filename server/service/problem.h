@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/service/message.h"
 
 namespace facetless {

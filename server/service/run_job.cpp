@@ -1,11 +1,11 @@
 #include "server/service/run_job.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
+#include "render/base/stopwatch.h"
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "server/files.h"
@@ -221,13 +221,12 @@ class JobRun {
   }
 
   Result<void> Execute(const std::string& mesh_path) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     auto read = ReadModel(model_->model_path);
     if (!read) return read.error();
     ImportedModel imported;
     imported.import_kept = !imported_;
-    imported.load_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    imported.load_ms = stopwatch.Milliseconds();
     imported.model = std::make_unique<const Model>(std::move(read).value());
     imported.import_ms = model_->report.value("import_ms", 0.0);
     imported.import_peak_bytes = model_->report.value("import_peak_bytes", std::uint64_t{0});

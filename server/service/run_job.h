@@ -9,7 +9,7 @@
 #include <functional>
 #include <string>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/interrupt.h"
 #include "server/service/job_store.h"
 #include "server/service/observer.h"

@@ -14,7 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/service/serve.h"
 
 namespace CLI {

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/model/result.h"
+#include "render/base/result.h"
 #include "server/options.h"
 #include "server/service/message.h"
 

@@ -1,5 +1,5 @@
 // The plot as files, and where its labels go.
-#include "render/compare/plot.h"
+#include "render/trade/plot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "render/compare/plot_labels.h"
+#include "render/trade/plot_labels.h"
 
 namespace facetless {
 namespace {

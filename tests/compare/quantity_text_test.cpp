@@ -1,4 +1,4 @@
-#include "render/compare/quantity_text.h"
+#include "render/trade/quantity_text.h"
 
 #include <gtest/gtest.h>
 

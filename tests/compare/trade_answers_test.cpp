@@ -1,5 +1,5 @@
 // What measured points answer, number for number and word for word.
-#include "render/compare/trade_answers.h"
+#include "render/trade/trade_answers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
 // Points measured on a ball, whose mesh has a known error.
-#include "render/compare/trade_measure.h"
+#include "render/trade/trade_measure.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "render/compare/trade_report.h"
+#include "render/trade/trade_report.h"
 #include "tests/support/shapes.h"
 
 namespace facetless {

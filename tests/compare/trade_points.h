@@ -1,7 +1,7 @@
 // Points of speed against accuracy made by hand.
 #pragma once
 
-#include "render/compare/trade.h"
+#include "render/trade/trade.h"
 
 namespace facetless {
 

@@ -1,5 +1,5 @@
 // Orders and names of measured points.
-#include "render/compare/trade.h"
+#include "render/trade/trade.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "render/model/result.h"
-#include "render/model/vec.h"
-#include "render/trace/camera.h"
+#include "render/base/result.h"
+#include "render/base/vec.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

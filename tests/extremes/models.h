@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/model/model.h"
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 #include "tests/support/shapes.h"
 
 namespace facetless::extremes {

@@ -7,7 +7,7 @@
 
 #include "import/convert.h"
 #include "import/face_loops.h"
-#include "render/model/result.h"
+#include "render/base/result.h"
 
 namespace facetless {
 

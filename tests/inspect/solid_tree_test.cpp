@@ -1,5 +1,5 @@
 // Rays in any direction, from inside the material, against where a torus' equation changes its sign.
-#include "render/inspect/solid_tree.h"
+#include "render/rays/solid_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // UTF-8 and what of it may be shown.
-#include "render/model/utf8.h"
+#include "render/base/utf8.h"
 
 #include <gtest/gtest.h>
 

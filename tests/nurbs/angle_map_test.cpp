@@ -1,4 +1,5 @@
 #include "render/nurbs/angle_map.h"
+#include "render/base/trigonometry.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Whether a border winds around a pixel: by its edges' crossings of a half-line.
-#include "render/nurbs/edge_winding.h"
+#include "render/trace/edge_winding.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The rule at shared edges: sides of projected curves, and faces that tile the image without overlap or gap.
-#include "render/nurbs/projected_edges.h"
+#include "render/trace/projected_edges.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "render/trace/camera.h"
 #include "render/trace/direct.h"
+#include "render/view/camera.h"
 
 namespace facetless::oracle {
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 namespace facetless::oracle {
 namespace {

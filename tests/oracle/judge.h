@@ -24,8 +24,8 @@
 #include <string>
 #include <vector>
 
-#include "render/trace/camera.h"
 #include "render/trace/direct.h"
+#include "render/view/camera.h"
 #include "tests/oracle/oracle.h"
 
 namespace facetless::oracle {

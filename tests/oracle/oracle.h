@@ -12,7 +12,7 @@
 //  4. The renderer asks neighbouring faces the same question near a shared edge: on which side of the edge's 3D
 //     curve the ray passes, instead of the p-curve. NearestEdge says how near that curve is to the ray, and what
 //     gap the model records for it: within the gap either answer is the file's own doing, and which one is right
-//     is for the rule of render/nurbs/projected_edges.h to say, not for the oracle.
+//     is for the rule of render/trace/projected_edges.h to say, not for the oracle.
 //  5. Distances to curves are across the ray, in mm: from the crossing to the p-curve as the surface's tangent
 //     plane shows it, or from the ray to the point of the edge.
 //  6. Immutable; any number of threads may ask.

@@ -4,7 +4,7 @@
 //     The oracle takes the ray as it comes out here for exact.
 #pragma once
 
-#include "render/model/vec.h"
+#include "render/base/vec.h"
 #include "tests/oracle/real.h"
 
 namespace facetless::oracle {

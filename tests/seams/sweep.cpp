@@ -9,8 +9,8 @@
 #include "import/readers.h"
 #include "import/source_file.h"
 #include "render/kernels/dispatch.h"
-#include "render/nurbs/projected_edges.h"
 #include "render/trace/audit.h"
+#include "render/trace/projected_edges.h"
 #include "render/trace/scene.h"
 #include "tests/support/temporary_folder.h"
 

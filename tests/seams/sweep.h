@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "render/model/model.h"
-#include "render/trace/camera.h"
 #include "render/trace/direct.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 

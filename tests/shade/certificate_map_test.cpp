@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "render/kernels/doubt.h"
+#include "render/view/doubt.h"
 
 namespace facetless {
 namespace {

@@ -1,5 +1,5 @@
 // What of an assembly is shown, and where.
-#include "render/trace/arrangement.h"
+#include "render/view/arrangement.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // The camera is the contract between both tracers: every law of camera.h and every row of docs/cameras.md.
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

@@ -1,6 +1,6 @@
-// Parallel loops (render/trace/parallel.h), numbered by its laws. Under the thread sanitizer every test here also says that nothing but
+// Parallel loops (render/base/parallel.h), numbered by its laws. Under the thread sanitizer every test here also says that nothing but
 // a race is reported.
-#include "render/trace/parallel.h"
+#include "render/base/parallel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Section planes against closed forms: areas of cuts, and what a view of a cut model shows.
-#include "render/trace/section.h"
+#include "render/view/section.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/trace/camera.h"
+#include "render/view/camera.h"
 
 namespace facetless {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "render/base/parallel.h"
 #include "render/model/model_file.h"
-#include "render/trace/parallel.h"
 #include "tests/seams/sweep.h"
 
 namespace facetless {

@@ -1,0 +1,131 @@
+#include "render/trade/trade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+
+namespace facetless {
+namespace {
+
+// "1e-4", "0.003", "12": as short as it reads back.
+std::string Short(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  std::string plain = text;
+  std::snprintf(text, sizeof text, "%.0e", number);
+  // One digit and a small power of ten, without the zero in front of the exponent: as options are written.
+  std::string power = text;
+  if (std::strtod(power.c_str(), nullptr) != number || (number >= 0.1 && number < 1e4)) return plain;
+  const std::size_t zero = power.find("e-0");
+  if (zero != std::string::npos) power.erase(zero + 2, 1);
+  return power;
+}
+
+double Pick(const Spread& spread, ErrorMeasure measure) {
+  switch (measure) {
+    case ErrorMeasure::kMean:
+      return spread.mean_abs;
+    case ErrorMeasure::kP95:
+      return spread.p95;
+    case ErrorMeasure::kP99:
+      return spread.p99;
+    case ErrorMeasure::kMax:
+      break;
+  }
+  return spread.max;
+}
+
+void SortDescending(std::vector<double>& numbers) {
+  std::sort(numbers.begin(), numbers.end(), std::greater<>());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+}  // namespace
+
+std::string SettingName(const TradeSetting& setting) {
+  return setting.tracer == Tracer::kMesh ? "mesh " + ShortSettingName(setting)
+         : setting.newton_tolerance > 0  ? "standard, tolerance " + Short(setting.newton_tolerance)
+                                         : ShortSettingName(setting);
+}
+
+std::string ShortSettingName(const TradeSetting& setting) {
+  if (setting.tracer == Tracer::kMesh)
+    return Short(setting.deflection) + ", " + Short(setting.angular_deg) + "°";
+  if (setting.newton_tolerance > 0) return "tol " + Short(setting.newton_tolerance);
+  constexpr const char* kNames[] = {"fast", "standard", "certified"};
+  return kNames[static_cast<int>(setting.precision)];
+}
+
+double TradePoint::ErrorMm(ErrorMeasure measure) const {
+  return Pick(deviation_mm, measure);
+}
+
+double TradePoint::ErrorPx(ErrorMeasure measure) const {
+  return std::fmax(ErrorMm(measure) * deviation_px_scale, silhouette_offset_px);
+}
+
+double CostOf(const TradePoint& point, TradeCost cost) {
+  return cost == TradeCost::kTime ? point.total_ms : static_cast<double>(point.peak_bytes);
+}
+
+std::vector<std::size_t> ParetoFront(const std::vector<TradePoint>& points, TradeCost cost,
+                                     ErrorMeasure measure, double floor_mm) {
+  const auto error_of = [&](std::size_t i) { return std::fmax(points[i].ErrorMm(measure), floor_mm); };
+  const auto cost_of = [&](std::size_t i) { return CostOf(points[i], cost); };
+  // By cost; then a point is on the front if its error is below that of everything cheaper.
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].measured()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return cost_of(a) != cost_of(b) ? cost_of(a) < cost_of(b) : error_of(a) < error_of(b);
+  });
+  std::vector<std::size_t> front;
+  for (const std::size_t i : order) {
+    const bool equal =
+        !front.empty() && cost_of(i) == cost_of(front.back()) && error_of(i) == error_of(front.back());
+    if (front.empty() || error_of(i) < error_of(front.back()) || equal) front.push_back(i);
+  }
+  return front;
+}
+
+void MarkFronts(std::vector<TradePoint>& points, ErrorMeasure measure, double floor_mm) {
+  for (TradePoint& point : points) point.on_time_front = point.on_memory_front = false;
+  for (const std::size_t i : ParetoFront(points, TradeCost::kTime, measure, floor_mm))
+    points[i].on_time_front = true;
+  for (const std::size_t i : ParetoFront(points, TradeCost::kMemory, measure, floor_mm))
+    points[i].on_memory_front = true;
+}
+
+std::vector<TradeSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg) {
+  // Radii relative to the diagonal, between which a narrower angle is tried.
+  constexpr double kSmallestRadius = 0.01, kLargestRadius = 1.0 / 3;
+  SortDescending(deflections);
+  SortDescending(angles_deg);
+  std::vector<TradeSetting> settings;
+  for (const double deflection : deflections)
+    for (const double angle : angles_deg) {
+      const double half = angle * std::numbers::pi / 360;
+      const double radius = deflection / (1 - std::cos(half));
+      if (angle == angles_deg.front() || (radius >= kSmallestRadius && radius <= kLargestRadius))
+        settings.push_back({.tracer = Tracer::kMesh, .deflection = deflection, .angular_deg = angle});
+    }
+  return settings;
+}
+
+std::vector<TradeSetting> DirectSettings(std::vector<double> tolerances) {
+  SortDescending(tolerances);
+  std::vector<TradeSetting> settings = {{.precision = Precision::kFast}};
+  for (const double tolerance : tolerances) settings.push_back({.newton_tolerance = tolerance});
+  settings.push_back({.precision = Precision::kStandard});
+  settings.push_back({.precision = Precision::kCertified});
+  return settings;
+}
+
+bool Refines(const TradeSetting& a, const TradeSetting& b) {
+  if (a.tracer != Tracer::kMesh || b.tracer != Tracer::kMesh) return false;
+  return a.deflection < b.deflection || (a.deflection == b.deflection && a.angular_deg <= b.angular_deg);
+}
+
+}  // namespace facetless

@@ -1,0 +1,58 @@
+// Measuring one point of speed against accuracy.
+//
+//  1. Times are of a view with one sample per pixel. A run of less than kCheapMs is taken as the warm-up and followed by kRepetitions
+//     others, of which the one with the median total is the answer; a longer one is taken as it is.
+//  2. The picture that FLIP looks at has the reference's samples per pixel: so FLIP sees what the tracer does, and not how finely
+//     it samples.
+//  3. The reference is direct, certified, of the same rays; its own cost is no point.
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "render/baseline/tracer.h"
+#include "render/compare/compare_view.h"
+#include "render/trade/trade.h"
+
+namespace facetless {
+
+inline constexpr double kCheapMs = 1000;
+inline constexpr int kRepetitions = 5;
+
+struct TradeViewOptions {
+  int threads = 0;                                      // 0: all cores
+  std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // of a timed run's leaves
+  const std::atomic<bool>* budget = nullptr;  // as cancel, for timed runs alone; null: cancel itself
+  const std::atomic<bool>* cancel = nullptr;
+};
+
+struct TradeReference {
+  Camera camera;
+  DirectView view;                   // its samples are of the pixel centres, its image is antialiased
+  int samples = 1;                   // per pixel, of the image
+  std::uint64_t outline_pixels = 0;  // hit, beside one that is not
+  double mm_per_pixel = 0;           // at the camera's target
+  double floor_mm = 0;               // what the reference does not know itself
+};
+
+// The samples per pixel that a picture of this size is given: 16, or fewer where that would be more than kMostPictureSamples.
+inline constexpr std::uint64_t kMostPictureSamples = std::uint64_t{1} << 26;
+int PictureSamples(int width_px, int height_px);
+
+// Errors: those of RenderView.
+Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera,
+                                        const TradeViewOptions& options);
+
+// A point with view and error numbers. What is paid once per model is the caller's: convert_ms, scene_ms, mesh_ms, build_ms,
+// mesher_peak_bytes; CompleteCosts then forms the sums. Errors: those of RenderView, RenderMesh and ComputeDifference.
+Result<TradePoint> MeasureDirect(const Scene& scene, const TradeReference& reference,
+                                 const TradeSetting& setting, const TradeViewOptions& options);
+Result<TradePoint> MeasureMesh(const BaselineScene& baseline, const Model& model,
+                               const TradeReference& reference, const TradeSetting& setting,
+                               const TradeViewOptions& options);
+void CompleteCosts(TradePoint& point);
+
+// The median time of `work` by law 1, in ms.
+double MedianMs(const std::function<void()>& work);
+
+}  // namespace facetless
