@@ -145,6 +145,10 @@ void AddTessellationOptions(CLI::App* app, OptionCollector& options) {
                  "REL");
   options.Number(app, "deflection-mm", "Chord error in millimetres, instead of --deflection", "MM");
   options.Number(app, "angular", "Angle between neighbouring facets in degrees (default 20)", "DEG");
+  options.Number(
+      app, "mesh-timeout",
+      "Seconds that meshing may take (default 300); a comparison without a mesh has its exact half",
+      "SECONDS");
 }
 
 void AddTradeOptions(CLI::App* app, OptionCollector& options) {
@@ -191,7 +195,8 @@ void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments&
   options.Text(app, "unit",
                "Unit of the file: mm, cm, m, in, ft, … or its length in millimetres (default: the file's)",
                "NAME|MM");
-  options.Number(app, "import-timeout", "Seconds that the import may take (default 300)", "S");
+  options.Number(app, "import-timeout", "Seconds that the import may take, but for meshing (default 300)",
+                 "S");
   options.Number(app, "import-memory", "Megabytes of address space that the import may use (default 8192)",
                  "MB");
   app->add_flag("--progress", arguments.progress, "Print progress even if standard error is no terminal");

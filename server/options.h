@@ -33,7 +33,8 @@
 // deflection      relative to the diagonal, 1e-9 … 1                              1e-3
 // deflection_mm   millimetres, > 0; excludes deflection
 // angular         degrees, 0.1 … 90                                              20
-// import_timeout  seconds, > 0                                                   300
+// mesh_timeout    seconds that our tessellation may take, > 0; excludes mesh      300
+// import_timeout  seconds of the rest of the import, > 0                         300
 // import_memory   megabytes, >= 64                                               8192
 // unit            name (mm, cm, m, in, ft, …) or millimetres                      the file's own
 // strict          true: any loss fails                                           false

@@ -199,16 +199,11 @@ class Sweep {
     request.meshes.assign(
         static_cast<std::size_t>(repetitions),
         {.deflection = setting.deflection, .deflection_mm = 0, .angular_deg = setting.angular_deg});
-    // The budget begins with meshing: whatever reading takes is neither tracer's.
-    Deadline budget(0, deadline_.flag());
-    bool meshing = false;
-    request.cancel = budget.flag();
-    request.progress = [&](const std::string& stage, double) {
-      if (stage != "mesh" || meshing) return;
-      meshing = true;
-      budget.Start(trade().budget_s * repetitions);
-    };
-    request.limits.timeout_s += trade().budget_s * repetitions;
+    // The budget is of meshing: whatever reading takes is neither tracer's.
+    request.cancel = deadline_.flag();
+    request.progress = nullptr;
+    request.limits.mesh_timeout_s = trade().budget_s * repetitions;
+    request.model_suffices = true;
     // What reading the file took, and the budget on top; never more than --import-memory.
     const std::uint64_t reading_mb = imported_.import_peak_address_bytes / kMegabyte;
     if (reading_mb > 0)
@@ -218,10 +213,14 @@ class Sweep {
     auto files = RunImporter(request);
     if (!files) {
       if (*deadline_.flag()) return files.error();
-      tessellation.over_budget = budget.expired() ? "meshing takes longer than " + Seconds(trade().budget_s)
-                                 : files.error().code == ErrorCode::kLimitExceeded && meshing
-                                     ? MemoryReason()
-                                     : files.error().message;
+      tessellation.over_budget = files.error().message;
+      return tessellation;
+    }
+    if (const auto& failure = files.value().mesh_failure) {
+      tessellation.over_budget = failure->reason == "timeout"
+                                     ? "meshing takes longer than " + Seconds(trade().budget_s)
+                                 : failure->reason == "memory" ? MemoryReason()
+                                                               : failure->error.message;
       return tessellation;
     }
     StoreMesherCosts(files.value().summary, tessellation);
