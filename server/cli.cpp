@@ -247,6 +247,7 @@ int RunCommandLine(int argc, char** argv) {
       ->type_name("DIR");
   AddCameraOptions(trade, options);
   AddTradeOptions(trade, options);
+  AddShowHiddenOption(trade, options);
   AddCameraOptions(bench, options);
   AddBenchOptions(bench, arguments);
   mesh->add_option("--out", arguments.out,

@@ -16,6 +16,7 @@
 #include "render/image/io.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/shown_model.h"
 #include "server/verdict.h"
 #include "server/version.h"
 
@@ -52,10 +53,13 @@ double LoadAverage() {
 
 class Sweep {
  public:
-  Sweep(const ImportRequest& request, const ImportedModel& imported, const RunOptions& options,
-        const std::string& directory, const RunContext& context)
+  // `whole` is the import, `shown` what of it is measured.
+  Sweep(const ImportRequest& request, const ImportedModel& whole, const ShownModel& shown,
+        const RunOptions& options, const std::string& directory, const RunContext& context)
       : request_(request),
-        imported_(imported),
+        whole_(whole),
+        imported_(shown.imported()),
+        arrangement_(shown.report()),
         options_(options),
         directory_(directory),
         context_(context),
@@ -229,10 +233,20 @@ class Sweep {
 
     // Read it and build the tree.
     auto mesh = LoadMesh(files.value().mesh_paths.front(),
-                         {.max_memory_bytes = trade().budget_mb * kMegabyte}, &model());
+                         {.max_memory_bytes = trade().budget_mb * kMegabyte}, whole_.model.get());
     if (!mesh) return Refused(mesh.error(), std::move(tessellation));
-    tessellation.mesh = std::make_unique<const Mesh>(std::move(mesh).value());
+    auto shown = Shown(std::move(mesh).value());
+    if (!shown) return shown.error();
+    tessellation.mesh = std::make_unique<const Mesh>(std::move(shown).value());
     return BuildTree(std::move(tessellation));
+  }
+
+  // What is shown of a mesh of the whole model.
+  Result<Mesh> Shown(Mesh mesh) const {
+    const auto shown = ShownModel::Of(whole_, &mesh, options_.picture.arrangement);
+    if (!shown) return shown.error();
+    if (shown.value().report().is_null()) return mesh;
+    return shown.value().mesh();
   }
 
   static void StoreMesherCosts(const Json& summary, Tessellation& tessellation) {
@@ -333,6 +347,7 @@ class Sweep {
         {"verdict",
          VerdictJson(options_, {},
                      {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())})}};
+    if (!arrangement_.is_null()) result.report["arrangement"] = arrangement_;
     if (auto written = WriteReport(result.report, directory_); !written) return written.error();
     return result;
   }
@@ -384,7 +399,8 @@ class Sweep {
   }
 
   const ImportRequest& request_;
-  const ImportedModel& imported_;
+  const ImportedModel &whole_, &imported_;
+  const Json& arrangement_;  // null where everything is shown as in the file
   const RunOptions& options_;
   const std::string directory_;
   const RunContext& context_;
@@ -403,7 +419,9 @@ Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& 
                              const RunContext& context) {
   if (!options.sections.empty())
     return Error{ErrorCode::kBadUsage, "trade measures whole models; it takes no section"};
-  return Sweep(request, imported, options, directory, context).Run();
+  const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
+  if (!shown) return shown.error();
+  return Sweep(request, imported, shown.value(), options, directory, context).Run();
 }
 
 }  // namespace facetless
