@@ -111,6 +111,9 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
                "Which side of a surface is outside, for draft, curvature and thickness: file (default), or "
                "viewer, the side that is seen",
                "NAME");
+  options.Number(app, "max-view-memory",
+                 "Megabytes that a view may take: its leaves, and the mesh's search tree (default 4096)",
+                 "MB");
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
 }
 

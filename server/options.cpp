@@ -213,6 +213,10 @@ std::vector<std::pair<std::string, Parser>> MakeParsers() {
                                      [](RunOptions& o, double v) {
                                        o.import_limits.memory_mb = static_cast<std::uint64_t>(v);
                                      })},
+      {"max_view_memory", NumberParser("max_view_memory", 1, 1e9,
+                                       [](RunOptions& o, double v) {
+                                         o.max_view_bytes = static_cast<std::uint64_t>(v * (1 << 20));
+                                       })},
       {"unit", ParseUnit},
       {"strict", BoolParser("strict", &RunOptions::strict)},
       {"deflections", NumbersParser("deflections", 1e-9, 1, &TradeOptions::deflections)},

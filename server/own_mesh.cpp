@@ -119,11 +119,11 @@ class Comparing {
     auto model = ReadModel(files.model_path);
     if (!model) return model.error();
     imported.model = std::make_unique<const Model>(std::move(model).value());
-    if (files.mesh_failure) return WithoutBaseline(imported, *files.mesh_failure);
+    if (files.mesh_failure) return WithoutBaseline(imported, NoBaselineFor(*files.mesh_failure));
     auto mesh = LoadOwnMesh(files.mesh_paths.front(), *imported.model);
     if (!mesh) {
       if (!CostsTheBaselineOnly(mesh.error().code)) return mesh.error();
-      return WithoutBaseline(imported, {"unusable", mesh.error()});
+      return WithoutBaseline(imported, NoBaselineFor(mesh.error()));
     }
     imported.load_ms = MillisecondsSince(load);
     auto report = RunCompare(imported, mesh.value(), options_, directory_, context_);
@@ -131,8 +131,7 @@ class Comparing {
     return OwnMeshComparison{std::move(report).value(), mesh.value().faces_unmeshed};
   }
 
-  Result<OwnMeshComparison> WithoutBaseline(const ImportedModel& imported, const MeshFailure& failure) {
-    const NoBaseline why = NoBaselineFor(failure);
+  Result<OwnMeshComparison> WithoutBaseline(const ImportedModel& imported, const NoBaseline& why) {
     auto report = exact_ ? WithReason(std::move(*exact_), why, directory_)
                          : RunWithoutBaseline(imported, why, options_, directory_, context_);
     if (!report) return report.error();

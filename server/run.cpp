@@ -82,6 +82,14 @@ Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std:
               {"faces_missing_named", deviation.faces_missing}};
 }
 
+// A view that finds no memory beside the tree may well find it without.
+Error BesideTree(const ImportedModel& imported, const BaselineScene& tree, const Error& error) {
+  char text[100];
+  std::snprintf(text, sizeof text, ": beside the mesh's search tree of %.4g MB, ",
+                static_cast<double>(tree.bvh_bytes()) / (1 << 20));
+  return {error.code, imported.model->info.file + text + error.message};
+}
+
 Json NoBaselineJson(const NoBaseline& why) {
   return {{"reason", why.reason}, {"message", why.message}};
 }
@@ -369,6 +377,11 @@ NoBaseline NoBaselineFor(const MeshFailure& failure) {
                               "render, POST /v1/renders) needs no mesh"};
 }
 
+NoBaseline NoBaselineFor(const Error& unusable) {
+  return NoBaselineFor(
+      MeshFailure{unusable.code == ErrorCode::kLimitExceeded ? "memory" : "unusable", unusable});
+}
+
 Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model) {
   auto mesh = LoadMesh(path, {}, &model);
   if (mesh) return mesh;
@@ -438,11 +451,12 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
   Run run(imported, options, directory, context, "compare");
   run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
-  const auto baseline = BaselineScene::Build(mesh, options.threads, !options.sections.empty());
+  const auto baseline =
+      BaselineScene::Build(mesh, options.threads, !options.sections.empty(), options.max_view_bytes);
   if (!baseline) {
     const Error error = {baseline.error().code, imported.model->info.file + ": " + baseline.error().message};
     if (!whole_mesh.from_model || !CostsTheBaselineOnly(error.code)) return error;
-    return RunWithoutBaseline(whole, NoBaselineFor({"unusable", error}), options, directory, context);
+    return RunWithoutBaseline(whole, NoBaselineFor(error), options, directory, context);
   }
   const auto sections = run.Sections(scene, &mesh);
   if (!sections) return sections.error();
@@ -450,8 +464,10 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
   ContactSheet sheet(options.picture.sheet, 3);
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto compared =
-        CompareView(scene, baseline.value(), camera, ToViewOptions(options, sections.value(), run.cancel()));
+    // The leaves have what the tree leaves of the memory.
+    ViewOptions view_options = ToViewOptions(options, sections.value(), run.cancel());
+    view_options.max_bytes -= std::min(view_options.max_bytes, baseline.value().bvh_bytes());
+    auto compared = CompareView(scene, baseline.value(), camera, view_options);
     if (!compared) return compared.error();
     ViewComparison& view = compared.value();
     // The pictures are compared: now they may be drawn into.
@@ -491,7 +507,12 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
                             {"baseline", InspectionJson(*view.baseline.inspection, *imported.model)}};
     return json;
   });
-  if (!views) return views.error();
+  if (!views) {
+    const Error& error = views.error();
+    if (!whole_mesh.from_model || error.code != ErrorCode::kLimitExceeded || *run.cancel()) return error;
+    return RunWithoutBaseline(whole, NoBaselineFor(BesideTree(imported, baseline.value(), error)), options,
+                              directory, context);
+  }
   if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
   if (options.mesh_deviation) {
     auto measured = WriteMeshDeviation(*imported.model, mesh, directory, run.cancel());

@@ -29,12 +29,14 @@ namespace facetless {
 // Reports progress: a stage's name and a fraction 0 … 1. May be empty.
 using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
 
-// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle, or more than a tree can hold); or pending, in a
+// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
 // report that is written while the mesher still works. `message` is one sentence, which names the file, what ran out and the remedy.
 struct NoBaseline {
   std::string reason, message;
 };
 NoBaseline NoBaselineFor(const MeshFailure& failure);
+// Of a mesh that was made and cannot be used.
+NoBaseline NoBaselineFor(const Error& unusable);
 NoBaseline PendingBaseline(const std::string& file);
 
 // A model read from an importer's file, on the heap: scenes point to it.

@@ -263,7 +263,8 @@ class Sweep {
   }
 
   Result<Tessellation> BuildTree(Tessellation tessellation) {
-    auto tree = BaselineScene::Build(*tessellation.mesh, options_.threads);
+    auto tree =
+        BaselineScene::Build(*tessellation.mesh, options_.threads, false, trade().budget_mb * kMegabyte);
     if (!tree) return Refused(tree.error(), std::move(tessellation));
     if (tree.value().build_ms() > 1000 * trade().budget_s)
       tessellation.over_budget = "building the tree takes longer than " + Seconds(trade().budget_s);

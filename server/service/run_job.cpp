@@ -263,12 +263,18 @@ class JobRun {
     return Publish(std::move(report).value(), out);
   }
 
+  // A report of `out` that has no baseline says why in the terms of the caller, who hears it on the way, too.
+  Result<Json> InTermsOfHttp(Result<Json> report, const std::string& out) {
+    if (!report || !report.value().contains("no_baseline")) return report;
+    const Json& said = report.value().at("no_baseline");
+    const NoBaseline why = {said.at("reason"), InHttpTerms(said.at("message").get<std::string>())};
+    if (watch_.message) watch_.message(why.message);
+    return WithReason(std::move(report).value(), why, out);
+  }
+
   Result<Json> WithoutBaseline(const ImportedModel& imported, const RunOptions& options,
                                const std::string& out, const RunContext& context) {
-    NoBaseline why = *no_baseline_;
-    why.message = InHttpTerms(why.message);
-    if (watch_.message) watch_.message(why.message);
-    return RunWithoutBaseline(imported, why, options, out, context);
+    return InTermsOfHttp(RunWithoutBaseline(imported, *no_baseline_, options, out, context), out);
   }
 
   Result<Json> Report(const ImportedModel& imported, const std::string& mesh_path, const std::string& out) {
@@ -282,9 +288,9 @@ class JobRun {
       const MeshLoadOptions how = {.unit = request_.options.mesh_unit, .up = request_.options.mesh_up};
       auto mesh = foreign_mesh() ? LoadMesh(mesh_path, how, imported.model.get())
                                  : LoadOwnMesh(mesh_path, *imported.model);
-      if (mesh) return RunCompare(imported, mesh.value(), options, out, context);
+      if (mesh) return InTermsOfHttp(RunCompare(imported, mesh.value(), options, out, context), out);
       if (foreign_mesh() || !CostsTheBaselineOnly(mesh.error().code)) return mesh.error();
-      no_baseline_ = NoBaselineFor({"unusable", mesh.error()});
+      no_baseline_ = NoBaselineFor(mesh.error());
       return WithoutBaseline(imported, options, out, context);
     }
     const double budget_s = limits_.timeout_s / (request_.budget_given ? 1 : kTradePoints);

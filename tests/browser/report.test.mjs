@@ -48,6 +48,21 @@ test("of a compare with four views", async () => {
   await shot(page, "report-print", { fullPage: true });
 });
 
+test("of a compare without a mesh has the exact half, and says why", async () => {
+  const out = folder(), report = path.join(out, "report.html");
+  const done = await run("compare", sample("sphere.step"), "--out", out, "--size", "256x256", "--deflection", "1e-5", "--max-view-memory", "1");
+  assert.equal(done.code, 5, done.errors);
+  const page = await open(report);
+  await page.waitForSelector("text=the mesh's search tree needs more than the 1 MB of memory that it may take");
+  await page.waitForSelector(".stage canvas");
+  assert.equal(await page.locator("text=Baseline").count(), 0);
+  await wellLaidOut(page, "report without a mesh");
+  await noViolations(page, "report without a mesh");
+  await shot(page, "report-no-mesh");
+  askedNobody(page, report);
+  noFaults(page);
+});
+
 test("of a compare of a real file stays below 3 MB with four views of 1024²", async (context) => {
   const file = cadFile("parts/nacelle.stp");
   if (!file) { context.skip("nacelle.stp is not there"); console.log("SKIPPED nacelle.stp: not there"); return; }

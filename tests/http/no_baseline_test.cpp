@@ -69,5 +69,21 @@ TEST_F(HttpNoBaseline, LeavesHalfOfTheJobsTimeToTheExactHalf) {
   EXPECT_THAT(reply.body, HasSubstr("the service's own option --timeout allows more"));
 }
 
+TEST_F(HttpNoBaseline, NamesTheOperatorsOptionWhereTheSearchTreeIsTooLarge) {
+  // A view's share is one megabyte.
+  LiveServer server({"--jobs", "64", "--max-view-memory", "64"});
+  const Reply reply =
+      server.PostForm("/v1/comparisons", {{"file", "sphere.step", ReadText(Sample("sphere.step"))},
+                                          {"options", "", R"({"size":"32x24","deflection":1e-5})"}});
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(reply.Json().at("no_baseline").at("reason"), "memory");
+  EXPECT_THAT(reply.Json().at("no_baseline").at("message").get<std::string>(),
+              HasSubstr("sphere.step: the mesh's search tree needs more than the 1 MB of memory that it may "
+                        "take; the service's own "
+                        "option --max-view-memory allows more"));
+  const std::string page = server.Get(reply.Json().at("links").at("page")).body;
+  EXPECT_THAT(page, HasSubstr("the service's own option --max-view-memory"));
+}
+
 }  // namespace
 }  // namespace facetless

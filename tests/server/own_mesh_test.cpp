@@ -167,5 +167,40 @@ TEST_F(OwnMesh, OfARealFileMayTakeLongerThanItsBudget) {
   EXPECT_GT(Report().at("views").at(0).at("direct").at("hits"), 0);
 }
 
+TEST_F(OwnMesh, WhoseSearchTreeIsTooLargeLeavesTheExactHalf) {
+  unsetenv("FACETLESS_IMPORTER");
+  const std::vector<std::string> fine = {
+      "compare", Sample("sphere.step"), "--out", out_.File("compared"), "--size",
+      "32x24",   "--deflection",        "1e-5"};
+  std::vector<std::string> bounded = fine;
+  bounded.insert(bounded.end(), {"--max-view-memory", "1"});
+  const ChildOutcome outcome = RunProgram(Program("facetless"), bounded, out_.path());
+  EXPECT_EQ(outcome.exit_code, kExitNoBaseline) << outcome.error_tail;
+  EXPECT_THAT(
+      outcome.error_tail,
+      HasSubstr("sphere.step: the mesh's search tree needs more than the 1 MB of memory that it may take; "
+                "--max-view-memory allows more, and a coarser mesh needs less; "));
+  EXPECT_EQ(Report().at("no_baseline").at("reason"), "memory");
+  EXPECT_GT(Report().at("views").at(0).at("direct").at("hits"), 0);
+  EXPECT_EQ(RunProgram(Program("facetless"), fine, out_.path()).exit_code, kExitDone);
+  EXPECT_GT(Report().at("views").at(0).at("baseline").at("bvh_bytes"), 1 << 20);
+}
+
+TEST_F(OwnMesh, OfAnotherProgramMustFitToo) {
+  unsetenv("FACETLESS_IMPORTER");
+  const std::string mesh = out_.File("sphere.stl");
+  ASSERT_EQ(RunProgram(Program("facetless"),
+                       {"mesh", Sample("sphere.step"), "--out", mesh, "--deflection", "1e-5"}, out_.path())
+                .exit_code,
+            kExitDone);
+  const ChildOutcome outcome =
+      RunProgram(Program("facetless"),
+                 {"compare", Sample("sphere.step"), "--mesh", mesh, "--out", out_.File("compared"), "--size",
+                  "32x24", "--max-view-memory", "1"},
+                 out_.path());
+  EXPECT_EQ(outcome.exit_code, kExitUnusable);
+  EXPECT_THAT(outcome.error_tail, HasSubstr("the mesh's search tree needs more than the 1 MB"));
+}
+
 }  // namespace
 }  // namespace facetless
