@@ -23,6 +23,7 @@
 #include "import/assembly.h"
 #include "import/crash_note.h"
 #include "import/readers.h"
+#include "import/transfer_notes.h"
 
 namespace facetless {
 namespace {
@@ -104,12 +105,21 @@ class IgesReader {
     }
   }
 
+  Handle(TransferNotes) Notes() {
+    const Handle(IGESData_IGESModel) model = reader_.IGESModel();
+    return new TransferNotes(reader_.WS(), [model](const Handle(Standard_Transient) & entity) {
+      const Handle(IGESData_IGESEntity) known = Handle(IGESData_IGESEntity)::DownCast(entity);
+      if (!known.IsNull() && model->Number(known) > 0) NoteEntity(Label(model->DNum(known)));
+    });
+  }
+
   void Transfer() {
     // The way that knows names and colours, then the one that knows only shapes.
     try {
       OCC_CATCH_SIGNALS
       Handle(TDocStd_Document) xcaf = NewXcafDocument();
-      if (reader_.Transfer(xcaf)) AddAssembly(xcaf, source_.name, {}, document_);
+      const Handle(TransferNotes) notes = Notes();
+      if (reader_.Transfer(xcaf, notes->Start())) AddAssembly(xcaf, source_.name, {}, document_);
     } catch (const Standard_Failure&) {
       document_.prototypes.clear();
       document_.occurrences.clear();
@@ -182,7 +192,8 @@ class IgesReader {
     try {
       OCC_CATCH_SIGNALS
       IGESControl_Reader plain(reader_.WS(), false);
-      plain.TransferRoots();
+      const Handle(TransferNotes) notes = Notes();
+      plain.TransferRoots(notes->Start());
       for (int i = 1; i <= plain.NbShapes(); ++i) {
         if (!plain.Shape(i).IsNull()) AddShape(plain.Shape(i), source_.name, document_);
       }

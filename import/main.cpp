@@ -206,12 +206,19 @@ int Import(const CommandLine& options, const Answer& answer) {
       Convert(std::move(document.value()), [](double fraction) { Stages::Report("convert", fraction); });
   if (!conversion.ok()) return Fail(conversion.error(), answer);
   Stages::Report("convert", 1);
-  // Mesh, once for each request.
   Model& model = conversion.value().model;
-  std::vector<MeshReport> meshes;
   if (!options.meshes.empty() && !(model.Diagonal() > 0))
     return Fail({ErrorCode::kNothingUsable, source.value().name + ": all that it holds lies in one point."},
                 answer);
+  // Write the model before anything that may take long: whoever started the importer can use it when the mesher fails.
+  model.info.read_ms = Stages::read_ms;
+  model.info.transfer_ms = Stages::transfer_ms;
+  model.info.convert_ms = Stages::convert_ms;
+  model.info.peak_bytes = PeakBytes();
+  if (Result<void> written = WriteModel(model, options.model); !written.ok())
+    return Fail(written.error(), answer);
+  // Mesh, once for each request.
+  std::vector<MeshReport> meshes;
   for (const MeshRequest& request : options.meshes) {
     Stages::Report("mesh", 0);
     const double deflection =
@@ -219,7 +226,6 @@ int Import(const CommandLine& options, const Answer& answer) {
     Result<MeshReport> mesh = WriteMesh(conversion.value(), {deflection, request.angular_deg}, request.path,
                                         [](double fraction) { Stages::Report("mesh", fraction); });
     if (!mesh.ok()) return Fail(mesh.error(), answer);
-    model.info.mesh_ms += mesh.value().mesh_ms;
     meshes.push_back(std::move(mesh.value()));
   }
   // Ask the exact intersector.
@@ -232,13 +238,6 @@ int Import(const CommandLine& options, const Answer& answer) {
     if (!timing.ok()) return Fail(timing.error(), answer);
     exact = {{"rays", timing.value().rays}, {"trace_ms", timing.value().trace_ms}};
   }
-  // Write the model last: it carries the times and the memory of everything before.
-  model.info.read_ms = Stages::read_ms;
-  model.info.transfer_ms = Stages::transfer_ms;
-  model.info.convert_ms = Stages::convert_ms;
-  model.info.peak_bytes = PeakBytes();
-  if (Result<void> written = WriteModel(model, options.model); !written.ok())
-    return Fail(written.error(), answer);
   nlohmann::json summary = Summary(model, meshes, options.meshes);
   if (!exact.is_null()) summary["exact"] = std::move(exact);
   answer.Write(summary);

@@ -9,6 +9,7 @@
 #include <Poly_Triangulation.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
 #include <TopoDS_Compound.hxx>
 #include <chrono>
 #include <cmath>
@@ -277,6 +278,8 @@ void Tessellate(const std::vector<TopoDS_Face>& faces, const MeshOptions& option
     OCC_CATCH_SIGNALS
     BRepMesh_IncrementalMesh(compound, options.deflection_mm, false,
                              options.angular_deg * std::numbers::pi / 180, false);
+  } catch (const Standard_OutOfMemory&) {
+    throw;  // a mesh of the faces that were early would look as if the others had none
   } catch (const Standard_Failure&) {
     // What was meshed before the failure stays; the rest counts as unmeshed.
   }

@@ -58,6 +58,7 @@
 #include "import/crash_note.h"
 #include "import/readers.h"
 #include "import/scaled_shapes.h"
+#include "import/transfer_notes.h"
 
 namespace facetless {
 namespace {
@@ -194,6 +195,15 @@ class StepReader {
     }
   }
 
+  Handle(TransferNotes) Notes() {
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
+    return new TransferNotes(Session(), [model](const Handle(Standard_Transient) & entity) {
+      // What the library makes up by itself has no number.
+      if (const int number = model->IdentLabel(entity); number > 0)
+        NoteEntity(Label(static_cast<std::uint64_t>(number)));
+    });
+  }
+
   // The length unit of the first context that has one. Files that mix units are read correctly, part by part; they are only reported.
   void ReadUnit() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
@@ -226,7 +236,9 @@ class StepReader {
     try {
       OCC_CATCH_SIGNALS
       xcaf_ = NewXcafDocument();
-      if (reader_.Transfer(xcaf_)) AddAssembly(xcaf_, source_.name, OccurrenceColors(), document_);
+      const Handle(TransferNotes) notes = Notes();
+      if (reader_.Transfer(xcaf_, notes->Start()))
+        AddAssembly(xcaf_, source_.name, OccurrenceColors(), document_);
       whole_ = !document_.prototypes.empty();
     } catch (const Standard_Failure&) {
       Discard();
@@ -292,7 +304,8 @@ class StepReader {
     try {
       OCC_CATCH_SIGNALS
       STEPControl_Reader plain(Session(), false);
-      plain.TransferRoots();
+      const Handle(TransferNotes) notes = Notes();
+      plain.TransferRoots(notes->Start());
       for (int i = 1; i <= plain.NbShapes(); ++i) {
         if (!plain.Shape(i).IsNull()) AddShape(plain.Shape(i), source_.name, document_);
       }

@@ -20,7 +20,6 @@
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "render/trade/quantity_text.h"
-#include "server/interrupt.h"
 #include "server/version.h"
 
 namespace facetless {
@@ -64,24 +63,17 @@ class FileImporter {
     ImportRequest request = request_;
     request.meshes.assign(last_ms > 0 && last_ms < kQuickMeshMs ? 2 : 1, {.deflection = deflection});
     // The limit is of meshing, whatever reading takes.
-    Deadline limit(0, request_.cancel);
-    bool meshing = false;
-    request.cancel = limit.flag();
-    request.progress = [&](const std::string& stage, double) {
-      if (stage != "mesh" || meshing) return;
-      meshing = true;
-      limit.Start(settings_.time_limit_s * static_cast<double>(request.meshes.size()));
-    };
-    request.limits.timeout_s += settings_.time_limit_s * static_cast<double>(request.meshes.size());
+    request.limits.mesh_timeout_s = settings_.time_limit_s * static_cast<double>(request.meshes.size());
+    request.model_suffices = true;
     auto files = RunImporter(request);
+    if (!files) return files.error();
     BenchMesh made;
-    if (!files) {
-      const bool out_of_memory = meshing && files.error().code == ErrorCode::kLimitExceeded;
-      if (!limit.expired() && !out_of_memory) return files.error();
+    if (const auto& failure = files.value().mesh_failure) {
+      const bool late = failure->reason == "timeout";
+      if (!late && failure->reason != "memory") return failure->error;
       made.mesh_ms = 1000 * settings_.time_limit_s;
-      made.stopped = limit.expired()
-                         ? "meshing takes longer than " + NumberText(settings_.time_limit_s) + " s"
-                         : "meshing needs more memory than --import-memory allows";
+      made.stopped = late ? "meshing takes longer than " + NumberText(settings_.time_limit_s) + " s"
+                          : "meshing needs more memory than --import-memory allows";
       return made;
     }
     auto mesh = LoadMesh(files.value().mesh_paths.back(), {}, &model_);

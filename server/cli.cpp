@@ -32,7 +32,7 @@ constexpr const char* kFooter = R"(Examples:
   facetless serve                                      the same in a browser
 
 Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost, or a face has no triangle; 2 failed under --strict or a --fail-*
-threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
+threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 5 compare: the exact half alone, for want of a mesh; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
 'facetless COMMAND --help' tells more.)";
 
 constexpr const char* kRenderFooter = R"(Examples:
@@ -52,6 +52,7 @@ constexpr const char* kCompareFooter = R"(Examples:
   facetless compare part.step --out report --deflection 1e-4 --view iso --view top
   facetless compare part.step --out report --mesh exported.glb --fail-deviation-mm 0.05
   facetless compare part.step --out report --mesh exported.stl --mesh-unit in --mesh-up y
+  facetless compare part.step --out report --mesh-timeout 60      after 60 s of meshing the exact half is the answer
 
 --out receives, for each view, NAME.direct.png, NAME.baseline.png, NAME.difference.png, NAME.depth.tif and
 NAME.baseline-depth.tif, and report.json and report.html; standard output gets the path of report.json.)";
@@ -246,6 +247,7 @@ int RunCommandLine(int argc, char** argv) {
       ->type_name("DIR");
   AddCameraOptions(trade, options);
   AddTradeOptions(trade, options);
+  AddShowHiddenOption(trade, options);
   AddCameraOptions(bench, options);
   AddBenchOptions(bench, arguments);
   mesh->add_option("--out", arguments.out,

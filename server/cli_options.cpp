@@ -111,6 +111,9 @@ void AddViewOptions(CLI::App* app, OptionCollector& options) {
                "Which side of a surface is outside, for draft, curvature and thickness: file (default), or "
                "viewer, the side that is seen",
                "NAME");
+  options.Number(app, "max-view-memory",
+                 "Megabytes that a view may take: its leaves, and the mesh's search tree (default 4096)",
+                 "MB");
   options.Text(app, "aov", "Write NAME.aov.exr with: depth,normal,face,uv,certificate", "LIST");
 }
 
@@ -145,6 +148,10 @@ void AddTessellationOptions(CLI::App* app, OptionCollector& options) {
                  "REL");
   options.Number(app, "deflection-mm", "Chord error in millimetres, instead of --deflection", "MM");
   options.Number(app, "angular", "Angle between neighbouring facets in degrees (default 20)", "DEG");
+  options.Number(
+      app, "mesh-timeout",
+      "Seconds that meshing may take (default 300); a comparison without a mesh has its exact half",
+      "SECONDS");
 }
 
 void AddTradeOptions(CLI::App* app, OptionCollector& options) {
@@ -191,7 +198,8 @@ void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments&
   options.Text(app, "unit",
                "Unit of the file: mm, cm, m, in, ft, … or its length in millimetres (default: the file's)",
                "NAME|MM");
-  options.Number(app, "import-timeout", "Seconds that the import may take (default 300)", "S");
+  options.Number(app, "import-timeout", "Seconds that the import may take, but for meshing (default 300)",
+                 "S");
   options.Number(app, "import-memory", "Megabytes of address space that the import may use (default 8192)",
                  "MB");
   app->add_flag("--progress", arguments.progress, "Print progress even if standard error is no terminal");

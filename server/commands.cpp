@@ -13,6 +13,7 @@
 #include "server/files.h"
 #include "server/interrupt.h"
 #include "server/mesh_output.h"
+#include "server/own_mesh.h"
 #include "server/progress.h"
 #include "server/regress.h"
 #include "server/run.h"
@@ -168,21 +169,21 @@ int CompareCommand(const CommandArguments& arguments) {
   if (options.mesh.empty() && !(options.mesh_unit + options.mesh_up).empty())
     return PrintError(
         {ErrorCode::kBadUsage, "--mesh-unit and --mesh-up are about --mesh, which is not given"});
-  ImportRequest request = ToImportRequest(arguments, progress);
-  if (options.mesh.empty()) request.meshes = {options.tessellation};
+  const ImportRequest request = ToImportRequest(arguments, progress);
+  if (options.mesh.empty()) {
+    auto compared = CompareWithOwnMesh(request, options, arguments.out, ToContext(progress));
+    if (!compared) return PrintError(compared.error());
+    WarnOfUnmeshed(compared.value().faces_unmeshed);
+    return PrintReport(std::move(compared.value().report), arguments.out);
+  }
+  // Somebody's mesh.
   auto imported = Import(request);
   if (!imported) return PrintError(imported.error());
-
-  // The baseline: our tessellation, or somebody's mesh.
-  if (!options.mesh.empty()) {
-    auto mesh = LoadMesh(options.mesh, {.unit = options.mesh_unit, .up = options.mesh_up},
-                         imported.value().model.get());
-    if (!mesh) return PrintError(mesh.error());
-    imported.value().meshes.push_back(std::move(mesh).value());
-  }
-  WarnOfUnmeshed(imported.value().meshes.front().faces_unmeshed);
-  return PrintReport(RunCompare(imported.value(), imported.value().meshes.front(), options, arguments.out,
-                                ToContext(progress)),
+  auto mesh = LoadMesh(options.mesh, {.unit = options.mesh_unit, .up = options.mesh_up},
+                       imported.value().model.get());
+  if (!mesh) return PrintError(mesh.error());
+  WarnOfUnmeshed(mesh.value().faces_unmeshed);
+  return PrintReport(RunCompare(imported.value(), mesh.value(), options, arguments.out, ToContext(progress)),
                      arguments.out);
 }
 

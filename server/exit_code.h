@@ -10,7 +10,9 @@ inline constexpr int kExitLost = 1;  // done, but something was lost, or the mes
 inline constexpr int kExitFailed =
     2;                               // a loss under --strict, a threshold broken, or a problem of the verdict
 inline constexpr int kExitSize = 3;  // images of different sizes
-inline constexpr int kExitUnusable = 4;      // nothing usable in the input, or nothing within the limits
+inline constexpr int kExitUnusable = 4;  // nothing usable in the input, or nothing within the limits
+inline constexpr int kExitNoBaseline =
+    5;  // the exact half of a comparison is done; there is no mesh to compare with
 inline constexpr int kExitUsage = 64;        // options that are wrong
 inline constexpr int kExitInternal = 70;     // a defect of Facetless
 inline constexpr int kExitCannotWrite = 74;  // disk full, no permission

@@ -59,6 +59,12 @@ Deadline::Deadline(double seconds, const std::atomic<bool>* watched) {
   });
 }
 
+void Deadline::Expire() {
+  const std::lock_guard lock(mutex_);
+  expired_ = true;
+  stop_ = true;
+}
+
 void Deadline::Start(double seconds) {
   using Clock = std::chrono::steady_clock;
   const std::lock_guard lock(mutex_);

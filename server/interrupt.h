@@ -33,6 +33,8 @@ class Deadline {
 
   // From now on `seconds`; <= 0: no limit.
   void Start(double seconds);
+  // The time is over now.
+  void Expire();
   const std::atomic<bool>* flag() const { return &stop_; }
   // True if the flag was set because the time was over.
   bool expired() const { return expired_; }

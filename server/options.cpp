@@ -205,12 +205,18 @@ std::vector<std::pair<std::string, Parser>> MakeParsers() {
                                      [](RunOptions& o, double v) { o.tessellation.deflection_mm = v; })},
       {"angular",
        NumberParser("angular", 0.1, 90, [](RunOptions& o, double v) { o.tessellation.angular_deg = v; })},
+      {"mesh_timeout", NumberParser("mesh_timeout", 0.01, 1e6,
+                                    [](RunOptions& o, double v) { o.import_limits.mesh_timeout_s = v; })},
       {"import_timeout", NumberParser("import_timeout", 0.01, 1e6,
                                       [](RunOptions& o, double v) { o.import_limits.timeout_s = v; })},
       {"import_memory", NumberParser("import_memory", 64, 1e9,
                                      [](RunOptions& o, double v) {
                                        o.import_limits.memory_mb = static_cast<std::uint64_t>(v);
                                      })},
+      {"max_view_memory", NumberParser("max_view_memory", 1, 1e9,
+                                       [](RunOptions& o, double v) {
+                                         o.max_view_bytes = static_cast<std::uint64_t>(v * (1 << 20));
+                                       })},
       {"unit", ParseUnit},
       {"strict", BoolParser("strict", &RunOptions::strict)},
       {"deflections", NumbersParser("deflections", 1e-9, 1, &TradeOptions::deflections)},
@@ -301,11 +307,9 @@ Result<RunOptions> ParseOptions(const Json& json) {
     if (auto parsed = parser->second(value, options); !parsed) return parsed.error();
   }
   // Options that exclude each other.
-  const std::pair<const char*, const char*> exclusive[] = {{"view", "camera"},
-                                                           {"deflection", "deflection_mm"},
-                                                           {"mesh", "deflection"},
-                                                           {"mesh", "deflection_mm"},
-                                                           {"mesh", "angular"}};
+  const std::pair<const char*, const char*> exclusive[] = {
+      {"view", "camera"},  {"deflection", "deflection_mm"}, {"mesh", "deflection"}, {"mesh", "deflection_mm"},
+      {"mesh", "angular"}, {"mesh", "mesh_timeout"}};
   for (const auto& [a, b] : exclusive) {
     if (given.contains(a) && given.contains(b)) return BadUsage(std::string("give either ") + a + " or " + b);
   }

@@ -33,9 +33,11 @@
 // deflection      relative to the diagonal, 1e-9 … 1                              1e-3
 // deflection_mm   millimetres, > 0; excludes deflection
 // angular         degrees, 0.1 … 90                                              20
-// import_timeout  seconds, > 0                                                   300
+// mesh_timeout    seconds that our tessellation may take, > 0; excludes mesh      300
+// import_timeout  seconds of the rest of the import, > 0                         300
 // import_memory   megabytes, >= 64                                               8192
 // unit            name (mm, cm, m, in, ft, …) or millimetres                      the file's own
+// max_view_memory megabytes of a view's leaves and the mesh's search tree, >= 1    4096
 // strict          true: any loss fails                                           false
 // deflections     numbers, or one string with commas: trade's meshes              1e-2,1e-3,1e-4,1e-5,1e-6
 // angles          the same: their angles in degrees                              30,12,5
@@ -98,7 +100,8 @@ struct RunOptions {
   CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // 0: the precision's own
   int threads = 0;
-  std::uint64_t max_view_bytes = DirectOptions{}.max_bytes;  // of the leaves of one view; no caller's to say
+  // Of the leaves of one view, and of the search tree of the mesh that it is compared with.
+  std::uint64_t max_view_bytes = DirectOptions{}.max_bytes;
   std::optional<double> timeout_s;  // none: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;

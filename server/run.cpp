@@ -76,6 +76,18 @@ Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std:
               {"faces_missing_named", deviation.faces_missing}};
 }
 
+// A view that finds no memory beside the tree may well find it without.
+Error BesideTree(const ImportedModel& imported, const BaselineScene& tree, const Error& error) {
+  char text[100];
+  std::snprintf(text, sizeof text, ": beside the mesh's search tree of %.4g MB, ",
+                static_cast<double>(tree.bvh_bytes()) / (1 << 20));
+  return {error.code, imported.model->info.file + text + error.message};
+}
+
+Json NoBaselineJson(const NoBaseline& why) {
+  return {{"reason", why.reason}, {"message", why.message}};
+}
+
 // Whether there is a view, and the exact picture of each is empty.
 bool ShowsNothing(const Json& views) {
   for (const Json& view : views)
@@ -208,6 +220,10 @@ class Run {
 
   // Says a sentence that fails the run, once.
   void Problem(const std::string& sentence) { findings_.problems.push_back(sentence); }
+  void LacksBaseline(const NoBaseline& why) {
+    findings_.no_baseline = why.message;
+    Note("no_baseline", NoBaselineJson(why));
+  }
   void Unmeshed(std::size_t faces) { findings_.unmeshed = faces; }
 
   // What this run took. An import that was made for an earlier one took no time of it, and stands apart.
@@ -289,57 +305,14 @@ class Run {
   Deadline deadline_;
 };
 
-}  // namespace
-
-Result<ImportedModel> Import(const ImportRequest& request) {
-  auto files = RunImporter(request);
-  if (!files) return files.error();
-  ImportedModel imported;
-  imported.import_ms = files.value().wall_ms;
-  imported.import_peak_bytes = files.value().peak_bytes;
-  imported.import_peak_address_bytes = files.value().peak_address_bytes;
-  const Stopwatch stopwatch;
-  auto model = ReadModel(files.value().model_path);
-  if (!model) return model.error();
-  imported.model = std::make_unique<const Model>(std::move(model).value());
-  for (const std::string& path : files.value().mesh_paths) {
-    auto mesh = LoadMesh(path, {}, imported.model.get());
-    if (!mesh) return mesh.error();
-    imported.meshes.push_back(std::move(mesh).value());
-  }
-  imported.load_ms = stopwatch.Milliseconds();
-  return imported;
-}
-
-Json ImportedModelJson(const ImportedModel& imported) {
-  Json json = ModelJson(*imported.model);
-  json["import_ms"] = imported.import_ms;
-  if (imported.import_peak_bytes > 0) json["import_peak_bytes"] = imported.import_peak_bytes;
-  return json;
-}
-
-bool KnowsUnit(const Model& model) {
-  return !model.info.unit.empty();
-}
-
-std::size_t LossCount(const Model& model) {
-  return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
-}
-
-Result<void> WriteReport(const Json& report, const std::string& directory) {
-  if (auto written = WriteFileAtomically(directory + "/report.json", JsonText(report) + "\n"); !written)
-    return written.error();
-  auto html = ReportHtml(report, directory);
-  if (!html) return html.error();
-  return WriteFileAtomically(directory + "/report.html", html.value());
-}
-
-Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
-                       const RunContext& context) {
+// Pictures, depths and lines of the exact surfaces alone: a render, or a comparison that has nothing to compare with.
+Result<Json> RunExact(const ImportedModel& whole, const NoBaseline* why, const RunOptions& options,
+                      const std::string& directory, const RunContext& context) {
   const auto shown = ShownModel::Of(whole, nullptr, options.picture.arrangement);
   if (!shown) return shown.error();
   const ImportedModel& imported = shown.value().imported();
-  Run run(imported, options, directory, context, "render");
+  Run run(imported, options, directory, context, why == nullptr ? "render" : "compare");
+  if (why != nullptr) run.LacksBaseline(*why);
   run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
   const auto sections = run.Sections(scene, nullptr);
@@ -369,6 +342,99 @@ Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, co
   return run.Finish(std::move(views).value(), {});
 }
 
+}  // namespace
+
+Result<ImportedModel> Import(const ImportRequest& request) {
+  auto files = RunImporter(request);
+  if (!files) return files.error();
+  ImportedModel imported;
+  imported.import_ms = files.value().wall_ms;
+  imported.import_peak_bytes = files.value().peak_bytes;
+  imported.import_peak_address_bytes = files.value().peak_address_bytes;
+  const Stopwatch stopwatch;
+  auto model = ReadModel(files.value().model_path);
+  if (!model) return model.error();
+  imported.model = std::make_unique<const Model>(std::move(model).value());
+  for (const std::string& path : files.value().mesh_paths) {
+    auto mesh = LoadMesh(path, {}, imported.model.get());
+    if (!mesh) return mesh.error();
+    imported.meshes.push_back(std::move(mesh).value());
+  }
+  imported.load_ms = stopwatch.Milliseconds();
+  return imported;
+}
+
+NoBaseline NoBaselineFor(const MeshFailure& failure) {
+  return {failure.reason, failure.error.message +
+                              "; the exact pictures are written without a baseline, and a render (facetless "
+                              "render, POST /v1/renders) needs no mesh"};
+}
+
+NoBaseline NoBaselineFor(const Error& unusable) {
+  return NoBaselineFor(
+      MeshFailure{unusable.code == ErrorCode::kLimitExceeded ? "memory" : "unusable", unusable});
+}
+
+Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model) {
+  auto mesh = LoadMesh(path, {}, &model);
+  if (mesh) return mesh;
+  if (mesh.error().code == ErrorCode::kNothingUsable)
+    return Error{mesh.error().code, model.info.file +
+                                        ": the mesher made no triangle of any face; a finer "
+                                        "--deflection may make some"};
+  return Error{mesh.error().code, model.info.file + ": " + mesh.error().message};
+}
+
+bool CostsTheBaselineOnly(ErrorCode code) {
+  return code == ErrorCode::kNothingUsable || code == ErrorCode::kLimitExceeded;
+}
+
+NoBaseline PendingBaseline(const std::string& file) {
+  return {"pending", file + ": the mesher still works; this report has the exact half alone until it ends"};
+}
+
+Json ImportedModelJson(const ImportedModel& imported) {
+  Json json = ModelJson(*imported.model);
+  json["import_ms"] = imported.import_ms;
+  if (imported.import_peak_bytes > 0) json["import_peak_bytes"] = imported.import_peak_bytes;
+  return json;
+}
+
+bool KnowsUnit(const Model& model) {
+  return !model.info.unit.empty();
+}
+
+std::size_t LossCount(const Model& model) {
+  return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
+}
+
+Result<void> WriteReport(const Json& report, const std::string& directory) {
+  if (auto written = WriteFileAtomically(directory + "/report.json", JsonText(report) + "\n"); !written)
+    return written.error();
+  auto html = ReportHtml(report, directory);
+  if (!html) return html.error();
+  return WriteFileAtomically(directory + "/report.html", html.value());
+}
+
+Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
+                       const RunContext& context) {
+  return RunExact(whole, nullptr, options, directory, context);
+}
+
+Result<Json> RunWithoutBaseline(const ImportedModel& whole, const NoBaseline& why, const RunOptions& options,
+                                const std::string& directory, const RunContext& context) {
+  return RunExact(whole, &why, options, directory, context);
+}
+
+Result<Json> WithReason(Json report, const NoBaseline& why, const std::string& directory) {
+  const Json before = report.at("no_baseline").at("message");
+  report["no_baseline"] = NoBaselineJson(why);
+  for (Json& problem : report.at("verdict").at("problems"))
+    if (problem == before) problem = why.message;
+  if (auto written = WriteReport(report, directory); !written) return written.error();
+  return report;
+}
+
 Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, const RunOptions& options,
                         const std::string& directory, const RunContext& context) {
   const auto shown = ShownModel::Of(whole, &whole_mesh, options.picture.arrangement);
@@ -378,17 +444,23 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
   Run run(imported, options, directory, context, "compare");
   run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
-  const auto baseline = BaselineScene::Build(mesh, options.threads, !options.sections.empty());
-  if (!baseline)
-    return Error{baseline.error().code, imported.model->info.file + ": " + baseline.error().message};
+  const auto baseline =
+      BaselineScene::Build(mesh, options.threads, !options.sections.empty(), options.max_view_bytes);
+  if (!baseline) {
+    const Error error = {baseline.error().code, imported.model->info.file + ": " + baseline.error().message};
+    if (!whole_mesh.from_model || !CostsTheBaselineOnly(error.code)) return error;
+    return RunWithoutBaseline(whole, NoBaselineFor(error), options, directory, context);
+  }
   const auto sections = run.Sections(scene, &mesh);
   if (!sections) return sections.error();
   MeshCheck check(imported.model->Diagonal());
   ContactSheet sheet(options.picture.sheet, 3);
   std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto compared =
-        CompareView(scene, baseline.value(), camera, ToViewOptions(options, sections.value(), run.cancel()));
+    // The leaves have what the tree leaves of the memory.
+    ViewOptions view_options = ToViewOptions(options, sections.value(), run.cancel());
+    view_options.max_bytes -= std::min(view_options.max_bytes, baseline.value().bvh_bytes());
+    auto compared = CompareView(scene, baseline.value(), camera, view_options);
     if (!compared) return compared.error();
     ViewComparison& view = compared.value();
     // The pictures are compared: now they may be drawn into.
@@ -428,7 +500,12 @@ Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, cons
                             {"baseline", InspectionJson(*view.baseline.inspection, *imported.model)}};
     return json;
   });
-  if (!views) return views.error();
+  if (!views) {
+    const Error& error = views.error();
+    if (!whole_mesh.from_model || error.code != ErrorCode::kLimitExceeded || *run.cancel()) return error;
+    return RunWithoutBaseline(whole, NoBaselineFor(BesideTree(imported, baseline.value(), error)), options,
+                              directory, context);
+  }
   if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
   if (options.mesh_deviation) {
     auto measured = WriteMeshDeviation(*imported.model, mesh, directory, run.cancel());

@@ -29,6 +29,16 @@ namespace facetless {
 // Reports progress: a stage's name and a fraction 0 … 1. May be empty.
 using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
 
+// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
+// report that is written while the mesher still works. `message` is one sentence, which names the file, what ran out and the remedy.
+struct NoBaseline {
+  std::string reason, message;
+};
+NoBaseline NoBaselineFor(const MeshFailure& failure);
+// Of a mesh that was made and cannot be used.
+NoBaseline NoBaselineFor(const Error& unusable);
+NoBaseline PendingBaseline(const std::string& file);
+
 // A model read from an importer's file, on the heap: scenes point to it.
 struct ImportedModel {
   std::unique_ptr<const Model> model;
@@ -41,6 +51,11 @@ struct ImportedModel {
 
 // Runs the importer and reads what it wrote. Errors: those of RunImporter, ReadModel and LoadMesh.
 Result<ImportedModel> Import(const ImportRequest& request);
+
+// Loads a mesh of our own, or says why it is of no use.
+Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model);
+// Whether the failure of a baseline of our own, of the given code, leaves the exact half of a comparison as it is.
+bool CostsTheBaselineOnly(ErrorCode code);
 
 struct RunContext {
   // True ends the run with kCancelled; options.timeout_s ends it with kLimitExceeded.
@@ -60,8 +75,15 @@ bool KnowsUnit(const Model& model);
 // kLimitExceeded, kCancelled, kWriteFailed, and those of RenderView and CompareView.
 Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions& options,
                                  const std::string& directory, const RunContext& context);
+// Without a baseline where a mesh of our own cannot be traced.
 Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
                                   const std::string& directory, const RunContext& context);
+// The exact half of a comparison: the report says in "no_baseline" why there is no other, and its verdict has exit code kExitNoBaseline.
+Result<nlohmann::json> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
+                                          const RunOptions& options, const std::string& directory,
+                                          const RunContext& context);
+// Such a report of `directory` with another reason, written anew.
+Result<nlohmann::json> WithReason(nlohmann::json report, const NoBaseline& why, const std::string& directory);
 
 // Writes report.json and report.html of a report whose pictures lie in `directory`. Errors: kWriteFailed,
 // kFileUnreadable (a picture).

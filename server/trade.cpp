@@ -16,6 +16,7 @@
 #include "render/trade/trade_report.h"
 #include "server/files.h"
 #include "server/interrupt.h"
+#include "server/shown_model.h"
 #include "server/verdict.h"
 #include "server/version.h"
 
@@ -52,10 +53,13 @@ double LoadAverage() {
 
 class Sweep {
  public:
-  Sweep(const ImportRequest& request, const ImportedModel& imported, const RunOptions& options,
-        const std::string& directory, const RunContext& context)
+  // `whole` is the import, `shown` what of it is measured.
+  Sweep(const ImportRequest& request, const ImportedModel& whole, const ShownModel& shown,
+        const RunOptions& options, const std::string& directory, const RunContext& context)
       : request_(request),
-        imported_(imported),
+        whole_(whole),
+        imported_(shown.imported()),
+        arrangement_(shown.report()),
         options_(options),
         directory_(directory),
         context_(context),
@@ -199,16 +203,11 @@ class Sweep {
     request.meshes.assign(
         static_cast<std::size_t>(repetitions),
         {.deflection = setting.deflection, .deflection_mm = 0, .angular_deg = setting.angular_deg});
-    // The budget begins with meshing: whatever reading takes is neither tracer's.
-    Deadline budget(0, deadline_.flag());
-    bool meshing = false;
-    request.cancel = budget.flag();
-    request.progress = [&](const std::string& stage, double) {
-      if (stage != "mesh" || meshing) return;
-      meshing = true;
-      budget.Start(trade().budget_s * repetitions);
-    };
-    request.limits.timeout_s += trade().budget_s * repetitions;
+    // The budget is of meshing: whatever reading takes is neither tracer's.
+    request.cancel = deadline_.flag();
+    request.progress = nullptr;
+    request.limits.mesh_timeout_s = trade().budget_s * repetitions;
+    request.model_suffices = true;
     // What reading the file took, and the budget on top; never more than --import-memory.
     const std::uint64_t reading_mb = imported_.import_peak_address_bytes / kMegabyte;
     if (reading_mb > 0)
@@ -218,10 +217,14 @@ class Sweep {
     auto files = RunImporter(request);
     if (!files) {
       if (*deadline_.flag()) return files.error();
-      tessellation.over_budget = budget.expired() ? "meshing takes longer than " + Seconds(trade().budget_s)
-                                 : files.error().code == ErrorCode::kLimitExceeded && meshing
-                                     ? MemoryReason()
-                                     : files.error().message;
+      tessellation.over_budget = files.error().message;
+      return tessellation;
+    }
+    if (const auto& failure = files.value().mesh_failure) {
+      tessellation.over_budget = failure->reason == "timeout"
+                                     ? "meshing takes longer than " + Seconds(trade().budget_s)
+                                 : failure->reason == "memory" ? MemoryReason()
+                                                               : failure->error.message;
       return tessellation;
     }
     StoreMesherCosts(files.value().summary, tessellation);
@@ -230,10 +233,20 @@ class Sweep {
 
     // Read it and build the tree.
     auto mesh = LoadMesh(files.value().mesh_paths.front(),
-                         {.max_memory_bytes = trade().budget_mb * kMegabyte}, &model());
+                         {.max_memory_bytes = trade().budget_mb * kMegabyte}, whole_.model.get());
     if (!mesh) return Refused(mesh.error(), std::move(tessellation));
-    tessellation.mesh = std::make_unique<const Mesh>(std::move(mesh).value());
+    auto shown = Shown(std::move(mesh).value());
+    if (!shown) return shown.error();
+    tessellation.mesh = std::make_unique<const Mesh>(std::move(shown).value());
     return BuildTree(std::move(tessellation));
+  }
+
+  // What is shown of a mesh of the whole model.
+  Result<Mesh> Shown(Mesh mesh) const {
+    const auto shown = ShownModel::Of(whole_, &mesh, options_.picture.arrangement);
+    if (!shown) return shown.error();
+    if (shown.value().report().is_null()) return mesh;
+    return shown.value().mesh();
   }
 
   static void StoreMesherCosts(const Json& summary, Tessellation& tessellation) {
@@ -250,7 +263,8 @@ class Sweep {
   }
 
   Result<Tessellation> BuildTree(Tessellation tessellation) {
-    auto tree = BaselineScene::Build(*tessellation.mesh, options_.threads);
+    auto tree =
+        BaselineScene::Build(*tessellation.mesh, options_.threads, false, trade().budget_mb * kMegabyte);
     if (!tree) return Refused(tree.error(), std::move(tessellation));
     if (tree.value().build_ms() > 1000 * trade().budget_s)
       tessellation.over_budget = "building the tree takes longer than " + Seconds(trade().budget_s);
@@ -334,6 +348,7 @@ class Sweep {
         {"verdict",
          VerdictJson(options_, {},
                      {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())})}};
+    if (!arrangement_.is_null()) result.report["arrangement"] = arrangement_;
     if (auto written = WriteReport(result.report, directory_); !written) return written.error();
     return result;
   }
@@ -385,7 +400,8 @@ class Sweep {
   }
 
   const ImportRequest& request_;
-  const ImportedModel& imported_;
+  const ImportedModel &whole_, &imported_;
+  const Json& arrangement_;  // null where everything is shown as in the file
   const RunOptions& options_;
   const std::string directory_;
   const RunContext& context_;
@@ -404,7 +420,9 @@ Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& 
                              const RunContext& context) {
   if (!options.sections.empty())
     return Error{ErrorCode::kBadUsage, "trade measures whole models; it takes no section"};
-  return Sweep(request, imported, options, directory, context).Run();
+  const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
+  if (!shown) return shown.error();
+  return Sweep(request, imported, shown.value(), options, directory, context).Run();
 }
 
 }  // namespace facetless

@@ -7,6 +7,7 @@
 //     the report with its reason.
 //  3. The budgets are of a point: seconds of meshing, of building the tree, of one view traced and shaded; bytes of the mesher beyond what
 //     reading the file takes, of the mesh and its tree, of the leaves. The reference has no budget but options.timeout_s.
+//  4. What the file hides is measured by neither tracer, unless the options show it. The mesher is timed on all that the file holds.
 #pragma once
 
 #include <string>
@@ -22,7 +23,7 @@ struct TradeResult {
   std::string text;  // tables and answers, for a terminal
 };
 
-// `request` is of the file, without meshes; `imported` is what it gave. Errors: kBadUsage (cameras), kLimitExceeded, kCancelled,
+// `request` is of the file, without meshes; `imported` is what it gave. Errors: kBadUsage (cameras, nothing is shown), kLimitExceeded, kCancelled,
 // kWriteFailed, and those of RenderView.
 Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& imported,
                              const RunOptions& options, const std::string& directory,

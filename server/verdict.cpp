@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "server/exit_code.h"
+
 namespace facetless {
 namespace {
 
@@ -43,16 +45,19 @@ Json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& value
   const bool incomplete = findings.lost > 0 || findings.unmeshed > 0;
   const bool failed = !broken.empty() || !findings.problems.empty() ||
                       (options.strict && (incomplete || !findings.unit_known));
-  return {{"passed", !failed},
+  std::vector<std::string> problems = findings.problems;
+  if (!findings.no_baseline.empty()) problems.push_back(findings.no_baseline);
+  return {{"passed", !failed && findings.no_baseline.empty()},
           {"strict", options.strict},
           {"lost", findings.lost},
           {"unmeshed", findings.unmeshed},
           {"unit_known", findings.unit_known},
-          {"problems", findings.problems},
+          {"problems", problems},
           {"broken", broken},
-          {"exit_code", failed       ? 2
-                        : incomplete ? 1
-                                     : 0}};
+          {"exit_code", failed                          ? kExitFailed
+                        : !findings.no_baseline.empty() ? kExitNoBaseline
+                        : incomplete                    ? kExitLost
+                                                        : kExitDone}};
 }
 
 std::vector<std::string> VerdictSentences(const Json& verdict) {

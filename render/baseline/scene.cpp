@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <new>
 #include <string>
 
@@ -11,9 +12,15 @@
 
 namespace facetless {
 
-bool CountBytes(void* user, ssize_t bytes, bool) {
+bool CountBytes(void* user, ssize_t bytes, bool post) {
   EmbreeMemory& memory = *static_cast<EmbreeMemory*>(user);
   const std::int64_t now = memory.now.fetch_add(bytes) + bytes;
+  // What is told only afterwards is there already, and is for the next one to be refused.
+  if (bytes > 0 && !post && memory.most > 0 && now > memory.most) {
+    memory.now.fetch_sub(bytes);
+    memory.refused = true;
+    return false;
+  }
   std::int64_t peak = memory.peak.load();
   while (now > peak && !memory.peak.compare_exchange_weak(peak, now)) {
   }
@@ -212,6 +219,16 @@ std::uint64_t MeshBytes(const Mesh& mesh) {
   return bytes;
 }
 
+Error TooLarge(std::uint64_t max_bytes) {
+  constexpr double kMegabyte = 1 << 20;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the mesh's search tree needs more than the %.4g MB of memory that it may take; "
+                "--max-view-memory allows more, and a coarser mesh needs less",
+                static_cast<double>(max_bytes) / kMegabyte);
+  return {ErrorCode::kLimitExceeded, text};
+}
+
 }  // namespace
 
 BaselineScene::Data::~Data() {
@@ -251,7 +268,8 @@ double BaselineScene::noise_mm() const {
   return data_->noise_mm;
 }
 
-Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool to_be_cut) {
+Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool to_be_cut,
+                                           std::uint64_t max_bytes) {
   auto data = std::make_unique<Data>();
   data->mesh = &mesh;
   data->to_be_cut = to_be_cut;
@@ -275,13 +293,17 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
   // process.
   data->device = rtcNewDevice(nullptr);
   if (data->device == nullptr) return CheckEmbree(nullptr).error();
+  constexpr std::uint64_t kAny = std::numeric_limits<std::int64_t>::max();
+  data->memory.most = static_cast<std::int64_t>(std::min(max_bytes, kAny));
   rtcSetDeviceMemoryMonitorFunction(data->device, CountBytes, &data->memory);
   Result<void> built;
   try {
     RunWithThreads(threads, [&] { built = Builder(*data).Build(); });
   } catch (const std::bad_alloc&) {
+    if (data->memory.refused) return TooLarge(max_bytes);
     return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
   }
+  if (data->memory.refused) return TooLarge(max_bytes);
   if (!built.ok()) return built.error();
   data->build_ms = stopwatch.Milliseconds();
   return BaselineScene(std::move(data));

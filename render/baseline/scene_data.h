@@ -20,12 +20,15 @@
 
 namespace facetless {
 
-// Bytes that Embree holds, told by its memory monitor.
+// Bytes that Embree holds, told by its memory monitor; and the most that it may.
 struct EmbreeMemory {
   std::atomic<std::int64_t> now{0}, peak{0};
+  std::int64_t most = 0;  // 0: any number
+  std::atomic<bool> refused{false};
 };
 
-// To be given to a device as its memory monitor, with an EmbreeMemory.
+// To be given to a device as its memory monitor, with an EmbreeMemory. False refuses an allocation, which ends what Embree is at with
+// RTC_ERROR_OUT_OF_MEMORY.
 bool CountBytes(void* user, ssize_t bytes, bool post);
 
 // Nothing, or the device's error, which it has forgotten when it is asked again. Null: why there is no device.

@@ -269,7 +269,8 @@ Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camer
   if (!subject.transparent.empty() && scene.mesh().from_model) {
     const Stopwatch behind_watch;
     const Mesh opaque = OpaqueMesh(scene.mesh(), subject.transparent);
-    Result<BaselineScene> opaque_scene = BaselineScene::Build(opaque, options.threads);
+    Result<BaselineScene> opaque_scene =
+        BaselineScene::Build(opaque, options.threads, false, options.max_bytes);
     if (opaque_scene.ok()) {
       Result<BaselineResult> seen =
           TraceBaseline(opaque_scene.value(), camera.Supersampled(grid.x, grid.y), trace);

@@ -38,8 +38,9 @@ struct ViewOptions {
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
-  std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // what the leaves of a view may take
-  int threads = 0;                                      // 0: all cores
+  // What the leaves of a view may take, and the search tree that a view alone needs (of what lies behind transparent faces).
+  std::uint64_t max_bytes = DirectOptions{}.max_bytes;
+  int threads = 0;  // 0: all cores
   bool edges = false;
   LineMode lines = LineMode::kNone;  // drawn over both pictures, from the exact model
   bool find_lines = false;           // fill DirectView::lines, whatever is drawn

@@ -184,8 +184,8 @@ struct ImportInfo {
   std::vector<Loss> faces_lost, loops_lost, edges_lost;
   std::vector<Approximation> approximated;
   std::vector<std::string> warnings;  // repairs that were made, one sentence each
-  double read_ms = 0, transfer_ms = 0, convert_ms = 0, mesh_ms = 0;
-  std::uint64_t peak_bytes = 0;  // of the importer process
+  double read_ms = 0, transfer_ms = 0, convert_ms = 0;
+  std::uint64_t peak_bytes = 0;  // of the importer process until the model was written
   double max_edge_gap_mm = 0;    // the largest Coedge::gap_mm, and where
   std::string max_edge_gap_entity;
 };

@@ -107,12 +107,11 @@ flatbuffers::Offset<file::ImportInfo> PackInfo(flatbuffers::FlatBufferBuilder& b
       [](const Approximation& a) { return file::Approximation(a.face, a.deviation_mm); });
   std::vector<std::uint32_t> warnings;
   for (const std::string& warning : info.warnings) warnings.push_back(strings.Add(warning));
-  return file::CreateImportInfo(builder, strings.Add(info.file), strings.Add(info.sha256),
-                                strings.Add(info.format), strings.Add(info.unit), info.unit_mm,
-                                info.faces_declared, info.faces_imported, faces_lost, loops_lost, edges_lost,
-                                approximated, builder.CreateVector(warnings), info.read_ms, info.transfer_ms,
-                                info.convert_ms, info.mesh_ms, info.peak_bytes, info.max_edge_gap_mm,
-                                strings.Add(info.max_edge_gap_entity));
+  return file::CreateImportInfo(
+      builder, strings.Add(info.file), strings.Add(info.sha256), strings.Add(info.format),
+      strings.Add(info.unit), info.unit_mm, info.faces_declared, info.faces_imported, faces_lost, loops_lost,
+      edges_lost, approximated, builder.CreateVector(warnings), info.read_ms, info.transfer_ms,
+      info.convert_ms, info.peak_bytes, info.max_edge_gap_mm, strings.Add(info.max_edge_gap_entity));
 }
 
 void PackModel(flatbuffers::FlatBufferBuilder& builder, const Model& model) {
@@ -229,7 +228,6 @@ class Unpacker {
     info.read_ms = in.read_ms();
     info.transfer_ms = in.transfer_ms();
     info.convert_ms = in.convert_ms();
-    info.mesh_ms = in.mesh_ms();
     info.peak_bytes = in.peak_bytes();
     info.max_edge_gap_mm = in.max_edge_gap_mm();
     info.max_edge_gap_entity = Text(in.max_edge_gap_entity());

@@ -270,8 +270,7 @@ Violation CheckInfo(const Model& model) {
     if (!(approximation.deviation_mm >= 0) || !std::isfinite(approximation.deviation_mm))
       return NotFinite("info");
   }
-  for (double value :
-       {info.unit_mm, info.read_ms, info.transfer_ms, info.convert_ms, info.mesh_ms, info.max_edge_gap_mm}) {
+  for (double value : {info.unit_mm, info.read_ms, info.transfer_ms, info.convert_ms, info.max_edge_gap_mm}) {
     if (!std::isfinite(value)) return NotFinite("info");
   }
   return {};

@@ -48,7 +48,8 @@ class Preparation {
     Split();
     if (budget_.Exhausted()) {
       return Error{ErrorCode::kLimitExceeded,
-                   "the view needs more leaves than fit into the memory allowed; use a smaller image"};
+                   "the view needs more leaves than fit into the memory allowed; use a smaller image, or "
+                   "allow more with --max-view-memory"};
     }
     if (budget_.Stopped()) return Error{ErrorCode::kCancelled, "cancelled while preparing the view"};
 

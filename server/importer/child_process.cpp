@@ -314,7 +314,8 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     std::optional<ChildEnd> end;
     if (request.cancel != nullptr && *request.cancel) {
       end = ChildEnd::kCancelled;
-    } else if (limits.wall_seconds > 0 && seconds > limits.wall_seconds) {
+    } else if ((limits.wall_seconds > 0 && seconds > limits.wall_seconds) ||
+               (request.expired && request.expired())) {
       end = ChildEnd::kTimedOut;
     } else if (limits.threads > 0 && samples.threads > limits.threads) {
       end = ChildEnd::kTooManyThreads;

@@ -30,8 +30,8 @@ namespace facetless {
 struct ChildLimits {               // 0: no limit
   std::uint64_t memory_bytes = 0;  // address space (RLIMIT_AS)
   std::uint64_t cpu_seconds = 0;   // of all threads together
-  double wall_seconds = 0;
-  std::uint64_t file_bytes = 0;  // of each file that it writes
+  double wall_seconds = 0;         // ChildRequest::expired is a clock with rules of its own
+  std::uint64_t file_bytes = 0;    // of each file that it writes
   std::uint64_t open_files = 0;
   std::uint64_t threads = 0;          // watched: also root's threads count, unlike with RLIMIT_NPROC
   std::uint64_t directory_bytes = 0;  // watched: of all files below the working directory, and of files that
@@ -52,6 +52,7 @@ struct ChildRequest {
   std::function<void(std::string_view)>
       on_stderr_line;                         // called for each whole line, without its end; may be empty
   const std::atomic<bool>* cancel = nullptr;  // true kills the child
+  std::function<bool()> expired;  // true ends it as the wall clock does; asked at every look; may be empty
 };
 
 enum class ChildEnd : std::uint8_t {

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -138,8 +139,31 @@ Result<void> CheckInput(const std::string& path) {
   return {};
 }
 
-// "progress transfer 0.25". `stage` becomes what the importer is at.
-void ReportProgress(std::string_view line, const ImportRequest& request, std::string& stage) {
+// What the importer is at, and how long it was at it: meshing has a budget of its own (law 4).
+class StageClock {
+ public:
+  void Enter(std::string_view stage) {
+    const auto now = std::chrono::steady_clock::now();
+    (meshing() ? mesh_s_ : other_s_) += std::chrono::duration<double>(now - since_).count();
+    since_ = now;
+    stage_ = stage;
+  }
+  const std::string& stage() const { return stage_; }
+  bool meshing() const { return stage_ == kMeshStage; }
+  bool Expired(const ImportLimits& limits) {
+    Enter(std::string(stage_));
+    return mesh_s_ > limits.mesh_timeout_s || other_s_ > limits.timeout_s;
+  }
+
+ private:
+  static constexpr std::string_view kMeshStage = "mesh";
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+  std::string stage_;
+  double mesh_s_ = 0, other_s_ = 0;
+};
+
+// Reads "progress transfer 0.25".
+void ReportProgress(std::string_view line, const ImportRequest& request, StageClock& clock) {
   constexpr std::string_view kPrefix = "progress ";
   if (!line.starts_with(kPrefix)) return;
   line.remove_prefix(kPrefix.size());
@@ -151,8 +175,8 @@ void ReportProgress(std::string_view line, const ImportRequest& request, std::st
   const std::string_view name = line.substr(0, space);
   constexpr std::array<std::string_view, 5> kStages = {"read", "transfer", "convert", "mesh", "intersect"};
   if (std::find(kStages.begin(), kStages.end(), name) == kStages.end()) return;
-  stage = name;
-  if (request.progress) request.progress(stage, fraction);
+  clock.Enter(name);
+  if (request.progress) request.progress(clock.stage(), fraction);
 }
 
 // What an importer that died had noted of where it was (import/crash_note.h), in its own folder within `directory`; only letters, digits
@@ -172,15 +196,21 @@ std::string LastEntity(const std::string& directory) {
   return {};
 }
 
-Error TimeError(const std::string& name, const ImportLimits& limits) {
-  return {ErrorCode::kLimitExceeded, name + ": the import took longer than " + Seconds(limits.timeout_s) +
-                                         "; --import-timeout allows more"};
+constexpr const char* kCoarserMesh = ", and a coarser --deflection needs less";
+
+Error TimeError(const std::string& name, const ImportLimits& limits, bool meshing) {
+  const std::string message = meshing ? ": meshing took longer than " + Seconds(limits.mesh_timeout_s) +
+                                            "; --mesh-timeout allows more" + kCoarserMesh
+                                      : ": the import took longer than " + Seconds(limits.timeout_s) +
+                                            "; --import-timeout allows more";
+  return {ErrorCode::kLimitExceeded, name + message};
 }
 
-Error MemoryError(const std::string& name, const ImportLimits& limits) {
-  return {ErrorCode::kLimitExceeded, name + ": the import needs more than " +
+Error MemoryError(const std::string& name, const ImportLimits& limits, bool meshing) {
+  return {ErrorCode::kLimitExceeded, name + (meshing ? ": meshing" : ": the import") + " needs more than " +
                                          std::to_string(limits.memory_mb) +
-                                         " MB of memory; --import-memory allows more"};
+                                         " MB of memory; --import-memory allows more" +
+                                         (meshing ? kCoarserMesh : "")};
 }
 
 Error SizeError(const std::string& name, const ImportLimits& limits) {
@@ -198,9 +228,9 @@ bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
          outcome.peak_address_bytes > limits.memory_bytes - limits.memory_bytes / 8;
 }
 
-// The error that a finished child stands for; nothing if it exited by itself.
+// The error that a finished child stands for; nothing if it exited by itself. `entity`: where it died of a signal.
 std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& child_limits,
-                              const std::string& name, const ImportLimits& limits, const std::string& stage,
+                              const std::string& name, const ImportLimits& limits, const StageClock& clock,
                               const std::string& entity) {
   switch (outcome.end) {
     case ChildEnd::kExited:
@@ -208,7 +238,7 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
     case ChildEnd::kCancelled:
       return Error{ErrorCode::kCancelled, name + ": the import was stopped"};
     case ChildEnd::kTimedOut:
-      return TimeError(name, limits);
+      return TimeError(name, limits, clock.meshing());
     case ChildEnd::kTooManyThreads:
       return Error{ErrorCode::kLimitExceeded, name + ": the import started more than " +
                                                   std::to_string(child_limits.threads) + " threads"};
@@ -220,19 +250,22 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
     case ChildEnd::kSignalled:
       break;
   }
-  if (outcome.signal == SIGXCPU) return TimeError(name, limits);
+  if (outcome.signal == SIGXCPU) return TimeError(name, limits, clock.meshing());
   if (outcome.signal == SIGXFSZ) return SizeError(name, limits);
   // The kernel's out-of-memory killer sends SIGKILL here, and else only a person.
   if (outcome.signal == SIGKILL)
     return Error{
         ErrorCode::kLimitExceeded,
         name + ": the import was killed from outside, most likely because the machine ran out of memory"};
-  if (RanOutOfMemory(outcome, child_limits)) return MemoryError(name, limits);
-  return Error{ErrorCode::kImporterCrashed, name + ": the importer died of " + SignalName(outcome.signal) +
-                                                " while reading it" +
-                                                (stage.empty() ? "" : ", in the stage \"" + stage + "\"") +
-                                                (entity.empty() ? "" : ", at or after entity " + entity) +
-                                                "; export the model again, or in another format"};
+  if (RanOutOfMemory(outcome, child_limits)) return MemoryError(name, limits, clock.meshing());
+  if (clock.meshing())
+    return Error{ErrorCode::kImporterCrashed, name + ": the mesher died of " + SignalName(outcome.signal) +
+                                                  "; another --deflection may avoid it"};
+  return Error{ErrorCode::kImporterCrashed,
+               name + ": the importer died of " + SignalName(outcome.signal) + " while reading it" +
+                   (clock.stage().empty() ? "" : ", in the stage \"" + clock.stage() + "\"") +
+                   (entity.empty() ? "" : ", at or after entity " + entity) +
+                   "; export the model again, or in another format"};
 }
 
 // The same in one word for who counts; nullptr if it exited or was told to end.
@@ -320,6 +353,93 @@ Result<std::vector<double>> ReadDepths(const std::string& path, std::size_t coun
   return depths;
 }
 
+// The command line of the importer, but for the rays. It also fills in where the files will be.
+std::vector<std::string> ImporterArguments(const ImportRequest& request, ImportedFiles& files) {
+  std::error_code path_error;
+  std::vector<std::string> arguments = {std::filesystem::absolute(request.input, path_error).string(),
+                                        "--model", files.model_path};
+  if (request.unit_mm > 0) arguments.insert(arguments.end(), {"--unit-mm", Number(request.unit_mm)});
+  for (std::size_t i = 0; i < request.meshes.size(); ++i) {
+    const TessellationOptions& mesh = request.meshes[i];
+    files.mesh_paths.push_back(files.directory.File("mesh" + std::to_string(i) + ".glb"));
+    const bool absolute = mesh.deflection_mm > 0;
+    arguments.insert(
+        arguments.end(),
+        {"--mesh", files.mesh_paths.back(), absolute ? "--deflection-mm" : "--deflection",
+         Number(absolute ? mesh.deflection_mm : mesh.deflection), "--angular", Number(mesh.angular_deg)});
+  }
+  return arguments;
+}
+
+// Writes the rays for the exact intersector and says where they are.
+Result<void> AddRays(const ExactRays& exact, const std::string& rays_path, const std::string& depths_path,
+                     std::vector<std::string>& arguments) {
+  if (auto written = WriteFileAtomically(rays_path, {reinterpret_cast<const char*>(exact.rays.data()),
+                                                     exact.rays.size() * sizeof exact.rays[0]});
+      !written)
+    return written.error();
+  arguments.insert(arguments.end(),
+                   {"--rays", rays_path, "--depths", depths_path, "--rays-seconds", Number(exact.seconds)});
+  if (exact.near > 0) arguments.insert(arguments.end(), {"--rays-near", Number(exact.near)});
+  return {};
+}
+
+// Processor time is that of all cores together, so that the wall clock is what a user meets.
+ChildLimits LimitsOfChild(const ImportRequest& request) {
+  const ImportLimits& limits = request.limits;
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  const double wall_s = limits.timeout_s + (request.meshes.empty() ? 0 : limits.mesh_timeout_s);
+  ChildLimits child;
+  child.cpu_seconds = static_cast<std::uint64_t>(std::ceil(wall_s * cores));
+  child.memory_bytes = kSanitized ? 0 : limits.memory_mb * kMegabyte;
+  child.file_bytes = limits.file_mb * kMegabyte;
+  child.directory_bytes = child.file_bytes;
+  child.directory_names = kWrittenFiles;
+  child.open_files = kOpenFiles;
+  child.threads = 2 * static_cast<std::uint64_t>(cores) + kSpareThreads;
+  return child;
+}
+
+// What became of an importer: nothing and its answer in `files`, or why it failed, with the cause in one word.
+std::optional<MeshFailure> FailureOf(const ChildOutcome& outcome, const ChildLimits& child_limits,
+                                     const ImportRequest& request, const StageClock& clock,
+                                     const std::vector<std::string>& outputs, ImportedFiles& files) {
+  const std::string name = std::filesystem::path(request.input).filename().string();
+  const auto died = [&](const char* cause) {
+    if (cause != nullptr && request.died) request.died(cause);
+  };
+  const char* cause = DeathCause(outcome, child_limits);
+  died(cause);
+  if (auto error = EndError(outcome, child_limits, name, request.limits, clock,
+                            outcome.end == ChildEnd::kSignalled ? LastEntity(files.directory.path()) : ""))
+    return MeshFailure{cause != nullptr ? cause : "", *error};
+  files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
+  const bool answered = files.summary.is_object();
+  if (answered) {
+    if (auto error = AnsweredError(files.summary, name)) {
+      const bool memory =
+          error->code == ErrorCode::kLimitExceeded;  // the only limit that the importer itself meets
+      if (memory && clock.meshing()) error = MemoryError(name, request.limits, true);
+      if (clock.meshing() && !error->message.starts_with(name)) error->message = name + ": " + error->message;
+      return MeshFailure{memory ? "memory" : "failed", *error};
+    }
+  }
+  if (!answered || outcome.exit_code != 0) {
+    died("answer");
+    return MeshFailure{
+        "crash",
+        {ErrorCode::kImporterCrashed, name + ": the importer gave up with exit code " +
+                                          std::to_string(outcome.exit_code) + LastLine(outcome.error_tail)}};
+  }
+  for (const std::string& output : outputs) {
+    if (auto error = OutputError(output, name)) {
+      died("answer");
+      return MeshFailure{"crash", *error};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ErrorCode ErrorCodeFromName(const std::string& name) {
@@ -338,48 +458,22 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   files.directory = std::move(directory).value();
   files.model_path = files.directory.File("model.flm");
 
-  // The command line.
-  std::error_code path_error;
+  // What is run, and what it is to make.
   ChildRequest child;
   child.program = ImporterPath();
-  child.arguments = {std::filesystem::absolute(request.input, path_error).string(), "--model",
-                     files.model_path};
-  if (request.unit_mm > 0)
-    child.arguments.insert(child.arguments.end(), {"--unit-mm", Number(request.unit_mm)});
-  for (std::size_t i = 0; i < request.meshes.size(); ++i) {
-    const TessellationOptions& mesh = request.meshes[i];
-    files.mesh_paths.push_back(files.directory.File("mesh" + std::to_string(i) + ".glb"));
-    const bool absolute = mesh.deflection_mm > 0;
-    child.arguments.insert(
-        child.arguments.end(),
-        {"--mesh", files.mesh_paths.back(), absolute ? "--deflection-mm" : "--deflection",
-         Number(absolute ? mesh.deflection_mm : mesh.deflection), "--angular", Number(mesh.angular_deg)});
-  }
-
+  child.arguments = ImporterArguments(request, files);
+  std::vector<std::string> outputs = files.mesh_paths;
+  outputs.push_back(files.model_path);
   const std::string depths_path = files.directory.File("depths.bin");
   if (!request.exact.rays.empty()) {
-    const ExactRays& exact = request.exact;
-    const std::string rays_path = files.directory.File("rays.bin");
-    if (auto written = WriteFileAtomically(rays_path, {reinterpret_cast<const char*>(exact.rays.data()),
-                                                       exact.rays.size() * sizeof exact.rays[0]});
-        !written)
-      return written.error();
-    child.arguments.insert(child.arguments.end(), {"--rays", rays_path, "--depths", depths_path,
-                                                   "--rays-seconds", Number(exact.seconds)});
-    if (exact.near > 0) child.arguments.insert(child.arguments.end(), {"--rays-near", Number(exact.near)});
+    outputs.push_back(depths_path);
+    if (auto added = AddRays(request.exact, files.directory.File("rays.bin"), depths_path, child.arguments);
+        !added)
+      return added.error();
   }
 
-  // The limits. Processor time is that of all cores together, so that the wall clock is what a user meets.
-  const ImportLimits& limits = request.limits;
-  const double cores = std::max(1u, std::thread::hardware_concurrency());
-  child.limits.wall_seconds = limits.timeout_s;
-  child.limits.cpu_seconds = static_cast<std::uint64_t>(std::ceil(limits.timeout_s * cores));
-  child.limits.memory_bytes = kSanitized ? 0 : limits.memory_mb * kMegabyte;
-  child.limits.file_bytes = limits.file_mb * kMegabyte;
-  child.limits.directory_bytes = child.limits.file_bytes;
-  child.limits.directory_names = kWrittenFiles;
-  child.limits.open_files = kOpenFiles;
-  child.limits.threads = 2 * static_cast<std::uint64_t>(cores) + kSpareThreads;
+  // Under which limits.
+  child.limits = LimitsOfChild(request);
   child.environment = ImporterEnvironment(files.directory.path());
   child.working_directory = files.directory.path();
   auto filter = ImporterSyscallFilter();
@@ -387,42 +481,32 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   child.syscall_filter = std::move(filter).value();
   child.file_access = ImporterFiles(child.program, child.arguments.front(), files.directory.path());
   child.cancel = request.cancel;
-  std::string stage;
-  child.on_stderr_line = [&](std::string_view line) { ReportProgress(line, request, stage); };
+  StageClock clock;
+  bool model_told = false;
+  child.expired = [&] { return clock.Expired(request.limits); };
+  child.on_stderr_line = [&](std::string_view line) {
+    ReportProgress(line, request, clock);
+    if (model_told || !clock.meshing()) return;
+    model_told = true;
+    if (request.model_written && !OutputError(files.model_path, name))
+      request.model_written(files.model_path);
+  };
 
   // Run it, and turn its end into files or an error.
   auto run = RunChild(child);
   if (!run) return run.error();
   const ChildOutcome& outcome = run.value();
-  const auto died = [&](const char* cause) {
-    if (cause != nullptr && request.died) request.died(cause);
-  };
-  died(DeathCause(outcome, child.limits));
-  if (auto error = EndError(outcome, child.limits, name, limits, stage,
-                            outcome.end == ChildEnd::kSignalled ? LastEntity(files.directory.path()) : ""))
-    return *error;
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
   files.peak_address_bytes = outcome.peak_address_bytes;
-  files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
-  const bool answered = files.summary.is_object();
-  if (answered) {
-    if (auto error = AnsweredError(files.summary, name)) return *error;
-  }
-  if (!answered || outcome.exit_code != 0) {
-    died("answer");
-    return Error{ErrorCode::kImporterCrashed, name + ": the importer gave up with exit code " +
-                                                  std::to_string(outcome.exit_code) +
-                                                  LastLine(outcome.error_tail)};
-  }
-  std::vector<std::string> outputs = files.mesh_paths;
-  outputs.push_back(files.model_path);
-  if (!request.exact.rays.empty()) outputs.push_back(depths_path);
-  for (const std::string& output : outputs) {
-    if (auto error = OutputError(output, name)) {
-      died("answer");
-      return *error;
-    }
+  if (auto failure = FailureOf(outcome, child.limits, request, clock, outputs, files)) {
+    const bool keeps_model = request.model_suffices && clock.meshing() &&
+                             outcome.end != ChildEnd::kCancelled && !OutputError(files.model_path, name);
+    if (!keeps_model) return failure->error;
+    files.mesh_failure = std::move(failure);
+    files.mesh_paths.clear();
+    files.summary = nullptr;
+    return files;
   }
   if (!request.exact.rays.empty()) {
     auto depths = ReadDepths(depths_path, request.exact.rays.size());

@@ -8,7 +8,9 @@
 //     but what ImportedFiles owns.
 //  3. Nothing that the importer says is trusted: its files are regular ones that only this directory names,
 //     its answer is checked before it is used, and what it says in words is cut and made printable.
-//  4. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
+//  4. The importer writes the model first, whole, and then makes the meshes. Meshing has a budget of time of its own. Where the caller says
+//     that the model alone is of use (model_suffices), a mesher that fails costs the meshes and not the model.
+//  5. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
 //     another one.
 #pragma once
 
@@ -16,6 +18,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +36,8 @@ struct TessellationOptions {
 };
 
 struct ImportLimits {
-  double timeout_s = 300;          // wall clock; --import-timeout
+  double timeout_s = 300;          // wall clock of all but meshing; --import-timeout
+  double mesh_timeout_s = 300;     // wall clock of meshing, of all meshes together; --mesh-timeout
   std::uint64_t memory_mb = 8192;  // address space; --import-memory
   std::uint64_t file_mb = 4096;    // of all files that it writes
 };
@@ -48,6 +52,7 @@ struct ExactRays {
 struct ImportRequest {
   std::string input;
   std::vector<TessellationOptions> meshes;  // one file each; none: the model only
+  bool model_suffices = false;              // law 4
   ExactRays exact;                          // without rays: nothing is asked
   double unit_mm = 0;                       // above 0: one unit of the file, whatever the file says
   ImportLimits limits;
@@ -55,17 +60,28 @@ struct ImportRequest {
   const std::atomic<bool>* cancel = nullptr;
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
+  // Called on the caller's thread when the model is whole and the mesher begins. The importer still runs and could change its files, so
+  // that who wants the model now must copy it first.
+  std::function<void(const std::string& model_path)> model_written;
   // Called if the importer did not end by itself, or its answer could not be used. `cause` is crash, timeout, memory,
   // output (files too many or too large), threads or answer.
   std::function<void(const std::string& cause)> died;
 };
 
+// Why there is no mesh. `reason` is timeout, memory, crash, output (files too many or too large), threads or failed (the mesher's own
+// answer, which `error` has).
+struct MeshFailure {
+  std::string reason;
+  Error error;
+};
+
 struct ImportedFiles {
   TempDir directory;  // holds all of them
   std::string model_path;
-  std::vector<std::string> mesh_paths;  // in the order of ImportRequest::meshes
-  nlohmann::json summary;               // the importer's own answer
-  std::vector<double> exact_depths;     // of the first of ImportRequest::exact's rays; infinite for a miss
+  std::vector<std::string> mesh_paths;      // in the order of ImportRequest::meshes; empty after a failure
+  std::optional<MeshFailure> mesh_failure;  // only with ImportRequest::model_suffices
+  nlohmann::json summary;                   // the importer's own answer; null after a failure
+  std::vector<double> exact_depths;  // of the first of ImportRequest::exact's rays; infinite for a miss
   double wall_ms = 0;
   std::uint64_t peak_bytes = 0;
   std::uint64_t peak_address_bytes = 0;  // what ImportLimits::memory_mb limits

@@ -16,8 +16,8 @@ bool IsOptionCharacter(char c) {
 
 bool IsRequestOption(std::string_view name) {
   // The mesh is a part of the body; the others concern the machine.
-  constexpr std::array<std::string_view, 5> kNot = {"mesh", "threads", "timeout", "import_timeout",
-                                                    "import_memory"};
+  constexpr std::array<std::string_view, 6> kNot = {"mesh",           "threads",       "timeout",
+                                                    "import_timeout", "import_memory", "max_view_memory"};
   const auto& names = OptionNames();
   return std::find(kNot.begin(), kNot.end(), name) == kNot.end() &&
          std::find(names.begin(), names.end(), name) != names.end();

@@ -7,9 +7,11 @@
 
 #include "render/base/stopwatch.h"
 #include "render/baseline/mesh_file.h"
+#include "render/trade/quantity_text.h"
 #include "render/model/model_file.h"
 #include "server/files.h"
 #include "server/run.h"
+#include "server/service/http_terms.h"
 #include "server/service/submission.h"
 #include "server/sha256.h"
 #include "server/trade.h"
@@ -143,11 +145,8 @@ class JobRun {
         !put)
       return put;
     if (!meshes.empty()) {
-      auto mesh = store_.Keep(files.value().mesh_paths.front(), "");
-      if (!mesh) return mesh.error();
-      if (auto put = store_.PutMesh(job_.owner, request_.model_id, MeshKey(meshes.front()), mesh.value());
-          !put)
-        return put;
+      auto kept = KeepMesh(files.value(), request_.model_id);
+      if (!kept) return kept.error();
     }
     model_ = store_.FindModel(job_.owner, request_.model_id);
     if (!model_) return Error{ErrorCode::kWriteFailed, "the model cannot be read back"};
@@ -157,8 +156,22 @@ class JobRun {
     return {};
   }
 
-  // Where the mesh lies.
+  // Keeps the mesh of an import that was to make one, and says where it lies; or notes why there is none: "".
+  Result<std::string> KeepMesh(const ImportedFiles& files, const std::string& model_id) {
+    if (files.mesh_failure) {
+      no_baseline_ = NoBaselineFor(*files.mesh_failure);
+      return std::string();
+    }
+    auto mesh = store_.Keep(files.mesh_paths.front(), "");
+    if (!mesh) return mesh.error();
+    const std::string key = MeshKey(request_.options.tessellation);
+    if (auto put = store_.PutMesh(job_.owner, model_id, key, mesh.value()); !put) return put.error();
+    return mesh.value().path;
+  }
+
+  // Where the mesh lies; "" if there is none, and no_baseline_ says why.
   Result<std::string> MakeMesh() {
+    if (no_baseline_) return std::string();
     if (foreign_mesh()) {
       posted_mesh_ = store_.Pin(request_.mesh);
       if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh is not there any more"};
@@ -171,10 +184,7 @@ class JobRun {
     if (auto known = store_.FindMesh(job_.owner, model_->id, key)) return *known;
     auto files = Import(model_->source_path, model_->name, {request_.options.tessellation});
     if (!files) return files.error();
-    auto mesh = store_.Keep(files.value().mesh_paths.front(), "");
-    if (!mesh) return mesh.error();
-    if (auto put = store_.PutMesh(job_.owner, model_->id, key, mesh.value()); !put) return put.error();
-    return mesh.value().path;
+    return KeepMesh(files.value(), model_->id);
   }
 
   // The file at `path`, in a scratch directory of the job's under another name.
@@ -198,6 +208,7 @@ class JobRun {
     request.input = std::move(input).value();
     // The job's deadline ends it first.
     request.limits.timeout_s = 2 * limits_.timeout_s;
+    request.limits.mesh_timeout_s = std::min(request_.options.import_limits.mesh_timeout_s, MostMeshing());
     request.limits.memory_mb = limits_.import_memory_mb;
     request.unit_mm = request_.options.unit_mm;
     request.temp_parent = std::filesystem::path(scratch_.back().path()).parent_path();
@@ -207,16 +218,26 @@ class JobRun {
     return request;
   }
 
+  // Seconds, law 2.
+  double MostMeshing() const { return limits_.timeout_s / 2; }
+
   Result<ImportedFiles> Import(const std::string& path, const std::string& name,
                                const std::vector<TessellationOptions>& meshes) {
     auto request = ImportRequestFor(path, name);
     if (!request) return request.error();
     request.value().meshes = meshes;
+    request.value().model_suffices = true;
     auto files = RunImporter(request.value());
     // The job's deadline ends an importer before its own does.
     if (!files && files.error().code == ErrorCode::kCancelled && watch_.deadline->expired() &&
         request.value().died)
       request.value().died("timeout");
+    // The request's own option cannot allow what the service does not.
+    if (files && files.value().mesh_failure && files.value().mesh_failure->reason == "timeout" &&
+        request_.options.import_limits.mesh_timeout_s > MostMeshing())
+      files.value().mesh_failure->error.message =
+          name + ": meshing took longer than " + NumberText(MostMeshing()) +
+          " s, half of what a job may take; --timeout allows more, and a coarser --deflection needs less";
     return files;
   }
 
@@ -241,6 +262,20 @@ class JobRun {
     return Publish(std::move(report).value(), out);
   }
 
+  // A report of `out` that has no baseline says why in the terms of the caller, who hears it on the way, too.
+  Result<Json> InTermsOfHttp(Result<Json> report, const std::string& out) {
+    if (!report || !report.value().contains("no_baseline")) return report;
+    const Json& said = report.value().at("no_baseline");
+    const NoBaseline why = {said.at("reason"), InHttpTerms(said.at("message").get<std::string>())};
+    if (watch_.message) watch_.message(why.message);
+    return WithReason(std::move(report).value(), why, out);
+  }
+
+  Result<Json> WithoutBaseline(const ImportedModel& imported, const RunOptions& options,
+                               const std::string& out, const RunContext& context) {
+    return InTermsOfHttp(RunWithoutBaseline(imported, *no_baseline_, options, out, context), out);
+  }
+
   Result<Json> Report(const ImportedModel& imported, const std::string& mesh_path, const std::string& out) {
     const RunContext context = {watch_.deadline->flag(), watch_.progress};
     RunOptions options = request_.options;
@@ -248,10 +283,14 @@ class JobRun {
     options.max_view_bytes = limits_.max_view_bytes;
     if (job_.kind == "render") return RunRender(imported, options, out, context);
     if (job_.kind == "comparison") {
+      if (mesh_path.empty()) return WithoutBaseline(imported, options, out, context);
       const MeshLoadOptions how = {.unit = request_.options.mesh_unit, .up = request_.options.mesh_up};
-      auto mesh = LoadMesh(mesh_path, how, imported.model.get());
-      if (!mesh) return mesh.error();
-      return RunCompare(imported, mesh.value(), options, out, context);
+      auto mesh = foreign_mesh() ? LoadMesh(mesh_path, how, imported.model.get())
+                                 : LoadOwnMesh(mesh_path, *imported.model);
+      if (mesh) return InTermsOfHttp(RunCompare(imported, mesh.value(), options, out, context), out);
+      if (foreign_mesh() || !CostsTheBaselineOnly(mesh.error().code)) return mesh.error();
+      no_baseline_ = NoBaselineFor(mesh.error());
+      return WithoutBaseline(imported, options, out, context);
     }
     const double budget_s = limits_.timeout_s / (request_.budget_given ? 1 : kTradePoints);
     options.trade.budget_s = std::min(options.trade.budget_s, budget_s);
@@ -312,6 +351,7 @@ class JobRun {
   std::optional<StoredModel> model_;
   bool imported_ = false;  // by this job
   std::optional<KeptFile> posted_mesh_;
+  std::optional<NoBaseline> no_baseline_;  // of a comparison whose mesh was not made
   std::vector<TempDir> scratch_;
 };
 

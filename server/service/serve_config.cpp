@@ -166,8 +166,9 @@ void ServeConfig::AddBounds() {
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();
   Add("max-view-memory", options_.max_view_memory_mb,
-      "Megabytes that the leaves of views may take, of all jobs that run at the same time; a view that needs "
-      "more than its share is refused",
+      "Megabytes that the leaves of views and the search trees of meshes may take, of all jobs that run at "
+      "the "
+      "same time; a view that needs more than its share is refused",
       "MB")
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();

@@ -38,6 +38,6 @@ export const showReport = (root, report, source, address, tools = null, extra = 
   root.replaceChildren(...[
     element("div", { class: "bar title" }, element("h1", { tabindex: "-1" }, model.file || "Report"), element("span", { class: lost || broken ? "pill bad" : "pill" }, broken ? "thresholds broken" : lost ? `${number(lost)} lost` : "nothing lost"), tools),
     modelFacts(model), lossNotice(model), verdictNotice(report.verdict), holder, sectionTables(report.sections), continuityTables(report.continuity), extra, truthReport(model),
-    element("details", {}, element("summary", {}, "The whole report as JSON"), element("pre", { tabindex: "0" }, JSON.stringify(report, null, 2)))].filter(Boolean));
+    element("details", {}, element("summary", {}, "The whole report as JSON"), element("pre", { tabindex: "0" }, JSON.stringify(report, null, 2)))].flat().filter(Boolean));
   return sections(report, source, address, holder);
 };

@@ -295,5 +295,34 @@ TEST(Baseline, RefusesAnEmptyMeshAndABadCameraAndCanBeCancelled) {
   EXPECT_EQ(TraceBaseline(scene.value(), camera, {}).error().code, ErrorCode::kBadUsage);
 }
 
+TEST(Baseline, ABuildThatWouldTakeMoreMemoryThanItMayEnds) {
+  // One part in the tree itself, and one that two instances share.
+  const Mesh once = OneNode(SphereMesh(5, 400, 200));
+  Mesh two = once;
+  two.nodes.push_back({.part = 0, .placement = Translation({20, 0, 0}), .first_placed_face = 1});
+  const Mesh& twice = two;
+  for (const Mesh* mesh : {&once, &twice}) {
+    for (const int threads : {1, 0}) {
+      const Result<BaselineScene> free = BaselineScene::Build(*mesh, threads);
+      ASSERT_TRUE(free.ok());
+      const std::uint64_t peak = free.value().bvh_peak_bytes();
+      ASSERT_GT(peak, std::uint64_t{1} << 20);
+      // Wherever it meets the bound.
+      for (const double share : {1e-6, 0.02, 0.1, 0.3, 0.5, 0.7}) {
+        const auto most = static_cast<std::uint64_t>(share * static_cast<double>(peak)) + 1;
+        const Result<BaselineScene> refused = BaselineScene::Build(*mesh, threads, false, most);
+        ASSERT_FALSE(refused.ok()) << share;
+        EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);
+        EXPECT_NE(refused.error().message.find("the mesh's search tree needs more than the"),
+                  std::string::npos)
+            << refused.error().message;
+      }
+      const Result<BaselineScene> roomy = BaselineScene::Build(*mesh, threads, false, 2 * peak);
+      ASSERT_TRUE(roomy.ok()) << roomy.error().message;
+      EXPECT_LE(roomy.value().bvh_bytes(), roomy.value().bvh_peak_bytes());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace facetless

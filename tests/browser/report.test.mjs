@@ -48,6 +48,21 @@ test("of a compare with four views", async () => {
   await shot(page, "report-print", { fullPage: true });
 });
 
+test("of a compare without a mesh has the exact half, and says why", async () => {
+  const out = folder(), report = path.join(out, "report.html");
+  const done = await run("compare", sample("wavy_sheet.step"), "--out", out, "--size", "256x256", "--deflection", "1e-4", "--max-view-memory", "8");
+  assert.equal(done.code, 5, done.errors);
+  const page = await open(report);
+  await page.waitForSelector(".notice p:has-text('search tree needs more than the 8 MB of memory that it may take')");
+  await page.waitForSelector(".stage canvas");
+  assert.equal(await page.locator('text="Side by side"').count(), 0);
+  await wellLaidOut(page, "report without a mesh");
+  await noViolations(page, "report without a mesh");
+  await shot(page, "report-no-mesh");
+  askedNobody(page, report);
+  noFaults(page);
+});
+
 test("of a compare of a real file stays below 3 MB with four views of 1024²", async (context) => {
   const file = cadFile("parts/nacelle.stp");
   if (!file) { context.skip("nacelle.stp is not there"); console.log("SKIPPED nacelle.stp: not there"); return; }

@@ -3,6 +3,7 @@
 //   slow       the same after so many milliseconds (second word)
 //   unmeshed   the same as ok, and says that a face has no triangle
 //   unusable   exit code 4 with an error of the given code (second word)
+//   mesh-MODE  writes its model, begins to mesh, and only then does what MODE says; without a --mesh the same as ok
 //   crash      dies of SIGSEGV
 //   hang       never ends, and ignores SIGTERM
 //   spin       uses processor time without end
@@ -41,6 +42,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -49,6 +51,7 @@
 #include <fstream>
 #include <iostream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -238,6 +241,12 @@ int main(int argc, char** argv) {
   std::ifstream input(argv[1]);
   std::string mode, detail;
   input >> mode >> detail;
+  if (mode.starts_with("mesh-")) {
+    const bool meshes = std::find(argv, argv + argc, std::string_view("--mesh")) != argv + argc;
+    WriteModelAndMeshes(argc, argv, false);
+    std::fprintf(stderr, "progress mesh 0.00\n");
+    mode = meshes ? mode.substr(5) : "ok";
+  }
   if (mode == "ok") return WriteModelAndMeshes(argc, argv);
   if (mode == "unmeshed") {
     WriteModelAndMeshes(argc, argv, false);

@@ -272,7 +272,8 @@ TEST_F(OpenApi, KnowsEveryOptionOfTheService) {
        contract.document().at("components").at("schemas").at("Options").at("properties").items())
     written.insert(name);
   // What makes sense on the caller's own machine only.
-  for (const char* name : {"mesh", "threads", "timeout", "import_timeout", "import_memory"})
+  for (const char* name :
+       {"mesh", "threads", "timeout", "import_timeout", "import_memory", "max_view_memory"})
     known.erase(name);
   EXPECT_EQ(written, known);
 }

@@ -70,6 +70,37 @@ TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
   EXPECT_THAT(error.message, HasSubstr("300 MB of memory; --import-memory allows more"));
 }
 
+TEST_F(ImportProcess, KeepsTheModelOfAMesherThatFailsIfThatSuffices) {
+  std::vector<std::pair<std::string, std::string>> ends = {{"mesh-hang", "timeout"},
+                                                           {"mesh-crash", "crash"},
+                                                           {"mesh-garbage", "crash"},
+                                                           {"mesh-bigfile", "output"},
+                                                           {"mesh-unusable write-failed", "failed"}};
+  if (!kSanitized) ends.emplace_back("mesh-memory", "memory");
+  for (const auto& [mode, reason] : ends) {
+    ImportRequest request = Request(mode);
+    request.meshes = {{}};
+    request.limits.mesh_timeout_s = mode == "mesh-hang" ? 0.2 : 30;
+    request.limits.file_mb = 2;
+    request.limits.memory_mb = 300;
+    EXPECT_NE(ErrorOf(request).message, "") << mode;
+    request.model_suffices = true;
+    std::string early;
+    request.model_written = [&](const std::string& path) {
+      EXPECT_TRUE(ReadModel(path).ok());
+      early = path;
+    };
+    auto files = RunImporter(request);
+    ASSERT_TRUE(files.ok()) << mode << ": " << files.error().message;
+    ASSERT_TRUE(files.value().mesh_failure) << mode;
+    EXPECT_EQ(files.value().mesh_failure->reason, reason) << mode;
+    EXPECT_EQ(files.value().model_path, early) << mode;
+    EXPECT_TRUE(ReadModel(files.value().model_path).ok()) << mode;
+    EXPECT_TRUE(files.value().mesh_paths.empty()) << mode;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
+}
+
 TEST_F(ImportProcess, StopsOneThatFillsTheDisk) {
   ImportRequest request = Request("bigfile");
   request.limits.file_mb = 2;

@@ -34,5 +34,12 @@ TEST(Deadline, BeginsWhenItIsStarted) {
   EXPECT_TRUE(deadline.expired());
 }
 
+TEST(Deadline, IsOverWhenItIsSaidToBe) {
+  Deadline deadline(0, nullptr);
+  deadline.Expire();
+  EXPECT_TRUE(*deadline.flag());
+  EXPECT_TRUE(deadline.expired());
+}
+
 }  // namespace
 }  // namespace facetless

@@ -134,5 +134,31 @@ TEST_F(Trade, SaysInOneSentenceWhatIsWrong) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }
 
+// The bolts of the assembly, placed eight times, are made invisible.
+TEST_F(Trade, MeasuresWhatIsShown) {
+  std::string text = ReadText(Sample("assembly.step"));
+  const std::size_t styled = text.find("STYLED_ITEM('color',(#1584),#765)");
+  ASSERT_NE(styled, std::string::npos);
+  text.insert(text.rfind("ENDSEC;"), "#99999 = INVISIBILITY((#1583));\n");
+  const std::string file = WriteText(directory_.File("hidden.step"), text);
+  const std::vector<std::string> usual = {"--deflections", "1e-2", "--angles", "30",
+                                          "--tolerances",  "1e-3", "--size",   "96x96"};
+  std::vector<std::string> all = usual;
+  all.emplace_back("--show-hidden");
+  ASSERT_EQ(Run(usual, file).exit_code, kExitDone);
+  const Json shown = Report();
+  ASSERT_EQ(Run(all, file).exit_code, kExitDone);
+  const Json whole = Report();
+  EXPECT_EQ(shown.at("arrangement").at("left_out").at("hidden_by_file"), 8);
+  EXPECT_FALSE(whole.contains("arrangement"));
+  EXPECT_LT(shown.at("views").at(0).at("reference").at("hits"),
+            whole.at("views").at(0).at("reference").at("hits"));
+  const Json mesh = PointOf(shown, "mesh 1e-2, 30°"), whole_mesh = PointOf(whole, "mesh 1e-2, 30°");
+  EXPECT_LT(mesh.at("triangles"), whole_mesh.at("triangles"));
+  EXPECT_LT(PointOf(shown, "certified").at("leaves"), PointOf(whole, "certified").at("leaves"));
+  // Both tracers see the same: what one of them alone saw would be off by millimetres.
+  EXPECT_LE(mesh.at("deviation_mm").at("p99").get<double>(), 2 * mesh.at("deflection_mm").get<double>());
+}
+
 }  // namespace
 }  // namespace facetless

@@ -42,6 +42,17 @@ TEST(Verdict, IsFailedByWhatIsNoNumber) {
   EXPECT_TRUE(verdict["broken"][0]["value"].is_null());
 }
 
+TEST(Verdict, WithoutABaselineHasNotPassedAndHasACodeOfItsOwn) {
+  const nlohmann::json verdict =
+      VerdictJson({}, {}, {.problems = {}, .lost = 2, .no_baseline = "there is no mesh"});
+  EXPECT_FALSE(verdict.at("passed").get<bool>());
+  EXPECT_EQ(verdict.at("exit_code"), kExitNoBaseline);
+  EXPECT_EQ(VerdictSentences(verdict), (std::vector<std::string>{"there is no mesh"}));
+  EXPECT_EQ(
+      VerdictJson({}, {}, {.problems = {"a defect"}, .no_baseline = "there is no mesh"}).at("exit_code"),
+      kExitFailed);
+}
+
 TEST(Verdict, StrictFailsWhatIsIncompleteOrGuessed) {
   RunOptions strict;
   strict.strict = true;
