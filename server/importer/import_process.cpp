@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/files.h"
+#include "server/base/files.h"
 #include "server/importer/child_process.h"
 #include "server/importer/sandbox.h"
 

@@ -25,7 +25,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/base/result.h"
-#include "server/temp_dir.h"
+#include "server/base/temp_dir.h"
 
 namespace facetless {
 

@@ -11,20 +11,19 @@
 #include <thread>
 #include <utility>
 
-#include "server/commands.h"
-#include "server/exit_code.h"
-#include "server/interrupt.h"
-#include "server/service/access.h"
-#include "server/service/data_directory.h"
-#include "server/service/file_store.h"
-#include "server/service/heap.h"
-#include "server/service/http_server.h"
-#include "server/service/jobs.h"
-#include "server/service/keys.h"
-#include "server/service/metrics.h"
-#include "server/service/service.h"
-#include "server/service/service_log.h"
-#include "server/service/sql_job_store.h"
+#include "server/base/exit_code.h"
+#include "server/base/heap.h"
+#include "server/base/interrupt.h"
+#include "server/service/access/access.h"
+#include "server/service/access/keys.h"
+#include "server/service/http/http_server.h"
+#include "server/service/http/metrics.h"
+#include "server/service/http/service.h"
+#include "server/service/http/service_log.h"
+#include "server/service/jobs/jobs.h"
+#include "server/service/jobs/sql_job_store.h"
+#include "server/service/store/data_directory.h"
+#include "server/service/store/file_store.h"
 
 namespace facetless {
 namespace {

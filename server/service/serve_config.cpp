@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
-#include "server/files.h"
-#include "server/json_text.h"
+#include "server/base/files.h"
+#include "server/base/json_text.h"
 
 namespace facetless {
 namespace {

@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <thread>
 
-#include "server/service/data_directory.h"
-#include "server/service/file_store.h"
-#include "server/service/http_server.h"
-#include "server/service/sql_job_store.h"
+#include "server/service/http/http_server.h"
+#include "server/service/jobs/sql_job_store.h"
+#include "server/service/store/data_directory.h"
+#include "server/service/store/file_store.h"
 #include "tests/fuzz/target.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Fuzz target: the options of a request, and the cameras in them.
-#include "server/options.h"
+#include "server/options/options.h"
 
 #include "tests/fuzz/target.h"
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/temp_dir.h"
+#include "server/base/temp_dir.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <thread>
 
-#include "server/service/sql_job_store.h"
-#include "server/service/store_check.h"
-#include "server/sha256.h"
+#include "server/base/sha256.h"
+#include "server/service/jobs/sql_job_store.h"
+#include "server/service/store/store_check.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "server/service/data_directory.h"
-#include "server/service/keys.h"
+#include "server/service/access/keys.h"
+#include "server/service/store/data_directory.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 

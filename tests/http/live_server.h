@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/temp_dir.h"
+#include "server/base/temp_dir.h"
 
 namespace facetless {
 

@@ -10,9 +10,9 @@
 #include <set>
 #include <thread>
 
-#include "server/options.h"
-#include "server/service/routes.h"
-#include "server/version.h"
+#include "server/base/version.h"
+#include "server/options/options.h"
+#include "server/service/protocol/routes.h"
 #include "tests/http/live_server.h"
 #include "tests/http/schema_check.h"
 #include "tests/server/support.h"

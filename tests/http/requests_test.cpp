@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/service/http_terms.h"
+#include "server/service/protocol/http_terms.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 #include "tests/support/files.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "server/service/routes.h"
+#include "server/service/protocol/routes.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <thread>
 
-#include "server/sha256.h"
+#include "server/base/sha256.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 #include "tests/support/sanitized.h"

@@ -15,8 +15,8 @@
 
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
+#include "server/base/temp_dir.h"
 #include "server/importer/import_process.h"
-#include "server/temp_dir.h"
 #include "tests/mutations/mutate.h"
 
 namespace facetless {

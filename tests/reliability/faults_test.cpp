@@ -12,7 +12,7 @@
 #include <random>
 #include <thread>
 
-#include "server/service/store_check.h"
+#include "server/service/store/store_check.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 #include "tests/support/sanitized.h"

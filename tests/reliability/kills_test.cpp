@@ -15,7 +15,7 @@
 #include <set>
 #include <thread>
 
-#include "server/service/store_check.h"
+#include "server/service/store/store_check.h"
 #include "tests/http/live_server.h"
 #include "tests/server/support.h"
 

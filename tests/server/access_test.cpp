@@ -1,10 +1,10 @@
 // Who may do what, without a socket.
-#include "server/service/access.h"
+#include "server/service/access/access.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/service/data_directory.h"
+#include "server/service/store/data_directory.h"
 #include "tests/server/support.h"
 
 namespace facetless {

@@ -1,12 +1,12 @@
 // `facetless bench` as a whole, on a sample. No test asks how fast anything is.
-#include "server/bench.h"
+#include "server/run/bench.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "server/exit_code.h"
+#include "server/base/exit_code.h"
 #include "tests/server/support.h"
 
 namespace facetless {

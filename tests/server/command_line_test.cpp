@@ -9,7 +9,7 @@
 #include <set>
 #include <thread>
 
-#include "server/exit_code.h"
+#include "server/base/exit_code.h"
 #include "tests/server/support.h"
 
 namespace facetless {

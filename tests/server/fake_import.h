@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string>
 
+#include "server/base/temp_dir.h"
 #include "server/importer/import_process.h"
-#include "server/temp_dir.h"
 #include "tests/server/support.h"
 
 namespace facetless {

@@ -1,5 +1,5 @@
 // Hosts and origins that a service answers for.
-#include "server/service/hosts.h"
+#include "server/service/protocol/hosts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

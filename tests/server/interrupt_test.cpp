@@ -1,4 +1,4 @@
-#include "server/interrupt.h"
+#include "server/base/interrupt.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <thread>
 
-#include "server/service/sql_job_store.h"
+#include "server/service/jobs/sql_job_store.h"
 #include "tests/server/support.h"
 
 namespace facetless {

@@ -1,5 +1,5 @@
 // What `facetless mesh` writes: hidden placements, rounding, and the same solid in every format.
-#include "server/mesh_output.h"
+#include "server/run/mesh_output.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

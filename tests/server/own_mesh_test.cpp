@@ -1,6 +1,6 @@
 // Comparisons whose mesh is not made: the exact half comes first and stays. The importer is a stand-in that writes its model, begins to mesh
 // and then does what its input says (tests/fake_importer); the last test has the real one.
-#include "server/own_mesh.h"
+#include "server/run/own_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <chrono>
 #include <thread>
 
-#include "server/exit_code.h"
+#include "server/base/exit_code.h"
 #include "tests/server/fake_import.h"
 #include "tests/support/files.h"
 #include "tests/support/sanitized.h"

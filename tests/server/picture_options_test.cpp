@@ -1,9 +1,9 @@
-#include "server/picture_options.h"
+#include "server/options/picture_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/options.h"
+#include "server/options/options.h"
 #include "tests/server/parsed_options.h"
 
 namespace facetless {

@@ -1,5 +1,5 @@
 // Pictures as people expect them, by the program itself on an assembly of 13 occurrences.
-#include "server/pictures.h"
+#include "server/run/pictures.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <set>
 
 #include "render/image/io.h"
-#include "server/exit_code.h"
-#include "server/run.h"
+#include "server/base/exit_code.h"
+#include "server/run/run.h"
 #include "tests/server/support.h"
 
 namespace facetless {

@@ -1,11 +1,11 @@
-#include "server/regress.h"
+#include "server/run/regress.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "server/exit_code.h"
+#include "server/base/exit_code.h"
 #include "tests/server/support.h"
 
 namespace facetless {

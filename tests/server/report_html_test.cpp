@@ -1,11 +1,11 @@
-#include "server/report_html.h"
+#include "server/run/report_html.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render/compare/pixel_data.h"
 #include "render/image/io.h"
-#include "server/service/web_assets.h"
+#include "server/base/web_assets.h"
 #include "tests/server/support.h"
 
 namespace facetless {

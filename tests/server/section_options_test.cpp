@@ -1,5 +1,5 @@
 // Section planes as people write them.
-#include "server/section_options.h"
+#include "server/options/section_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

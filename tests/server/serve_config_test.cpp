@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/exit_code.h"
+#include "server/base/exit_code.h"
 #include "tests/server/support.h"
 
 namespace facetless {

@@ -1,10 +1,10 @@
 // What a log may say, and which trace a request belongs to.
-#include "server/service/service_log.h"
+#include "server/service/http/service_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/service/trace_context.h"
+#include "server/service/protocol/trace_context.h"
 
 namespace facetless {
 namespace {

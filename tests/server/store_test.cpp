@@ -3,11 +3,11 @@
 
 #include <optional>
 
-#include "server/files.h"
-#include "server/service/file_store.h"
-#include "server/service/sql_job_store.h"
-#include "server/service/store_check.h"
-#include "server/sha256.h"
+#include "server/base/files.h"
+#include "server/base/sha256.h"
+#include "server/service/jobs/sql_job_store.h"
+#include "server/service/store/file_store.h"
+#include "server/service/store/store_check.h"
 #include "tests/server/support.h"
 
 namespace facetless {

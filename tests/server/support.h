@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "server/base/temp_dir.h"
 #include "server/importer/child_process.h"
-#include "server/temp_dir.h"
 #include "tests/support/files.h"
 
 namespace facetless {

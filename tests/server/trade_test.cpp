@@ -1,12 +1,12 @@
 // `facetless trade` as a whole, on a sample: its files, and numbers that agree with each other.
-#include "server/trade.h"
+#include "server/run/trade.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "server/exit_code.h"
+#include "server/base/exit_code.h"
 #include "tests/server/support.h"
 
 namespace facetless {

@@ -1,13 +1,13 @@
 // The verdict on a run, and the sentences that it owes.
-#include "server/verdict.h"
+#include "server/run/verdict.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "server/exit_code.h"
-#include "server/regress.h"
+#include "server/base/exit_code.h"
+#include "server/run/regress.h"
 
 namespace facetless {
 namespace {

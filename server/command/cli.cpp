@@ -1,0 +1,305 @@
+#include "server/command/cli.h"
+#include "render/base/utf8.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "render/base/utf8.h"
+#include "server/base/exit_code.h"
+#include "server/base/files.h"
+#include "server/base/interrupt.h"
+#include "server/base/version.h"
+#include "server/command/cli_options.h"
+#include "server/command/commands.h"
+#include "server/options/option_values.h"
+#include "server/service/access/keys.h"
+#include "server/service/serve.h"
+#include "server/service/serve_config.h"
+#include "server/service/store/store_check.h"
+
+namespace facetless {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  facetless inspect part.step                          what the file holds, and what was lost
+  facetless compare part.step --out report             exact image, tessellation, difference; open report/report.html
+  facetless compare part.step --out r --mesh web.glb   is this mesh good enough?
+  facetless trade part.step --out trade                what does accuracy cost, on the mesh and direct?
+  facetless bench part.step                            how fast is it here?
+  facetless serve                                      the same in a browser
+
+Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost, or a face has no triangle; 2 failed under --strict or a --fail-*
+threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 5 compare: the exact half alone, for want of a mesh; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
+'facetless COMMAND --help' tells more.)";
+
+constexpr const char* kRenderFooter = R"(Examples:
+  facetless render part.step --out images --view iso --view front --size 1920x1080
+  facetless render part.step --out images --projection perspective --edges --background transparent
+  facetless render part.step --out images --camera '{"eye":[200,-300,150],"target":[0,0,0],"height":120}'
+  facetless render part.step --out images --camera @cameras.json --aov depth,normal,face
+  facetless render part.step --out images --shade curvature:kind=gaussian
+  facetless render car.step --out images --parts wheel --hide "*bolt*" --explode 0.5 --color part --axes --scale-bar
+  facetless render part.step --out images --view front --view top --view iso --sheet --turntable 36
+
+--out receives NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html;
+standard output gets the path of report.json.)";
+
+constexpr const char* kCompareFooter = R"(Examples:
+  facetless compare part.step --out report
+  facetless compare part.step --out report --deflection 1e-4 --view iso --view top
+  facetless compare part.step --out report --mesh exported.glb --fail-deviation-mm 0.05
+  facetless compare part.step --out report --mesh exported.stl --mesh-unit in --mesh-up y
+  facetless compare part.step --out report --mesh-timeout 60      after 60 s of meshing the exact half is the answer
+
+--out receives, for each view, NAME.direct.png, NAME.baseline.png, NAME.difference.png, NAME.depth.tif and
+NAME.baseline-depth.tif, and report.json and report.html; standard output gets the path of report.json.)";
+
+constexpr const char* kTradeFooter = R"(Examples:
+  facetless trade part.step --out trade
+  facetless trade part.step --out trade --max-error-mm 0.05       which deflection keeps the error under 0.05 mm?
+  facetless trade part.step --out trade --deflections 1e-2,1e-3,1e-4 --angles 20 --view iso --view top
+  facetless trade part.step --out trade --budget-seconds 300      let finer meshes take their time
+
+Both tracers are measured at many accuracies: time, memory, and error against the certified exact image. --out receives
+report.json, report.html, the plots trade-time and trade-memory (.svg, .png) and NAME.direct.png; standard output gets the path of
+report.json, standard error a table and the answers. docs/trade.md says how it is measured.)";
+
+constexpr const char* kBenchFooter = R"(Examples:
+  facetless bench part.step other.igs                    the aims, what was measured, and each file
+  facetless bench parts/*.step --json bench.json --plot bench.svg --markdown
+  facetless bench --published                            the papers' tables, on this machine
+  facetless bench --published part.step                  and acceleration structures over this file's leaves
+
+Both sides take turns on an otherwise idle machine, and medians count. docs/performance.md has results and what they mean.)";
+
+constexpr const char* kMeshFooter = R"(Examples:
+  facetless mesh part.step --out part.glb
+  facetless mesh part.step --out part.glb --deflection-mm 0.01 --angular 10
+  facetless mesh part.step --out part.stl --deflection-mm 0.05 --angular 5
+  facetless mesh part.step --out part.obj        with colours in part.mtl
+
+The suffix says the format: .glb, .stl (binary), .obj or .3mf. Standard output gets the path; standard error says how many triangles were
+written and whether they are watertight.)";
+
+constexpr const char* kInspectFooter = R"(Example:
+  facetless inspect part.step | jq '.model.faces_skipped')";
+
+constexpr const char* kContinuityFooter = R"(Examples:
+  facetless continuity part.step | jq '.continuity.counts'
+  facetless continuity part.step | jq '.continuity.worst.G1[:10]'
+
+Every edge that two faces share: how far apart they are, at what angle they meet, how much the curvature jumps; worst first.
+docs/inspection.md says how it is measured.)";
+
+constexpr const char* kRegressFooter = R"(Examples:
+  facetless regress manifest.json --update          write the references
+  facetless regress manifest.json --out failures    compare with them; pictures of what failed go to failures/
+
+The manifest is described in docs/regression.md. The verdict is JSON on standard output; exit code 0 means that everything passed.)";
+
+constexpr const char* kServeFooter = R"(Examples:
+  facetless serve
+  facetless keys create /var/lib/facetless --name anna && facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
+  facetless serve --max-store 50000 --max-age 30          forget what nobody asked for in a month
+  facetless serve --config /etc/facetless.toml --ops-listen 127.0.0.1:9090 --log json
+  FACETLESS_SERVE_JOBS=4 facetless serve --print-config   what would it do, and why?
+  curl -F file=@part.step http://127.0.0.1:8080/v1/comparisons
+
+On an address that others reach it wants keys (facetless keys create), and it speaks no TLS: put it behind a proxy that does.
+docs/api.md has the API.)";
+
+constexpr const char* kKeysFooter = R"(Examples:
+  facetless keys create /var/lib/facetless --name anna --rate 600 --quota 20000
+  facetless keys list /var/lib/facetless
+  facetless keys revoke /var/lib/facetless 0f3a5c7e9b1d2f4a
+  curl -H "Authorization: Bearer $KEY" -F file=@part.step http://127.0.0.1:8080/v1/comparisons)";
+
+constexpr const char* kStoreCheckFooter = R"(Example:
+  facetless store check /var/lib/facetless | jq '.faults'
+
+Exit codes: 0 everything agrees; 1 something does not, and "faults" names it; 64 the directory is in use or is none.
+After a crash, files that belong to nothing and what lies in tmp/ are faults, too: the next start of the service removes them.)";
+
+CLI::App* AddFileCommand(CLI::App& app, const std::string& name, const std::string& help, const char* footer,
+                         CommandArguments& arguments) {
+  CLI::App* command = app.add_subcommand(name, help);
+  command->footer(footer);
+  command->add_option("FILE", arguments.file, "STEP, IGES or BREP file")->required();
+  return command;
+}
+
+// The commands about keys; which of them was given.
+struct KeyCommands {
+  CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
+};
+
+KeyCommands AddKeyCommands(CLI::App& app, KeyArguments& key) {
+  CLI::App* keys = app.add_subcommand("keys", "Say who may use the service (JSON); works while it runs");
+  keys->require_subcommand(1);
+  keys->footer(kKeysFooter);
+  KeyCommands commands;
+  commands.create = keys->add_subcommand("create", "Make a key; it is shown this once");
+  commands.list = keys->add_subcommand("list", "Say which keys there are");
+  commands.revoke = keys->add_subcommand("revoke", "Let a key in no more");
+  for (CLI::App* command : {commands.create, commands.list, commands.revoke})
+    command->add_option("DIR", key.directory, "Data directory of the service")->required();
+  commands.revoke->add_option("ID", key.id, "Id of the key")->required();
+  commands.create->add_option("--name", key.name, "Whose it is, for people")->required()->type_name("NAME");
+  commands.create->add_option("--scopes", key.scopes, "What it may do: read, submit, admin")
+      ->type_name("LIST")
+      ->capture_default_str();
+  commands.create->add_option("--rate", key.rate, "Requests a minute (0: any number)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  commands.create
+      ->add_option("--quota", key.quota_mb, "Megabytes that are kept for it (0: no bound of its own)")
+      ->type_name("MB")
+      ->check(CLI::Range(0, 1 << 30))
+      ->capture_default_str();
+  return commands;
+}
+
+// Runs a command on the collected options.
+int Dispatch(int (*command)(const CommandArguments&), CommandArguments& arguments,
+             OptionCollector& collected) {
+  auto json = collected.Take();
+  if (!json) return PrintError(json.error());
+  auto options = ParseOptions(json.value());
+  if (!options) return PrintError(options.error());
+  arguments.options = std::move(options).value();
+  return command(arguments);
+}
+
+int RunServe(ServeConfig& config) {
+  auto options = config.Resolve();
+  if (!options) return PrintError(options.error());
+  if (!config.print()) return Serve(options.value());
+  std::printf("%s\n", JsonText(config.Description()).c_str());
+  return kExitDone;
+}
+
+int NoCommand(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  std::fprintf(stderr, "facetless: there is no command \"%s\"; the commands are %s\n",
+               Printable(word).c_str(), Joined(names).c_str());
+  return kExitUsage;
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  InstallInterruptHandlers();
+  CLI::App app{
+      "Facetless renders CAD models from their exact surfaces, and shows what a tessellation gets wrong.",
+      "facetless"};
+  app.set_version_flag("--version", "facetless " + Version());
+  app.require_subcommand(1);
+  app.footer(kFooter);
+  CommandArguments arguments;
+  OptionCollector options;
+
+  // The commands.
+  CLI::App* inspect = AddFileCommand(app, "inspect", "Say what the file holds and what was lost (JSON)",
+                                     kInspectFooter, arguments);
+  CLI::App* continuity = AddFileCommand(
+      app, "continuity", "Measure how smoothly neighbouring faces meet (JSON)", kContinuityFooter, arguments);
+  CLI::App* render = AddFileCommand(app, "render", "Render the exact surfaces", kRenderFooter, arguments);
+  CLI::App* mesh = AddFileCommand(app, "mesh", "Write a tessellation: glTF binary, STL, OBJ or 3MF",
+                                  kMeshFooter, arguments);
+  CLI::App* compare =
+      AddFileCommand(app, "compare", "Render exact surfaces and a mesh, and report the difference",
+                     kCompareFooter, arguments);
+  CLI::App* trade = AddFileCommand(app, "trade", "Measure speed against accuracy, of both tracers",
+                                   kTradeFooter, arguments);
+  CLI::App* bench = app.add_subcommand("bench", "Measure the performance tables, on files or as published");
+  bench->footer(kBenchFooter);
+  CLI::App* regress = app.add_subcommand("regress", "Compare renderings with reference images, for CI");
+  regress->footer(kRegressFooter);
+  regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
+  CLI::App* serve_command = app.add_subcommand("serve", "Serve the HTTP API and a page for browsers");
+  serve_command->footer(kServeFooter);
+  ServeConfig serve(serve_command);
+  KeyArguments key;
+  const KeyCommands keys = AddKeyCommands(app, key);
+  CLI::App* store = app.add_subcommand("store", "Look after the data directory of serve");
+  store->require_subcommand(1);
+  CLI::App* store_check = store->add_subcommand(
+      "check", "Verify that database and files agree, while the service is stopped (JSON)");
+  store_check->footer(kStoreCheckFooter);
+  store_check->add_option("DIR", arguments.file, "Data directory")->required();
+
+  // Their options.
+  for (CLI::App* command : {render, compare}) {
+    command->add_option("--out", arguments.out, "Directory for the results; made if absent")
+        ->required()
+        ->type_name("DIR");
+    AddViewOptions(command, options);
+    AddPictureOptions(command, options);
+  }
+  AddTurntableOptions(render, options);
+  trade->add_option("--out", arguments.out, "Directory for the results; made if absent")
+      ->required()
+      ->type_name("DIR");
+  AddCameraOptions(trade, options);
+  AddTradeOptions(trade, options);
+  AddShowHiddenOption(trade, options);
+  AddCameraOptions(bench, options);
+  AddBenchOptions(bench, arguments);
+  mesh->add_option("--out", arguments.out,
+                   "The file to write; its suffix is the format: .glb, .stl, .obj, .3mf")
+      ->required()
+      ->type_name("FILE");
+  AddShowHiddenOption(mesh, options);
+  options.Text(compare, "mesh", "glTF binary or STL file to compare with, instead of our own tessellation",
+               "FILE");
+  options.Text(compare, "mesh-unit", "Unit of --mesh: mm, cm, m, in, ft (default: glTF m, STL mm)", "UNIT");
+  options.Text(compare, "mesh-up", "Up axis of --mesh: y or z (default: glTF y, STL z)", "AXIS");
+  for (CLI::App* command : {mesh, compare}) AddTessellationOptions(command, options);
+  options.Switch(compare, "mesh-deviation",
+                 "Also measure every triangle against the exact surface (mesh.bin)");
+  options.Number(compare, "fail-deviation-mm", "Fail if the surfaces are farther apart", "MM");
+  options.Number(compare, "fail-depth-mm", "Fail if a depth differs by more", "MM");
+  options.Number(compare, "fail-silhouette-px", "Fail if silhouettes are farther apart", "PX");
+  options.Number(compare, "fail-flip", "Fail if the mean FLIP error is larger (0 … 1)", "X");
+  options.Number(compare, "fail-share", "Fail if a larger share of the pixels differs (0 … 1)", "X");
+  for (CLI::App* command : {inspect, continuity, render, mesh, compare, trade})
+    options.Switch(command, "strict", "Fail (exit code 2) if anything of the file was lost");
+  regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
+  regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
+  options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
+  for (CLI::App* command : {inspect, continuity, render, mesh, compare, trade, bench, regress})
+    AddImportOptions(command, options, arguments);
+
+  // Parse: help and version end with 0, everything that is wrong with 64.
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (const std::vector<std::string> words = app.remaining();
+        app.get_subcommands().empty() && !words.empty() && !words[0].starts_with('-'))
+      return NoCommand(app, words[0]);
+    return app.exit(error) == 0 ? kExitDone : kExitUsage;
+  }
+  if (*serve_command) return RunServe(serve);
+  if (*keys.create) return CreateKeyCommand(key);
+  if (*keys.list) return ListKeysCommand(key);
+  if (*keys.revoke) return RevokeKeyCommand(key);
+  if (*store_check) return StoreCheckCommand(arguments.file);
+  for (const auto& [command, run] : {std::pair{inspect, &InspectCommand},
+                                     {continuity, &ContinuityCommand},
+                                     {render, &RenderCommand},
+                                     {mesh, &MeshCommand},
+                                     {compare, &CompareCommand},
+                                     {trade, &TradeCommand},
+                                     {bench, &BenchCommand},
+                                     {regress, &RegressCommand}}) {
+    if (*command) return Dispatch(run, arguments, options);
+  }
+  return kExitUsage;
+}
+
+}  // namespace facetless

@@ -1,0 +1,243 @@
+#include "server/command/commands.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "render/base/utf8.h"
+#include "render/baseline/mesh_file.h"
+#include "render/inspect/report.h"
+#include "render/model/model_file.h"
+#include "server/base/exit_code.h"
+#include "server/base/files.h"
+#include "server/base/interrupt.h"
+#include "server/base/version.h"
+#include "server/command/progress.h"
+#include "server/run/mesh_output.h"
+#include "server/run/own_mesh.h"
+#include "server/run/regress.h"
+#include "server/run/run.h"
+#include "server/run/trade.h"
+#include "server/run/verdict.h"
+
+namespace facetless {
+namespace {
+
+void Print(const std::string& text) {
+  std::printf("%s\n", text.c_str());
+}
+
+ImportRequest ToImportRequest(const CommandArguments& arguments, Progress& progress) {
+  ImportRequest request;
+  request.input = arguments.file;
+  request.limits = arguments.options.import_limits;
+  request.unit_mm = arguments.options.unit_mm;
+  request.cancel = &InterruptFlag();
+  request.progress = [&progress](const std::string& stage, double fraction) {
+    progress.Report(stage, fraction);
+  };
+  return request;
+}
+
+RunContext ToContext(Progress& progress) {
+  return {&InterruptFlag(),
+          [&progress](const std::string& stage, double fraction) { progress.Report(stage, fraction); }};
+}
+
+// `unmeshed`: faces of which the mesher made no triangle.
+int LossExitCode(const RunOptions& options, const Model& model, std::size_t unmeshed = 0) {
+  if (options.strict && !KnowsUnit(model)) return kExitFailed;
+  if (LossCount(model) + unmeshed == 0) return kExitDone;
+  return options.strict ? kExitFailed : kExitLost;
+}
+
+constexpr std::size_t kMostNamed = 20;  // faces, on standard error
+
+// The faces of which the mesher made no triangle, by the importer's own answer, which is checked like any other text of another process.
+std::vector<std::string> UnmeshedOf(const nlohmann::json& summary) {
+  std::vector<std::string> names;
+  const auto meshes = summary.find("meshes");
+  if (meshes == summary.end() || !meshes->is_array() || meshes->empty() || !meshes->front().is_object())
+    return names;
+  const auto faces = meshes->front().find("faces_unmeshed");
+  if (faces == meshes->front().end() || !faces->is_array()) return names;
+  for (const nlohmann::json& face : *faces)
+    if (face.is_string()) names.push_back(face.get<std::string>());
+  return names;
+}
+
+// Names the faces of which the mesher made no triangle.
+void WarnOfUnmeshed(const std::vector<std::string>& faces) {
+  for (std::size_t i = 0; i < std::min(faces.size(), kMostNamed); ++i)
+    std::fprintf(stderr,
+                 "facetless: warning: the mesh lacks the face %s: the mesher made no triangle of it\n",
+                 Printable(faces[i]).c_str());
+  if (faces.size() > kMostNamed)
+    std::fprintf(stderr, "facetless: warning: the mesh lacks %zu more faces\n", faces.size() - kMostNamed);
+}
+
+// Says why a run failed.
+void PrintFailures(const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences)
+    std::fprintf(stderr, "facetless: failed: %s\n", Printable(sentence).c_str());
+}
+
+// Prints the path of the report and what fails the run, and returns the verdict's exit code.
+int PrintReport(const Result<nlohmann::json>& report, const std::string& directory) {
+  if (!report) return PrintError(report.error());
+  Print((std::filesystem::path(directory) / "report.json").string());
+  for (const nlohmann::json& view : report.value().at("views"))
+    if (view.contains("inspection") && view["inspection"]["direct"].contains("note"))
+      std::fprintf(stderr, "facetless: warning: %s: %s\n", view.at("name").get<std::string>().c_str(),
+                   view["inspection"]["direct"]["note"].get<std::string>().c_str());
+  const nlohmann::json& verdict = report.value().at("verdict");
+  PrintFailures(VerdictSentences(verdict));
+  return verdict.at("exit_code").get<int>();
+}
+
+}  // namespace
+
+int InspectCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  const nlohmann::json answer = {{"facetless", ProgramJson(arguments.options.threads)},
+                                 {"model", ImportedModelJson(imported.value())}};
+  Print(JsonText(answer));
+  return LossExitCode(arguments.options, *imported.value().model);
+}
+
+int ContinuityCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  const Model& model = *imported.value().model;
+  const nlohmann::json answer = {
+      {"facetless", ProgramJson(arguments.options.threads)},
+      {"model",
+       {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
+      {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
+  Print(JsonText(answer));
+  return LossExitCode(arguments.options, model);
+}
+
+int RenderCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  return PrintReport(RunRender(imported.value(), arguments.options, arguments.out, ToContext(progress)),
+                     arguments.out);
+}
+
+int MeshCommand(const CommandArguments& arguments) {
+  // A name that no format has is refused before anything is imported.
+  const auto format = MeshFormatOf(arguments.out);
+  if (!format) return PrintError(format.error());
+  Progress progress(arguments.progress);
+  ImportRequest request = ToImportRequest(arguments, progress);
+  request.meshes = {arguments.options.tessellation};
+  auto files = RunImporter(request);
+  if (!files) return PrintError(files.error());
+  auto model = ReadModel(files.value().model_path);
+  if (!model) return PrintError(model.error());
+  const std::vector<std::string> unmeshed = UnmeshedOf(files.value().summary);
+  WarnOfUnmeshed(unmeshed);
+  auto mesh = LoadMesh(files.value().mesh_paths.front(), {}, nullptr);
+  if (!mesh && mesh.error().code == ErrorCode::kNothingUsable)
+    return PrintError({ErrorCode::kNothingUsable, "the mesher made no triangle of any face"});
+  if (!mesh) return PrintError(mesh.error());
+  auto said = WriteMeshFiles(model.value(), std::move(mesh).value(), format.value(),
+                             arguments.options.picture.arrangement.show_hidden, arguments.out);
+  if (!said) return PrintError(said.error());
+  Print(arguments.out);
+  for (const std::string& sentence : said.value())
+    std::fprintf(stderr, "facetless: %s\n", Printable(sentence).c_str());
+  return LossExitCode(arguments.options, model.value(), unmeshed.size());
+}
+
+int CompareCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  const RunOptions& options = arguments.options;
+  // What no mesh can show is said before anything is imported.
+  if (auto can = CheckMeshCanShow(options.inspection, true); !can) return PrintError(can.error());
+  if (options.mesh.empty() && !(options.mesh_unit + options.mesh_up).empty())
+    return PrintError(
+        {ErrorCode::kBadUsage, "--mesh-unit and --mesh-up are about --mesh, which is not given"});
+  const ImportRequest request = ToImportRequest(arguments, progress);
+  if (options.mesh.empty()) {
+    auto compared = CompareWithOwnMesh(request, options, arguments.out, ToContext(progress));
+    if (!compared) return PrintError(compared.error());
+    WarnOfUnmeshed(compared.value().faces_unmeshed);
+    return PrintReport(std::move(compared.value().report), arguments.out);
+  }
+  // Somebody's mesh.
+  auto imported = Import(request);
+  if (!imported) return PrintError(imported.error());
+  auto mesh = LoadMesh(options.mesh, {.unit = options.mesh_unit, .up = options.mesh_up},
+                       imported.value().model.get());
+  if (!mesh) return PrintError(mesh.error());
+  WarnOfUnmeshed(mesh.value().faces_unmeshed);
+  return PrintReport(RunCompare(imported.value(), mesh.value(), options, arguments.out, ToContext(progress)),
+                     arguments.out);
+}
+
+int TradeCommand(const CommandArguments& arguments) {
+  std::string text;
+  std::vector<std::string> failures;
+  int exit_code = kExitDone;
+  {
+    Progress progress(arguments.progress);
+    const ImportRequest request = ToImportRequest(arguments, progress);
+    auto imported = Import(request);
+    if (!imported) return PrintError(imported.error());
+    auto result = RunTrade(request, imported.value(), arguments.options, arguments.out, ToContext(progress));
+    if (!result) return PrintError(result.error());
+    text = std::move(result.value().text);
+    exit_code = result.value().report.at("verdict").at("exit_code").get<int>();
+    failures = VerdictSentences(result.value().report.at("verdict"));
+  }
+  // The table is for a person, so it goes where progress went; the answer for a program is the path.
+  std::fputs(text.c_str(), stderr);
+  PrintFailures(failures);
+  Print((std::filesystem::path(arguments.out) / "report.json").string());
+  return exit_code;
+}
+
+int BenchCommand(const CommandArguments& arguments) {
+  BenchReport report;
+  {
+    Progress progress(arguments.progress);
+    ImportRequest request = ToImportRequest(arguments, progress);
+    request.progress = nullptr;
+    auto measured =
+        RunBench(arguments.files, request, arguments.options, arguments.bench, ToContext(progress));
+    if (!measured) return PrintError(measured.error());
+    report = std::move(measured).value();
+  }
+  for (const auto& [path, text] : {std::pair{arguments.json_out, JsonText(report.json) + "\n"},
+                                   std::pair{arguments.plot_out, report.plot}}) {
+    if (path.empty()) continue;
+    if (auto written = WriteFileAtomically(path, text); !written) return PrintError(written.error());
+  }
+  std::fputs(report.text.c_str(), stdout);
+  return kExitDone;
+}
+
+int RegressCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  RegressRequest request;
+  request.manifest = arguments.file;
+  request.out = arguments.out;
+  request.update = arguments.update;
+  request.threads = arguments.options.threads;
+  request.import_limits = arguments.options.import_limits;
+  request.context = ToContext(progress);
+  auto verdict = RunRegress(request);
+  if (!verdict) return PrintError(verdict.error());
+  Print(JsonText(verdict.value()));
+  PrintFailures(RegressSentences(verdict.value()));
+  return verdict.value().at("exit_code").get<int>();
+}
+
+}  // namespace facetless

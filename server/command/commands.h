@@ -1,0 +1,35 @@
+// What each command does once its command line is understood. Each returns an exit code (exit_code.h); what
+// it prints is listed in docs/cli.md.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/base/result.h"
+#include "server/options/options.h"
+#include "server/run/bench.h"
+
+namespace facetless {
+
+struct CommandArguments {
+  std::string file;       // the CAD file, or regress's manifest
+  std::string out;        // --out
+  bool progress = false;  // --progress
+  bool update = false;    // regress --update
+  // bench
+  std::vector<std::string> files;
+  std::string json_out, plot_out;  // --json, --plot; empty: none
+  BenchSettings bench;
+  RunOptions options;
+};
+
+int InspectCommand(const CommandArguments& arguments);
+int ContinuityCommand(const CommandArguments& arguments);
+int RenderCommand(const CommandArguments& arguments);
+int MeshCommand(const CommandArguments& arguments);
+int CompareCommand(const CommandArguments& arguments);
+int TradeCommand(const CommandArguments& arguments);
+int BenchCommand(const CommandArguments& arguments);
+int RegressCommand(const CommandArguments& arguments);
+
+}  // namespace facetless

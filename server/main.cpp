@@ -1,5 +1,0 @@
-#include "server/cli.h"
-
-int main(int argc, char** argv) {
-  return facetless::RunCommandLine(argc, argv);
-}

@@ -1,0 +1,277 @@
+#include "server/run/bench.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "bench/aims.h"
+#include "bench/growth.h"
+#include "bench/leaf_search.h"
+#include "bench/model_bench.h"
+#include "bench/model_tables.h"
+#include "bench/patch_scene.h"
+#include "bench/plot.h"
+#include "bench/sisojevs.h"
+#include "bench/skala.h"
+#include "render/baseline/mesh_file.h"
+#include "render/model/model_file.h"
+#include "render/trade/quantity_text.h"
+#include "server/base/version.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+// "Intel(R) Xeon(R) Processor", from the system; empty if it does not tell.
+std::string ProcessorName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t begin = line.find(": ");
+    return begin == std::string::npos ? "" : line.substr(begin + 2);
+  }
+  return "";
+}
+
+// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
+double LoadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+Json MachineJson(double load) {
+  return {{"processor", ProcessorName()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"load_at_start", load}};
+}
+
+// The importer's process for one file.
+class FileImporter {
+ public:
+  FileImporter(const ImportRequest& request, const Model& model, const BenchSettings& settings)
+      : request_(request), model_(model), settings_(settings) {}
+
+  Result<BenchMesh> Tessellate(double deflection) {
+    // A mesher that has just started waits for its memory: where it is quick, the second of two meshes counts.
+    constexpr double kQuickMeshMs = 200;
+    double& last_ms = last_mesh_ms_[deflection];
+    ImportRequest request = request_;
+    request.meshes.assign(last_ms > 0 && last_ms < kQuickMeshMs ? 2 : 1, {.deflection = deflection});
+    // The limit is of meshing, whatever reading takes.
+    request.limits.mesh_timeout_s = settings_.time_limit_s * static_cast<double>(request.meshes.size());
+    request.model_suffices = true;
+    auto files = RunImporter(request);
+    if (!files) return files.error();
+    BenchMesh made;
+    if (const auto& failure = files.value().mesh_failure) {
+      const bool late = failure->reason == "timeout";
+      if (!late && failure->reason != "memory") return failure->error;
+      made.mesh_ms = 1000 * settings_.time_limit_s;
+      made.stopped = late ? "meshing takes longer than " + NumberText(settings_.time_limit_s) + " s"
+                          : "meshing needs more memory than --import-memory allows";
+      return made;
+    }
+    auto mesh = LoadMesh(files.value().mesh_paths.back(), {}, &model_);
+    if (!mesh) return mesh.error();
+    made.mesh = std::make_shared<const Mesh>(std::move(mesh).value());
+    const Json& report = files.value().summary.at("meshes").back();
+    made.mesh_ms = last_ms = report.at("mesh_ms");
+    made.mesher_peak_bytes = report.value("peak_bytes", std::uint64_t{0});
+    made.import_ms = files.value().wall_ms;
+    return made;
+  }
+
+  Result<ExactAnswers> Intersect(const std::vector<Ray>& rays, double near) {
+    ImportRequest request = request_;
+    request.exact.near = near;
+    request.exact.seconds = settings_.exact_s;
+    for (const Ray& ray : rays)
+      request.exact.rays.push_back(
+          {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z});
+    request.limits.timeout_s += settings_.exact_s;
+    auto files = RunImporter(request);
+    if (!files) return files.error();
+    return ExactAnswers{std::move(files.value().exact_depths),
+                        files.value().summary.at("exact").at("trace_ms")};
+  }
+
+ private:
+  const ImportRequest request_;
+  const Model& model_;
+  const BenchSettings& settings_;
+  std::map<double, double> last_mesh_ms_;  // by deflection
+};
+
+class Bench {
+ public:
+  Bench(const ImportRequest& request, const RunOptions& options, const BenchSettings& settings,
+        const RunContext& context)
+      : request_(request), options_(options), settings_(settings), context_(context) {
+    load_ = LoadAverage();
+    json_ = {{"facetless", ProgramJson(options.threads)},
+             {"command", "bench"},
+             {"machine", MachineJson(load_)},
+             {"files", Json::array()}};
+  }
+
+  Result<void> MeasureFile(const std::string& path) {
+    Step(std::filesystem::path(path).filename().string());
+    ImportRequest request = request_;
+    request.input = path;
+    // A model file, or what the importer makes of a CAD file.
+    Result<Model> read = ReadModel(path);
+    const bool imported = !read;
+    ImportedModel from_file;
+    if (imported) {
+      auto import = Import(request);
+      if (!import) return import.error();
+      from_file = std::move(import).value();
+    } else {
+      from_file.model = std::make_unique<const Model>(std::move(read).value());
+    }
+    const Model& model = *from_file.model;
+    auto cameras = ResolveCameras(options_, model.bounds);
+    if (!cameras) return cameras.error();
+
+    FileImporter importer(request, model, settings_);
+    Json views = Json::array();
+    for (const Camera& camera : cameras.value()) {
+      if (settings_.published) {
+        if (auto done = MeasureLeaves(std::filesystem::path(path).filename().string(), model, camera); !done)
+          return done.error();
+        continue;
+      }
+      const auto frame = MakeFrame(camera, model.Diagonal());
+      if (!frame) return frame.error();
+      const double near = frame.value().near_mm;
+      ImporterSide side;
+      if (imported) {
+        side.tessellate = [&](double deflection) { return importer.Tessellate(deflection); };
+        side.intersect = [&](const std::vector<Ray>& rays) { return importer.Intersect(rays, near); };
+      }
+      const BenchCase bench_case{std::filesystem::path(path).filename().string(), &model, camera};
+      auto costs = MeasureModel(bench_case, side, {options_.threads, settings_.repeats, context_.cancel});
+      if (!costs) return costs.error();
+      values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
+      details_.push_back(costs.value().details);
+      views.push_back(std::move(costs.value().details));
+    }
+    if (settings_.published) return {};
+    if (settings_.growth && !growth_measured_) {
+      Step("growth");
+      auto growth =
+          MeasureGrowth(std::filesystem::path(path).filename().string(), model, cameras.value().front(), {});
+      if (!growth) return growth.error();
+      growth_measured_ = true;
+      for (BenchValue& value : GrowthValues(growth.value())) values_.push_back(std::move(value));
+      json_["growth"] = GrowthJson(growth.value());
+      tables_.push_back(GrowthTable(growth.value()));
+    }
+    json_["files"].push_back({{"model", ImportedModelJson(from_file)},
+                              {"convert_ms", model.info.convert_ms},
+                              {"views", std::move(views)}});
+    return {};
+  }
+
+  Result<void> MeasurePublished() {
+    Step("BMSSM");
+    const std::vector<SkalaCell> skala = MeasureSkala(settings_.repeats);
+    json_["published"]["skala"] = SkalaJson(skala);
+    for (Table& table : SkalaTables(skala)) tables_.push_back(std::move(table));
+    std::vector<ThesisScene> scenes;
+    for (const NamedScene& scene : PatchScenes()) {
+      Step(scene.name);
+      auto measured = MeasureThesisScene(scene, kThesisSize, settings_.repeats);
+      if (!measured) return measured.error();
+      scenes.push_back(std::move(measured).value());
+    }
+    json_["published"]["sisojevs"] = ThesisJson(scenes);
+    for (Table& table : ThesisTables(scenes)) tables_.push_back(std::move(table));
+    return {};
+  }
+
+  Result<void> MeasureLeaves(const std::string& name, const Model& model, const Camera& camera) {
+    auto searches = MeasureLeafSearches(name, model, camera, settings_.repeats);
+    if (!searches) return searches.error();
+    json_["published"]["leaf_searches"].push_back(LeafSearchJson(searches.value()));
+    tables_.push_back(LeafSearchTable(searches.value()));
+    return {};
+  }
+
+  BenchReport Take() && {
+    json_["rows"] = Json::array();
+    for (const AimSummary& summary : Summarise(values_)) json_["rows"].push_back(SummaryJson(summary));
+    json_["values"] = Json::array();
+    for (const BenchValue& value : values_) json_["values"].push_back(ValueJson(value));
+    const TableStyle style = settings_.markdown ? TableStyle::kMarkdown : TableStyle::kText;
+    if (!values_.empty()) {
+      tables_.insert(tables_.begin(),
+                     {AimTable(values_), ValueTable(values_), CostTable(details_), CounterTable(details_)});
+    }
+    BenchReport report;
+    report.text = Heading();
+    for (const Table& table : tables_) report.text += TableText(table, style);
+    report.plot = FirstImagePlot(values_, 1);
+    report.json = std::move(json_);
+    return report;
+  }
+
+ private:
+  // Of the processes that run or want to: more than this is more than the bench's own and half of another.
+  static constexpr double kQuiet = 1.5;
+
+  // Which machine and program the tables are of.
+  std::string Heading() const {
+    const Json& machine = json_.at("machine");
+    const Json& program = json_.at("facetless");
+    std::string text = settings_.markdown ? (settings_.published ? "# Performance: the papers' tables\n\n"
+                                                                 : "# Performance: files\n\n")
+                                          : "";
+    text += "Measured by Facetless " + program.at("version").get<std::string>() + " (" +
+            program.at("build").get<std::string>() + ", " + program.at("isa").get<std::string>() + ") on " +
+            machine.at("processor").get<std::string>() + ", " +
+            std::to_string(machine.at("cores").get<unsigned>()) + " cores; " +
+            std::to_string(settings_.repeats) + " runs each.";
+    if (load_ > kQuiet)
+      text += " The machine had other work (load " + NumberText(load_) +
+              "): ratios are rough, and those of several threads worthless.";
+    return text + "\n\n";
+  }
+
+  void Step(const std::string& what) const {
+    if (context_.progress) context_.progress(what, 0);
+  }
+
+  const ImportRequest& request_;
+  const RunOptions& options_;
+  const BenchSettings& settings_;
+  const RunContext& context_;
+  Json json_;
+  double load_ = 0;
+  std::vector<BenchValue> values_;
+  std::vector<Json> details_;
+  std::vector<Table> tables_;
+  bool growth_measured_ = false;
+};
+
+}  // namespace
+
+Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
+                             const RunOptions& options, const BenchSettings& settings,
+                             const RunContext& context) {
+  if (files.empty() && !settings.published)
+    return Error{ErrorCode::kBadUsage, "bench needs a file, or --published"};
+  Bench bench(request, options, settings, context);
+  if (settings.published)
+    if (auto done = bench.MeasurePublished(); !done) return done.error();
+  for (const std::string& file : files)
+    if (auto done = bench.MeasureFile(file); !done) return done.error();
+  return std::move(bench).Take();
+}
+
+}  // namespace facetless

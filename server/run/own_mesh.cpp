@@ -1,0 +1,162 @@
+#include "server/run/own_mesh.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "render/model/model_file.h"
+#include "server/base/interrupt.h"
+#include "server/base/temp_dir.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+// A mesh that is there sooner is waited for: most are.
+constexpr std::chrono::milliseconds kPatience{1000};
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+class Comparing {
+ public:
+  Comparing(const ImportRequest& request, const RunOptions& options, const std::string& directory,
+            const RunContext& context)
+      : request_(request),
+        options_(options),
+        directory_(directory),
+        context_(context),
+        importer_stop_(0, request.cancel),
+        exact_stop_(0, context.cancel) {
+    request_.meshes = {options.tessellation};
+    request_.model_suffices = true;
+    request_.cancel = importer_stop_.flag();
+    request_.model_written = [this](const std::string& path) { TakeModel(path); };
+  }
+
+  Result<OwnMeshComparison> Run() {
+    auto scratch = TempDir::Create(request_.temp_parent);
+    if (!scratch) return scratch.error();
+    scratch_ = std::move(scratch).value();
+    {
+      const std::jthread importer([this] { Import(); });
+      if (MesherTakesLong())
+        if (auto made = MakeExactHalf(); !made) {
+          importer_stop_.Expire();
+          return made.error();
+        }
+    }
+    if (!*files_) return files_->error();
+    return Finish(std::move(*files_).value());
+  }
+
+ private:
+  // ---- On the importer's thread ----
+
+  void Import() {
+    auto files = RunImporter(request_);
+    const bool has_mesh = files.ok() && !files.value().mesh_failure;
+    const std::lock_guard lock(mutex_);
+    files_ = std::move(files);
+    // The exact pictures stay only where there is no mesh.
+    if (has_mesh || !*files_) exact_stop_.Expire();
+    changed_.notify_all();
+  }
+
+  // The importer still runs and could change its file, so that a copy is what is read.
+  void TakeModel(const std::string& path) {
+    std::error_code error;
+    std::filesystem::copy_file(path, ModelCopy(), error);
+    const std::lock_guard lock(mutex_);
+    model_ready_ = !error;
+    changed_.notify_all();
+  }
+
+  // ---- On the caller's ----
+
+  std::string ModelCopy() const { return scratch_.File("model.flm"); }
+
+  bool MesherTakesLong() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return files_ || model_ready_; });
+    if (!files_) changed_.wait_for(lock, kPatience, [&] { return files_.has_value(); });
+    return !files_;
+  }
+
+  // The exact pictures, unless the mesh comes first.
+  Result<void> MakeExactHalf() {
+    ImportedModel early;
+    early.import_ms = MillisecondsSince(start_);
+    const Clock::time_point load = Clock::now();
+    auto model = ReadModel(ModelCopy());
+    if (!model) return model.error();
+    early.model = std::make_unique<const Model>(std::move(model).value());
+    early.load_ms = MillisecondsSince(load);
+    auto report = RunWithoutBaseline(early, PendingBaseline(early.model->info.file), options_, directory_,
+                                     {exact_stop_.flag(), nullptr});
+    if (report) {
+      exact_ = std::move(report).value();
+    } else if (!exact_stop_.expired()) {
+      return report.error();
+    }
+    return {};
+  }
+
+  Result<OwnMeshComparison> Finish(ImportedFiles files) {
+    ImportedModel imported;
+    imported.import_ms = files.wall_ms;
+    imported.import_peak_bytes = files.peak_bytes;
+    imported.import_peak_address_bytes = files.peak_address_bytes;
+    const Clock::time_point load = Clock::now();
+    auto model = ReadModel(files.model_path);
+    if (!model) return model.error();
+    imported.model = std::make_unique<const Model>(std::move(model).value());
+    if (files.mesh_failure) return WithoutBaseline(imported, NoBaselineFor(*files.mesh_failure));
+    auto mesh = LoadOwnMesh(files.mesh_paths.front(), *imported.model);
+    if (!mesh) {
+      if (!CostsTheBaselineOnly(mesh.error().code)) return mesh.error();
+      return WithoutBaseline(imported, NoBaselineFor(mesh.error()));
+    }
+    imported.load_ms = MillisecondsSince(load);
+    auto report = RunCompare(imported, mesh.value(), options_, directory_, context_);
+    if (!report) return report.error();
+    return OwnMeshComparison{std::move(report).value(), mesh.value().faces_unmeshed};
+  }
+
+  Result<OwnMeshComparison> WithoutBaseline(const ImportedModel& imported, const NoBaseline& why) {
+    auto report = exact_ ? WithReason(std::move(*exact_), why, directory_)
+                         : RunWithoutBaseline(imported, why, options_, directory_, context_);
+    if (!report) return report.error();
+    return OwnMeshComparison{std::move(report).value(), {}};
+  }
+
+  ImportRequest request_;
+  const RunOptions& options_;
+  const std::string directory_;
+  const RunContext& context_;
+  const Clock::time_point start_ = Clock::now();
+  TempDir scratch_;
+  Deadline importer_stop_, exact_stop_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool model_ready_ = false;
+  std::optional<Result<ImportedFiles>> files_;
+  std::optional<Json> exact_;
+};
+
+}  // namespace
+
+Result<OwnMeshComparison> CompareWithOwnMesh(const ImportRequest& request, const RunOptions& options,
+                                             const std::string& directory, const RunContext& context) {
+  return Comparing(request, options, directory, context).Run();
+}
+
+}  // namespace facetless

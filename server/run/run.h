@@ -1,0 +1,92 @@
+// A run: from a CAD file, or a model that is already imported, to a directory of pictures, numbers and a
+// report.
+//
+//  1. The command line and the HTTP service call these same functions.
+//  2. For each view, DIR receives NAME.direct.png, NAME.depth.tif, NAME.aov.exr if AOVs were asked for that
+//     need it, NAME.lines.svg if asked for, NAME.legend.png and NAME.inspection.tif of an inspection that has them, and for
+//     a comparison NAME.baseline.png, NAME.baseline-depth.tif, NAME.difference.png and NAME.pixel-….png
+//     (render/compare/pixel_data.h; of views up to kMostPixelData pixels); with mesh_deviation mesh.bin
+//     (render/compare/mesh_deviation.h); for the run, report.json and report.html, these last. Each file is replaced as a
+//     whole.
+//     With --sheet there is sheet.png, with --turntable turntable.001.png, … and turntable.webp.
+//  3. The report is what docs/api.md says; its "views" entries carry "files", from a role ("direct", "depth",
+//     …) to a name in DIR.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "render/model/mesh.h"
+#include "render/model/model.h"
+#include "server/options/options.h"
+
+namespace facetless {
+
+// Reports progress: a stage's name and a fraction 0 … 1. May be empty.
+using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
+
+// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
+// report that is written while the mesher still works. `message` is one sentence, which names the file, what ran out and the remedy.
+struct NoBaseline {
+  std::string reason, message;
+};
+NoBaseline NoBaselineFor(const MeshFailure& failure);
+// Of a mesh that was made and cannot be used.
+NoBaseline NoBaselineFor(const Error& unusable);
+NoBaseline PendingBaseline(const std::string& file);
+
+// A model read from an importer's file, on the heap: scenes point to it.
+struct ImportedModel {
+  std::unique_ptr<const Model> model;
+  std::vector<Mesh> meshes;  // one for each TessellationOptions
+  double import_ms = 0;      // wall time of the importer process
+  bool import_kept = false;  // an earlier run has paid that
+  double load_ms = 0;        // of reading its files
+  std::uint64_t import_peak_bytes = 0, import_peak_address_bytes = 0;
+};
+
+// Runs the importer and reads what it wrote. Errors: those of RunImporter, ReadModel and LoadMesh.
+Result<ImportedModel> Import(const ImportRequest& request);
+
+// Loads a mesh of our own, or says why it is of no use.
+Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model);
+// Whether the failure of a baseline of our own, of the given code, leaves the exact half of a comparison as it is.
+bool CostsTheBaselineOnly(ErrorCode code);
+
+struct RunContext {
+  // True ends the run with kCancelled; options.timeout_s ends it with kLimitExceeded.
+  const std::atomic<bool>* cancel = nullptr;
+  ProgressCallback progress;
+};
+
+// The report's "model". import_ms and import_peak_bytes are those of the process.
+nlohmann::json ImportedModelJson(const ImportedModel& imported);
+
+// What was lost on the way in: faces, loops, edges.
+std::size_t LossCount(const Model& model);
+// False if the file has no length unit that could be read, and none was given: a failure under --strict.
+bool KnowsUnit(const Model& model);
+
+// Both write into `directory`, which they create, and return the report. Errors: kBadUsage (cameras),
+// kLimitExceeded, kCancelled, kWriteFailed, and those of RenderView and CompareView.
+Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions& options,
+                                 const std::string& directory, const RunContext& context);
+// Without a baseline where a mesh of our own cannot be traced.
+Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
+                                  const std::string& directory, const RunContext& context);
+// The exact half of a comparison: the report says in "no_baseline" why there is no other, and its verdict has exit code kExitNoBaseline.
+Result<nlohmann::json> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
+                                          const RunOptions& options, const std::string& directory,
+                                          const RunContext& context);
+// Such a report of `directory` with another reason, written anew.
+Result<nlohmann::json> WithReason(nlohmann::json report, const NoBaseline& why, const std::string& directory);
+
+// Writes report.json and report.html of a report whose pictures lie in `directory`. Errors: kWriteFailed,
+// kFileUnreadable (a picture).
+Result<void> WriteReport(const nlohmann::json& report, const std::string& directory);
+
+}  // namespace facetless

@@ -1,0 +1,428 @@
+#include "server/run/trade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "render/baseline/mesh_file.h"
+#include "render/compare/report.h"
+#include "render/image/io.h"
+#include "render/trade/quantity_text.h"
+#include "render/trade/trade_measure.h"
+#include "render/trade/trade_report.h"
+#include "server/base/files.h"
+#include "server/base/interrupt.h"
+#include "server/base/version.h"
+#include "server/run/shown_model.h"
+#include "server/run/verdict.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kMegabyte = 1024 * 1024;
+
+// Half a pixel: what an image cannot show anyway.
+constexpr double kDefaultLimitPx = 0.5;
+
+std::string Seconds(double seconds) {
+  return NumberText(seconds) + " s (--budget-seconds)";
+}
+
+// One tessellation, from the importer to a tree that can be traced.
+struct Tessellation {
+  std::unique_ptr<const Mesh> mesh;  // stays where it is: the tree points to it
+  std::optional<BaselineScene> tree;
+  double mesh_ms = 0, build_ms = 0;
+  int repetitions = 1;
+  std::uint64_t mesher_peak_bytes = 0;
+  // Set instead if a budget was exceeded.
+  std::string over_budget;
+};
+
+// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
+double LoadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+class Sweep {
+ public:
+  // `whole` is the import, `shown` what of it is measured.
+  Sweep(const ImportRequest& request, const ImportedModel& whole, const ShownModel& shown,
+        const RunOptions& options, const std::string& directory, const RunContext& context)
+      : request_(request),
+        whole_(whole),
+        imported_(shown.imported()),
+        arrangement_(shown.report()),
+        options_(options),
+        directory_(directory),
+        context_(context),
+        timeout_s_(options.timeout_s.value_or(kTradeTimeoutS)),
+        deadline_(timeout_s_, context.cancel) {}
+
+  Result<TradeResult> Run() {
+    auto done = Measure();
+    if (!done) return Explained(done.error());
+    return Report();
+  }
+
+ private:
+  const Model& model() const { return *imported_.model; }
+  const TradeOptions& trade() const { return options_.trade; }
+
+  TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const {
+    return {options_.threads, trade().budget_mb * kMegabyte, budget, deadline_.flag()};
+  }
+
+  void Step(const std::string& what) {
+    if (context_.progress) context_.progress(what, static_cast<double>(steps_done_) / std::max(steps_, 1));
+    ++steps_done_;
+  }
+
+  Result<void> Measure() {
+    if (auto made = MakeDirectories(directory_); !made) return made.error();
+    load_at_start_ = LoadAverage();
+    auto cameras = ResolveCameras(options_, model().bounds);
+    if (!cameras) return cameras.error();
+    const std::vector<TradeSetting> direct = DirectSettings(trade().tolerances),
+                                    meshes = MeshSettings(trade().deflections, trade().angles_deg);
+    steps_ = static_cast<int>(cameras.value().size() * (1 + direct.size()) + meshes.size());
+
+    // What lasts for all views, and the references.
+    const Scene scene(model());
+    scene_ms_ = MedianMs([&] { const Scene again(model()); });
+    for (const Camera& camera : cameras.value()) {
+      Step("reference");
+      auto reference = MeasureReference(scene, camera, ViewOptionsOf(nullptr));
+      if (!reference) return reference.error();
+      TradeView view;
+      view.context = {camera.name, trade().measure, reference.value().floor_mm,
+                      reference.value().mm_per_pixel};
+      view.reference = std::move(reference).value();
+      views_.push_back(std::move(view));
+    }
+    // The points.
+    for (TradeView& view : views_)
+      for (const TradeSetting& setting : direct)
+        if (auto measured = MeasureDirectPoint(scene, setting, view); !measured) return measured;
+    for (const TradeSetting& setting : meshes)
+      if (auto measured = MeasureMeshPoints(setting); !measured) return measured;
+    return {};
+  }
+
+  Result<void> MeasureDirectPoint(const Scene& scene, const TradeSetting& setting, TradeView& view) {
+    Step("direct");
+    const Deadline budget(trade().budget_s, deadline_.flag());
+    auto point = MeasureDirect(scene, view.reference, setting, ViewOptionsOf(budget.flag()));
+    if (!point) {
+      if (Stopped(point.error(), budget)) return point.error();
+      TradePoint skipped;
+      skipped.setting = setting;
+      skipped.skipped =
+          budget.expired() ? "a view takes longer than " + Seconds(trade().budget_s) : MemoryReason();
+      view.points.push_back(std::move(skipped));
+      return {};
+    }
+    point.value().convert_ms = model().info.convert_ms;
+    point.value().scene_ms = scene_ms_;
+    CompleteCosts(point.value());
+    view.points.push_back(std::move(point).value());
+    return {};
+  }
+
+  // Meshes once, and measures every view of it.
+  Result<void> MeasureMeshPoints(const TradeSetting& setting) {
+    Step("meshes");
+    std::string reason = RefusedBefore(setting);
+    Tessellation tessellation;
+    if (reason.empty()) {
+      auto made = Tessellate(setting);
+      if (!made) return made.error();
+      tessellation = std::move(made).value();
+      reason = tessellation.over_budget;
+      if (!reason.empty()) over_budget_.push_back(setting);
+    }
+    for (TradeView& view : views_) {
+      TradePoint point;
+      if (reason.empty()) {
+        auto measured = MeasureMeshPoint(setting, tessellation, view);
+        if (!measured) return measured.error();
+        point = std::move(measured).value();
+      } else {
+        point.skipped = reason;
+      }
+      point.setting = setting;
+      view.points.push_back(std::move(point));
+    }
+    return {};
+  }
+
+  Result<TradePoint> MeasureMeshPoint(const TradeSetting& setting, const Tessellation& tessellation,
+                                      const TradeView& view) {
+    const Deadline budget(trade().budget_s, deadline_.flag());
+    auto point =
+        MeasureMesh(*tessellation.tree, model(), view.reference, setting, ViewOptionsOf(budget.flag()));
+    if (!point) {
+      if (Stopped(point.error(), budget)) return point.error();
+      TradePoint skipped;
+      skipped.skipped =
+          budget.expired() ? "a view takes longer than " + Seconds(trade().budget_s) : MemoryReason();
+      return skipped;
+    }
+    point.value().mesh_ms = tessellation.mesh_ms;
+    point.value().build_ms = tessellation.build_ms;
+    point.value().mesh_repetitions = tessellation.repetitions;
+    point.value().mesher_peak_bytes = tessellation.mesher_peak_bytes;
+    point.value().deflection_mm = tessellation.mesh->deflection_mm;
+    CompleteCosts(point.value());
+    return point;
+  }
+
+  // Why a setting need not be tried; empty if it must.
+  std::string RefusedBefore(const TradeSetting& setting) const {
+    for (const TradeSetting& refused : over_budget_)
+      if (Refines(setting, refused))
+        return "not tried, since " + SettingName(refused) + " exceeded its budget";
+    return "";
+  }
+
+  // Runs the importer for one deflection, and builds the tree.
+  Result<Tessellation> Tessellate(const TradeSetting& setting) {
+    // Where meshing was quick last time, several meshes of one import make a median: one step of the sweep multiplies the time by
+    // much less than 600.
+    constexpr double kQuickMeshMs = 100;
+    constexpr int kMeshRepetitions = 3;
+    const int repetitions = last_mesh_ms_ < kQuickMeshMs ? kMeshRepetitions : 1;
+    ImportRequest request = request_;
+    request.meshes.assign(
+        static_cast<std::size_t>(repetitions),
+        {.deflection = setting.deflection, .deflection_mm = 0, .angular_deg = setting.angular_deg});
+    // The budget is of meshing: whatever reading takes is neither tracer's.
+    request.cancel = deadline_.flag();
+    request.progress = nullptr;
+    request.limits.mesh_timeout_s = trade().budget_s * repetitions;
+    request.model_suffices = true;
+    // What reading the file took, and the budget on top; never more than --import-memory.
+    const std::uint64_t reading_mb = imported_.import_peak_address_bytes / kMegabyte;
+    if (reading_mb > 0)
+      request.limits.memory_mb = std::min(request.limits.memory_mb, reading_mb + trade().budget_mb);
+
+    Tessellation tessellation;
+    auto files = RunImporter(request);
+    if (!files) {
+      if (*deadline_.flag()) return files.error();
+      tessellation.over_budget = files.error().message;
+      return tessellation;
+    }
+    if (const auto& failure = files.value().mesh_failure) {
+      tessellation.over_budget = failure->reason == "timeout"
+                                     ? "meshing takes longer than " + Seconds(trade().budget_s)
+                                 : failure->reason == "memory" ? MemoryReason()
+                                                               : failure->error.message;
+      return tessellation;
+    }
+    StoreMesherCosts(files.value().summary, tessellation);
+    last_mesh_ms_ = tessellation.mesh_ms;
+    tessellation.repetitions = repetitions;
+
+    // Read it and build the tree.
+    auto mesh = LoadMesh(files.value().mesh_paths.front(),
+                         {.max_memory_bytes = trade().budget_mb * kMegabyte}, whole_.model.get());
+    if (!mesh) return Refused(mesh.error(), std::move(tessellation));
+    auto shown = Shown(std::move(mesh).value());
+    if (!shown) return shown.error();
+    tessellation.mesh = std::make_unique<const Mesh>(std::move(shown).value());
+    return BuildTree(std::move(tessellation));
+  }
+
+  // What is shown of a mesh of the whole model.
+  Result<Mesh> Shown(Mesh mesh) const {
+    const auto shown = ShownModel::Of(whole_, &mesh, options_.picture.arrangement);
+    if (!shown) return shown.error();
+    if (shown.value().report().is_null()) return mesh;
+    return shown.value().mesh();
+  }
+
+  static void StoreMesherCosts(const Json& summary, Tessellation& tessellation) {
+    std::vector<double> times;
+    for (const Json& mesh : summary.value("meshes", Json::array())) {
+      times.push_back(mesh.value("mesh_ms", 0.0));
+      // The first alone had nothing to use again; a later one cannot need more.
+      tessellation.mesher_peak_bytes =
+          std::max(tessellation.mesher_peak_bytes, mesh.value("peak_bytes", std::uint64_t{0}));
+    }
+    if (times.empty()) return;
+    std::sort(times.begin(), times.end());
+    tessellation.mesh_ms = times[times.size() / 2];
+  }
+
+  Result<Tessellation> BuildTree(Tessellation tessellation) {
+    auto tree =
+        BaselineScene::Build(*tessellation.mesh, options_.threads, false, trade().budget_mb * kMegabyte);
+    if (!tree) return Refused(tree.error(), std::move(tessellation));
+    if (tree.value().build_ms() > 1000 * trade().budget_s)
+      tessellation.over_budget = "building the tree takes longer than " + Seconds(trade().budget_s);
+    else if (tree.value().mesh_bytes() + tree.value().bvh_peak_bytes() > trade().budget_mb * kMegabyte)
+      tessellation.over_budget = MemoryReason();
+    std::vector<double> times = {tree.value().build_ms()};
+    while (times.front() < kCheapMs && times.size() < kRepetitions) {
+      auto again = BaselineScene::Build(*tessellation.mesh, options_.threads);
+      if (!again) return again.error();
+      times.push_back(again.value().build_ms());
+    }
+    std::sort(times.begin(), times.end());
+    tessellation.build_ms = times[times.size() / 2];
+    tessellation.tree = std::move(tree).value();
+    return tessellation;
+  }
+
+  // An error of a mesh that was made: of its size, or a real one.
+  Result<Tessellation> Refused(const Error& error, Tessellation tessellation) const {
+    if (error.code != ErrorCode::kLimitExceeded && error.code != ErrorCode::kNothingUsable) return error;
+    tessellation.over_budget = error.code == ErrorCode::kLimitExceeded ? MemoryReason() : error.message;
+    return tessellation;
+  }
+
+  std::string MemoryReason() const {
+    return "it needs more than " + std::to_string(trade().budget_mb) + " MB (--budget-memory)";
+  }
+
+  // True if the error ends the run, and not just the point.
+  bool Stopped(const Error& error, const Deadline& budget) const {
+    if (*deadline_.flag()) return true;
+    return error.code != ErrorCode::kLimitExceeded &&
+           !(error.code == ErrorCode::kCancelled && budget.expired());
+  }
+
+  // A stop that the clock caused names the option that allows more.
+  Error Explained(const Error& error) const {
+    if (!deadline_.expired()) return error;
+    return {ErrorCode::kLimitExceeded, model().info.file + ": the measurements took longer than " +
+                                           NumberText(timeout_s_) + " s; --timeout allows more"};
+  }
+
+  Result<TradeResult> Report() {
+    TradeLimits limits = trade().limits;
+    if (!limits.error_mm && !limits.error_px) limits.error_px = kDefaultLimitPx;
+    TradeResult result;
+    result.text = BusyText();
+    Json views = Json::array(), points = Json::array(), answers = Json::array();
+    for (TradeView& view : views_) {
+      AnswerQuestions(view, limits);
+      auto entry = ViewJson(view);
+      if (!entry) return entry.error();
+      views.push_back(std::move(entry).value());
+      for (const TradePoint& point : view.points) points.push_back(TradePointJson(point, view.context.view));
+      for (const LimitAnswer& answer : view.limits) answers.push_back(LimitAnswerJson(answer, view));
+      for (const CrossoverAnswer& answer : view.crossovers)
+        answers.push_back(CrossoverAnswerJson(answer, view));
+      if (!view.next_view.empty())
+        answers.push_back(
+            {{"question", "next_view"}, {"view", view.context.view}, {"sentence", view.next_view}});
+      result.text += TradeTable(view) + "\n";
+      for (const std::string& sentence : Sentences(view)) result.text += sentence + "\n";
+    }
+    const ImportInfo& info = model().info;
+    result.report = {
+        {"facetless", ProgramJson(options_.threads)},
+        {"command", "trade"},
+        {"model", ImportedModelJson(imported_)},
+        {"views", std::move(views)},
+        {"trade",
+         {{"points", std::move(points)},
+          {"answers", std::move(answers)},
+          {"error_measure", MeasureName(trade().measure)},
+          {"limits",
+           {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
+            {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
+          {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
+          {"mesher_threads", 1},
+          {"load_at_start", load_at_start_},
+          {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
+        {"verdict",
+         VerdictJson(options_, {},
+                     {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())})}};
+    if (!arrangement_.is_null()) result.report["arrangement"] = arrangement_;
+    if (auto written = WriteReport(result.report, directory_); !written) return written.error();
+    return result;
+  }
+
+  // A sentence if other programs had work for more than half of a core. Reading the file is part of the minute, too.
+  std::string BusyText() const {
+    constexpr double kQuiet = 1.5;
+    if (load_at_start_ <= kQuiet) return "";
+    return "The machine had other work (load " + NumberText(load_at_start_) + " on " +
+           std::to_string(std::thread::hardware_concurrency()) +
+           " cores): times are longer than they need be.\n";
+  }
+
+  // The view's entry of the report; writes its picture and plots.
+  Result<Json> ViewJson(const TradeView& view) {
+    const TradeReference& reference = view.reference;
+    const std::string name = view.context.view, picture = name + ".direct.png";
+    if (auto written = WritePng(directory_ + "/" + picture, reference.view.image); !written)
+      return written.error();
+    const std::string prefix = views_.size() > 1 ? name + "." : "";
+    Json plots = Json::object();
+    for (const TradeCost cost : {TradeCost::kTime, TradeCost::kMemory}) {
+      const char* role = cost == TradeCost::kTime ? "time" : "memory";
+      const std::string stem = prefix + "trade-" + role;
+      const LogPlot plot = TradePlot(view, cost, model().info.file);
+      for (const auto& [extension, draw] : {std::pair{".svg", &PlotSvg}, {".png", &PlotPng}}) {
+        auto bytes = draw(plot);
+        if (!bytes) return bytes.error();
+        if (auto written = WriteFileAtomically(directory_ + "/" + stem + extension, bytes.value()); !written)
+          return written.error();
+      }
+      plots[role] = {{"svg", stem + ".svg"}, {"png", stem + ".png"}};
+    }
+    return Json{{"name", name},
+                {"camera", CameraJson(reference.camera)},
+                {"files", {{"direct", picture}}},
+                {"plots", std::move(plots)},
+                {"sentences", Sentences(view)},
+                {"reference",
+                 {{"precision", "certified"},
+                  {"picture_samples", reference.samples},
+                  {"mm_per_pixel", reference.mm_per_pixel},
+                  {"floor_mm", reference.floor_mm},
+                  {"outline_pixels", reference.outline_pixels},
+                  {"hits", reference.view.stats.hits},
+                  {"certified", reference.view.stats.certified},
+                  {"converged", reference.view.stats.converged},
+                  {"unresolved", reference.view.stats.unresolved}}}};
+  }
+
+  const ImportRequest& request_;
+  const ImportedModel &whole_, &imported_;
+  const Json& arrangement_;  // null where everything is shown as in the file
+  const RunOptions& options_;
+  const std::string directory_;
+  const RunContext& context_;
+  const double timeout_s_;
+  Deadline deadline_;
+  std::vector<TradeView> views_;
+  std::vector<TradeSetting> over_budget_;
+  double scene_ms_ = 0, last_mesh_ms_ = 0, load_at_start_ = 0;
+  int steps_ = 0, steps_done_ = 0;
+};
+
+}  // namespace
+
+Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& imported,
+                             const RunOptions& options, const std::string& directory,
+                             const RunContext& context) {
+  if (!options.sections.empty())
+    return Error{ErrorCode::kBadUsage, "trade measures whole models; it takes no section"};
+  const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
+  if (!shown) return shown.error();
+  return Sweep(request, imported, shown.value(), options, directory, context).Run();
+}
+
+}  // namespace facetless

@@ -1,0 +1,147 @@
+#include "server/service/http/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/family.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include "server/base/version.h"
+
+namespace facetless {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+
+// A look-up takes a millisecond, a caller who waits for a job as long as that may run.
+const Histogram::BucketBoundaries kRequestSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
+                                                     0.5,   1,      2.5,   5,    10,    30,   100, 300};
+const Histogram::BucketBoundaries kWorkSeconds = {0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000};
+// From an exact intersector on one core to what a large machine gets out of a small model.
+const Histogram::BucketBoundaries kRaysPerSecond = {1e4, 3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8};
+
+template <std::size_t N>
+std::string KnownOr(const char* other, const std::string_view (&known)[N], const std::string& word) {
+  return std::find(std::begin(known), std::end(known), word) == std::end(known) ? other : word;
+}
+
+std::string MethodLabel(const std::string& method) {
+  static constexpr std::string_view kKnown[] = {"GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS"};
+  return KnownOr("other", kKnown, method);
+}
+
+// The importer's stages, those of the runs, and those of a job around them.
+std::string StageLabel(const std::string& stage) {
+  static constexpr std::string_view kKnown[] = {"starting",  "read",      "transfer", "convert",
+                                                "mesh",      "intersect", "render",   "compare",
+                                                "reference", "direct",    "meshes",   "publish"};
+  return KnownOr("other", kKnown, stage);
+}
+
+}  // namespace
+
+struct Metrics::Families {
+  Family<Counter>& CounterOf(const char* name, const char* help) {
+    return BuildCounter().Name(name).Help(help).Register(registry);
+  }
+  Family<Gauge>& GaugeOf(const char* name, const char* help) {
+    return BuildGauge().Name(name).Help(help).Register(registry);
+  }
+  Family<Histogram>& HistogramOf(const char* name, const char* help) {
+    return BuildHistogram().Name(name).Help(help).Register(registry);
+  }
+
+  prometheus::Registry registry;
+  Family<Counter>& requests =
+      CounterOf("facetless_http_requests_total", "Requests by route, method and status");
+  Family<Histogram>& request_seconds =
+      HistogramOf("facetless_http_request_duration_seconds",
+                  "Seconds from a request's head to its response, waiting for a job included");
+  Family<Counter>& jobs = CounterOf("facetless_jobs_ended_total", "Jobs that ended, by kind and state");
+  Family<Histogram>& job_seconds =
+      HistogramOf("facetless_job_duration_seconds", "Seconds that jobs ran, by kind");
+  Family<Histogram>& stage_seconds =
+      HistogramOf("facetless_job_stage_duration_seconds", "Seconds of each stage of jobs");
+  Family<Counter>& rays = CounterOf("facetless_rays_total", "Rays that the direct renderer traced for jobs");
+  Family<Counter>& trace_seconds =
+      CounterOf("facetless_trace_seconds_total", "Seconds that the direct renderer took for them");
+  Family<Histogram>& rays_per_second =
+      HistogramOf("facetless_rays_per_second", "Rays per second of each view of the direct renderer");
+  Family<Counter>& deaths =
+      CounterOf("facetless_importer_deaths_total", "Importers that did not end by themselves, by cause");
+  Family<Counter>& look_ups =
+      CounterOf("facetless_cache_lookups_total", "Questions by kind, and whether the answer was there");
+  Family<Gauge>& ready = GaugeOf("facetless_ready", "1 if /readyz says so");
+  Family<Gauge>& waiting = GaugeOf("facetless_jobs_waiting", "Jobs in the queue");
+  Family<Gauge>& running = GaugeOf("facetless_jobs_running", "Jobs that run");
+  Family<Gauge>& store_bytes = GaugeOf("facetless_store_bytes", "Bytes of all files that are kept");
+};
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) {
+  families_->GaugeOf("facetless_build_info", "1; the version is a label")
+      .Add({{"version", Version()}})
+      .Set(1);
+  // Series that are there from the start, so that a rate sees the first event.
+  for (const char* cause : {"crash", "timeout", "memory", "output", "threads", "answer"})
+    families_->deaths.Add({{"cause", cause}});
+  for (const char* kind : {"model", "render", "comparison", "trade"}) {
+    for (const char* result : {"hit", "miss"}) families_->look_ups.Add({{"kind", kind}, {"result", result}});
+    for (const char* state : {"done", "failed", "cancelled"})
+      families_->jobs.Add({{"kind", kind}, {"state", state}});
+  }
+  families_->rays.Add({});
+  families_->trace_seconds.Add({});
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::RequestServed(const std::string& route, const std::string& method, int status, double seconds) {
+  const std::string known = MethodLabel(method);
+  families_->requests.Add({{"route", route}, {"method", known}, {"status", std::to_string(status)}})
+      .Increment();
+  families_->request_seconds.Add({{"route", route}, {"method", known}}, kRequestSeconds).Observe(seconds);
+}
+
+void Metrics::JobEnded(const std::string& kind, const std::string& state, double seconds) {
+  families_->jobs.Add({{"kind", kind}, {"state", state}}).Increment();
+  if (seconds > 0) families_->job_seconds.Add({{"kind", kind}}, kWorkSeconds).Observe(seconds);
+}
+
+void Metrics::StageEnded(const std::string& stage, double seconds) {
+  families_->stage_seconds.Add({{"stage", StageLabel(stage)}}, kWorkSeconds).Observe(seconds);
+}
+
+void Metrics::Traced(double rays, double seconds) {
+  families_->rays.Add({}).Increment(rays);
+  families_->trace_seconds.Add({}).Increment(seconds);
+  if (seconds > 0) families_->rays_per_second.Add({}, kRaysPerSecond).Observe(rays / seconds);
+}
+
+void Metrics::ImporterDied(const std::string& cause) {
+  families_->deaths.Add({{"cause", cause}}).Increment();
+}
+
+void Metrics::LookedUp(const std::string& kind, bool found) {
+  families_->look_ups.Add({{"kind", kind}, {"result", found ? "hit" : "miss"}}).Increment();
+}
+
+std::string Metrics::Text(const MetricsNow& now) {
+  families_->ready.Add({}).Set(now.ready ? 1 : 0);
+  families_->waiting.Add({}).Set(now.jobs_waiting);
+  families_->running.Add({}).Set(now.jobs_running);
+  families_->store_bytes.Add({}).Set(static_cast<double>(now.store_bytes));
+  return prometheus::TextSerializer().Serialize(families_->registry.Collect());
+}
+
+}  // namespace facetless

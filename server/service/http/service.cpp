@@ -1,0 +1,471 @@
+#include "server/service/http/service.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include "server/base/files.h"
+#include "server/base/version.h"
+#include "server/base/web_assets.h"
+#include "server/service/http/listing.h"
+#include "server/service/jobs/answers.h"
+#include "server/service/protocol/problem.h"
+#include "server/service/protocol/routes.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+// How long a caller waits who says nothing about it: small runs are done by then.
+constexpr double kUsualWaitSeconds = 10;
+// A job that takes all the time that it may is reported as such to who waits as long: so much later.
+constexpr double kEndSeconds = 2;
+// A body up to here is read even if the queue is full: it may ask for what is known.
+constexpr std::uint64_t kSmallBody = 1 << 20;
+// RFC draft "The Idempotency-Key HTTP Header Field" leaves the length to the service.
+constexpr std::size_t kMaxRetryKey = 255;
+constexpr std::size_t kModelIdDigits = 64, kJobIdDigits = 32;
+// Whoever asks more often whether the service is ready gets the same answer: asking touches the disk.
+constexpr auto kReadyLasts = std::chrono::seconds(1);
+
+// Nothing but the service's own files, and nobody may frame it.
+constexpr const char* kPagePolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src "
+    "'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'";
+// A report carries its script and pictures itself, and names from files that strangers made: it runs as an
+// origin of its own.
+constexpr const char* kArtifactPolicy =
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data:; base-uri 'none'";
+
+const char* ContentTypeOf(const std::string& extension) {
+  static const std::pair<const char*, const char*> kTypes[] = {
+      {"png", "image/png"},         {"tif", "image/tiff"},        {"exr", "image/x-exr"},
+      {"svg", "image/svg+xml"},     {"json", "application/json"}, {"html", "text/html; charset=utf-8"},
+      {"glb", "model/gltf-binary"}, {"webp", "image/webp"}};
+  for (const auto& [known, type] : kTypes) {
+    if (extension == known) return type;
+  }
+  return "application/octet-stream";
+}
+
+// True if If-None-Match names the tag, or any.
+bool Matches(const std::string& if_none_match, const std::string& tag) {
+  return if_none_match == "*" || if_none_match.find(tag) != std::string::npos;
+}
+
+HttpResponse Busy(const std::string& detail) {
+  HttpResponse response = Problem(503, "busy", "The service is busy", detail);
+  response.headers.emplace_back("Retry-After", "5");
+  return response;
+}
+
+HttpResponse ShuttingDown() {
+  HttpResponse response =
+      Problem(503, "shutting-down", "The service is shutting down", "It takes nothing new. Try again soon.");
+  response.headers.emplace_back("Retry-After", "5");
+  return response;
+}
+
+HttpResponse Answer(int status, const std::string& kind, const std::string& model_id, std::string text) {
+  HttpResponse response = JsonTextResponse(status, std::move(text));
+  if (kind == "model") response.headers.emplace_back("Location", "/v1/models/" + model_id);
+  return response;
+}
+
+// An answer that was there already. Its timing_ms is of this request, which did nothing but look it up: what the work took once is in
+// kept.timing_ms.
+HttpResponse KeptAnswer(const std::string& kind, const std::string& model_id, const std::string& text,
+                        Clock::time_point arrived) {
+  Json report = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  HttpResponse response;
+  if (report.is_object() && report.contains("timing_ms")) {
+    const std::chrono::duration<double, std::milli> elapsed = Clock::now() - arrived;
+    report["kept"] = {{"timing_ms", std::move(report["timing_ms"])}};
+    report["timing_ms"] = {{"total", elapsed.count()}};
+    response = Answer(200, kind, model_id, JsonText(report) + "\n");
+  } else {
+    response = Answer(200, kind, model_id, text);
+  }
+  // RFC 9211.
+  response.headers.emplace_back("Cache-Status", "facetless; hit");
+  return response;
+}
+
+// Notes the job that a response is about.
+HttpResponse OfJob(HttpResponse response, const std::string& id) {
+  response.job = id;
+  return response;
+}
+
+// Counts one more as long as it lives, if there is room.
+class Place {
+ public:
+  Place(std::atomic<int>& count, int most) : count_(count), held_(++count <= most) {}
+  ~Place() { --count_; }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  std::atomic<int>& count_;
+  const bool held_;
+};
+
+bool IsRetryKey(const std::string& key) {
+  return key.size() <= kMaxRetryKey &&
+         std::all_of(key.begin(), key.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7f; });
+}
+
+}  // namespace
+
+Service::Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceLimits& limits)
+    : store_(store), jobs_(jobs), access_(access), limits_(limits) {}
+
+std::optional<HttpResponse> Service::Check(HttpRequest& request) {
+  if (request.admitted) return std::nullopt;
+  const Route route = FindRoute(request.path);
+  const bool operations = route.kind == RouteKind::kHealth || route.kind == RouteKind::kReady ||
+                          route.kind == RouteKind::kMetrics;
+  const bool elsewhere =
+      request.operations ? !operations : route.kind == RouteKind::kMetrics && limits_.operations_apart;
+  if (route.kind == RouteKind::kNone || elsewhere) return ProblemOfStatus(404);
+  const std::string& method = request.method;
+  if (!route.Allows(method)) {
+    HttpResponse response = ProblemOfStatus(405);
+    response.headers.emplace_back("Allow", route.methods);
+    return response;
+  }
+  if (const std::string why = limits_.hosts.WhyNot(request.Header("host"), request.Header("origin"));
+      !why.empty())
+    return Problem(403, "host-not-allowed", "Host or origin not allowed", why);
+  if (auto refusal = access_.Decide(request, route)) return refusal;
+  if (method == "GET" || method == "HEAD") return std::nullopt;
+
+  // A page of another site must not use the visitor's browser to give us work.
+  if (request.Header("sec-fetch-site") == "cross-site")
+    return Problem(403, "cross-site", "Cross-site request",
+                   "Requests from pages of other sites are refused.");
+  if (route.kind != RouteKind::kSubmit) return std::nullopt;
+  if (jobs_.stopping()) return ShuttingDown();
+  const std::string type = request.Header("content-type");
+  const bool raw_allowed = route.argument == "model";
+  if (!raw_allowed && !type.starts_with("multipart/form-data") && !type.starts_with("application/json"))
+    return Problem(415, "unsupported-media-type", "Unsupported media type",
+                   "Send multipart/form-data with a part \"file\", or application/json with a \"model\".");
+  const std::string length = request.Header("content-length");
+  const std::uint64_t bytes =
+      length.empty() ? limits_.max_upload_bytes : std::strtoull(length.c_str(), nullptr, 10);
+  if (bytes > limits_.max_upload_bytes)
+    return Problem(413, "payload-too-large", "Payload too large",
+                   "The body is larger than " + std::to_string(limits_.max_upload_bytes >> 20) + " MB.");
+  if (bytes > kSmallBody && jobs_.Counts().queued >= limits_.queue)
+    return Busy("Too many jobs are waiting; try again soon.");
+  return std::nullopt;
+}
+
+HttpResponse Service::Handle(const HttpRequest& request) {
+  const Route route = FindRoute(request.path);
+  switch (route.kind) {
+    case RouteKind::kPage:
+      return Page(route.argument, route.content_type);
+    case RouteKind::kHealth:
+      return Health();
+    case RouteKind::kReady:
+      return Ready();
+    case RouteKind::kMetrics:
+      return MetricsPage();
+    case RouteKind::kSubmit:
+      return request.method == "POST" ? Submit(request, route.argument) : ListModels(request);
+    case RouteKind::kModel:
+      return request.method == "DELETE" ? RemoveModel(request.caller, route.argument)
+                                        : GetModel(request.caller, route.argument);
+    case RouteKind::kAnswer:
+      return GetAnswer(request.caller, route.argument);
+    case RouteKind::kArtifact:
+      return Artifact(request, route.argument);
+    case RouteKind::kJobs:
+      return ListJobs(request);
+    case RouteKind::kJob:
+      return request.method == "DELETE" ? CancelJob(request.caller, route.argument)
+                                        : GetJob(request.caller, route.argument);
+    case RouteKind::kJobEvents:
+      return JobEvents(request.caller, route.argument);
+    case RouteKind::kNone:
+      break;
+  }
+  return ProblemOfStatus(404);
+}
+
+// ---- What is there ----
+
+HttpResponse Service::Health() {
+  const JobCounts counts = jobs_.Counts();
+  return JsonResponse(200, {{"status", jobs_.stopping() ? "stopping" : "ok"},
+                            {"version", Version()},
+                            {"running", counts.running},
+                            {"waiting", counts.queued}});
+}
+
+HttpResponse Service::Ready() {
+  const std::string reason = WhyNotReady();
+  if (reason.empty()) return JsonResponse(200, {{"status", "ready"}, {"version", Version()}});
+  HttpResponse response = Problem(503, "not-ready", "The service takes no work", reason);
+  response.headers = {{"Cache-Control", "no-store"}, {"Retry-After", "5"}};
+  return response;
+}
+
+std::string Service::WhyNotReady() {
+  if (jobs_.stopping()) return "It is stopping.";
+  const std::lock_guard lock(ready_mutex_);
+  const auto now = std::chrono::steady_clock::now();
+  if (now < ready_until_) return why_not_ready_;
+  why_not_ready_ = !store_.Check()  ? "The store cannot be written."
+                   : !jobs_.Check() ? "The queue cannot be written."
+                   : store_.FreeBytes() < limits_.max_upload_bytes
+                       ? "The disk has less room than one upload may need."
+                       : "";
+  ready_until_ = now + kReadyLasts;
+  return why_not_ready_;
+}
+
+HttpResponse Service::MetricsPage() {
+  if (!metrics_text) return ProblemOfStatus(404);
+  const JobCounts counts = jobs_.Counts();
+  HttpResponse response;
+  response.content_type = "text/plain; version=0.0.4; charset=utf-8";
+  response.body = metrics_text({WhyNotReady().empty(), counts.queued, counts.running, store_.KeptBytes()});
+  response.headers = {{"Cache-Control", "no-store"}};
+  return response;
+}
+
+HttpResponse Service::Page(const std::string& name, const std::string& content_type) const {
+  // A name out of a path may be any.
+  const bool script = content_type.starts_with("text/javascript");
+  if (WebAsset(name).empty() || (script && !name.ends_with(".js"))) return ProblemOfStatus(404);
+  HttpResponse response;
+  response.content_type = content_type;
+  response.body = WebAsset(name);
+  response.headers = {{"Content-Security-Policy", kPagePolicy}, {"Cache-Control", "no-cache"}};
+  return response;
+}
+
+HttpResponse Service::Artifact(const HttpRequest& request, const std::string& name) {
+  const auto artifact = store_.FindArtifact(request.caller.owner, name);
+  if (!artifact) return ProblemOfStatus(404);
+  const std::string tag = "\"" + name.substr(0, 64) + "\"";
+  HttpResponse response;
+  response.headers = {
+      {"ETag", tag},
+      {"Cache-Control", request.caller.owner.empty() ? "public, max-age=31536000, immutable"
+                                                     : "private, max-age=31536000, immutable"},
+      {"Content-Security-Policy", kArtifactPolicy},
+      {"Accept-Ranges", "none"}};
+  if (Matches(request.Header("if-none-match"), tag)) {
+    response.status = 304;
+    return response;
+  }
+  response.content_type = ContentTypeOf(name.substr(65));
+  response.file_path = artifact->path;
+  return response;
+}
+
+HttpResponse Service::GetModel(const Caller& caller, const std::string& id) {
+  const auto model = store_.FindModel(caller.owner, id);
+  return model ? JsonResponse(200, ModelJson(*model)) : ProblemOfStatus(404);
+}
+
+HttpResponse Service::ListModels(const HttpRequest& request) {
+  const auto page = ParsePageRequest(request.query, kModelIdDigits);
+  if (!page) return ProblemOf(page.error());
+  Json models = Json::array();
+  for (const ListedModel& model :
+       store_.ListModels(request.caller.owner, page.value().after, page.value().limit + 1))
+    models.push_back({{"id", model.id},
+                      {"name", model.name},
+                      {"bytes", model.bytes},
+                      {"created", TimeJson(model.created)},
+                      {"links", {{"self", "/v1/models/" + model.id}}}});
+  return JsonResponse(200, PageJson("/v1/models", "models", page.value(), std::move(models)));
+}
+
+HttpResponse Service::RemoveModel(const Caller& caller, const std::string& id) {
+  const auto removed = store_.RemoveModel(caller.owner, id);
+  if (!removed) return ProblemOf({removed.error().code, "the removal cannot be stored"});
+  switch (removed.value()) {
+    case Removal::kNotThere:
+      break;
+    case Removal::kNeeded:
+      return Problem(409, "in-use", "The model is in use",
+                     "A job that waits or runs needs it. Cancel the job, or wait for its end.");
+    case Removal::kRemoved: {
+      HttpResponse response;
+      response.status = 204;
+      return response;
+    }
+  }
+  return ProblemOfStatus(404);
+}
+
+HttpResponse Service::GetAnswer(const Caller& caller, const std::string& key) {
+  auto text = store_.FindAnswer(caller.owner, key);
+  return text ? JsonTextResponse(200, std::move(*text)) : ProblemOfStatus(404);
+}
+
+// ---- Jobs ----
+
+std::optional<JobView> Service::FindJob(const Caller& caller, const std::string& id) {
+  auto view = jobs_.Find(id);
+  if (view && view->job.owner != caller.owner && !caller.admin) return std::nullopt;
+  return view;
+}
+
+HttpResponse Service::GetJob(const Caller& caller, const std::string& id) {
+  const auto view = FindJob(caller, id);
+  if (!view) return ProblemOfStatus(404);
+  return OfJob(JsonResponse(200, JobJson(*view, store_)), id);
+}
+
+HttpResponse Service::ListJobs(const HttpRequest& request) {
+  const auto page = ParsePageRequest(request.query, kJobIdDigits);
+  if (!page) return ProblemOf(page.error());
+  const auto ids = jobs_.List(request.caller.owner, page.value().after, page.value().limit + 1);
+  if (!ids) return ProblemOf({ErrorCode::kBadUsage, "after names no job of yours, or one that is forgotten"});
+  Json jobs = Json::array();
+  for (const std::string& id : *ids)
+    if (const auto view = jobs_.Find(id)) jobs.push_back(ListedJobJson(*view));
+  return JsonResponse(200, PageJson("/v1/jobs", "jobs", page.value(), std::move(jobs)));
+}
+
+HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
+  if (!FindJob(caller, id)) return ProblemOfStatus(404);
+  auto cancelled = jobs_.Cancel(id);
+  if (!cancelled) return ProblemOf({cancelled.error().code, "the cancellation cannot be stored"});
+  if (!cancelled.value()) return ProblemOfStatus(404);
+  const JobView& view = *cancelled.value();
+  return OfJob(view.job.Ended() ? JsonResponse(200, JobJson(view, store_)) : AcceptedResponse(view, store_),
+               id);
+}
+
+HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
+  if (!FindJob(caller, id)) return ProblemOfStatus(404);
+  auto place = std::make_shared<Place>(*listeners_, limits_.listeners);
+  if (!place->held()) return Busy("Too many listen for events; ask for the job itself now and then.");
+  HttpResponse response = EventsResponse(jobs_, store_, id);
+  // The count lives as long as the stream, also beyond the service.
+  response.stream = [place, count = listeners_, next = std::move(response.stream)] { return next(); };
+  return OfJob(std::move(response), id);
+}
+
+HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind) {
+  const Clock::time_point arrived = Clock::now();
+  auto parsed = ParseSubmission(request, kind, limits_.max_samples);
+  if (!parsed) return ProblemOf(parsed.error());
+  const Submission& submission = parsed.value();
+  NewJob job;
+  job.retry_key = request.Header("idempotency-key");
+  if (!IsRetryKey(job.retry_key))
+    return ProblemOf(
+        {ErrorCode::kBadUsage, "Idempotency-Key must be at most 255 printable ASCII characters"});
+
+  // The same question again is free.
+  const std::string& owner = request.caller.owner;
+  auto known = KnownAnswer(owner, submission);
+  if (looked_up) looked_up(kind, known.has_value());
+  if (known && job.retry_key.empty()) return KeptAnswer(kind, submission.model_id, *known, arrived);
+  if (!known && submission.file == nullptr && !store_.FindModel(owner, submission.model_id))
+    return Problem(404, "not-found", "Not found", "There is no model " + submission.model_id + ".");
+
+  // Everything that the job needs is on the disk before anything happens.
+  job.kind = kind;
+  job.owner = owner;
+  job.question = submission.question;
+  job.request = JobRequestJson(submission);
+  job.request["request_id"] = request.id;
+  if (!request.trace_id.empty()) job.request["trace_id"] = request.trace_id;
+  job.body = submission.body;
+  job.needs = {ModelItem(owner, submission.model_id)};
+  if (known)
+    job.result =
+        kind == "model" ? ModelItem(owner, submission.model_id) : AnswerItem(owner, submission.question);
+  std::vector<KeptFile> uploads;
+  if (!known) {
+    if (auto kept = KeepUploads(request.caller, submission, job, uploads); !kept)
+      return ProblemOf({kept.error().code, "the upload cannot be stored: the disk or the store is full"});
+  }
+  auto submitted = jobs_.Submit(job);
+  uploads.clear();
+  if (!submitted) return ProblemOf({submitted.error().code, "the job cannot be stored"});
+  switch (submitted.value().outcome) {
+    case SubmitOutcome::kKeyReused:
+      return Problem(422, "key-reused", "The Idempotency-Key stands for another request",
+                     "Send a new key with a new request.");
+    case SubmitOutcome::kQueueFull:
+      return Busy("Too many jobs are waiting; try again soon.");
+    case SubmitOutcome::kShareFull:
+      return Busy("Too many of your jobs are waiting; try again when some of them are done.");
+    case SubmitOutcome::kAccepted:
+    case SubmitOutcome::kSame:
+      break;
+  }
+  return OfJob(WaitAndAnswer(request, submitted.value(), arrived), submitted.value().job.id);
+}
+
+std::optional<std::string> Service::KnownAnswer(const std::string& owner, const Submission& submission) {
+  if (submission.kind != "model") return store_.FindAnswer(owner, submission.question);
+  const auto model = store_.FindModel(owner, submission.model_id);
+  if (!model) return std::nullopt;
+  return JsonText(ModelJson(*model)) + "\n";
+}
+
+Result<void> Service::KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
+                                  std::vector<KeptFile>& kept) {
+  std::uint64_t bytes = 0;
+  for (const BodyPart* part : {submission.file, submission.mesh}) bytes += part != nullptr ? part->bytes : 0;
+  if (auto room = store_.MakeRoom(bytes); !room) return room;
+  if (auto room = store_.MakeRoomFor(caller.owner, caller.quota_mb << 20, bytes); !room) return room;
+  for (const auto& [role, part] : {std::pair{"file", submission.file}, {"mesh", submission.mesh}}) {
+    if (part == nullptr) continue;
+    auto file = store_.Keep(part->path, part->sha256);
+    if (!file) return file.error();
+    job.files.push_back({role, file.value().sha256, file.value().bytes});
+    kept.push_back(std::move(file).value());
+  }
+  return {};
+}
+
+HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted& submitted,
+                                    Clock::time_point arrived) {
+  const Place place(waiters_, limits_.waiters);
+  const double wanted =
+      WaitSeconds(request.Header("prefer"), kUsualWaitSeconds, limits_.timeout_s + kEndSeconds);
+  const auto view = jobs_.WaitForEnd(submitted.job.id, place.held() ? wanted : 0);
+  if (!view) return ProblemOfStatus(404);
+  switch (view->job.state) {
+    case JobState::kQueued:
+    case JobState::kRunning:
+      return AcceptedResponse(*view, store_);
+    case JobState::kFailed:
+      return ProblemResponse(view->job.problem);
+    case JobState::kCancelled:
+      return Problem(409, "cancelled", "The job was cancelled",
+                     "Somebody asked for that. Send it again if needed.");
+    case JobState::kDone:
+      break;
+  }
+  auto text = AnswerText(view->job, store_);
+  // Given up before it could be sent: the job tells that much.
+  if (!text) return JsonResponse(200, JobJson(*view, store_));
+  // Nobody worked for it, or somebody did for an earlier request.
+  if (view->job.attempts == 0 || submitted.outcome == SubmitOutcome::kSame)
+    return KeptAnswer(view->job.kind, view->job.request.value("model", ""), *text, arrived);
+  const bool created =
+      view->job.kind == "model" && submitted.outcome == SubmitOutcome::kAccepted && view->job.attempts > 0;
+  return Answer(created ? 201 : 200, view->job.kind, view->job.request.value("model", ""), std::move(*text));
+}
+
+}  // namespace facetless
