@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/compare/trade_points.h"
+#include "tests/trade/trade_points.h"
 
 namespace facetless {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/compare/trade_points.h"
+#include "tests/trade/trade_points.h"
 
 namespace facetless {
 namespace {
