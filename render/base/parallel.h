@@ -8,7 +8,7 @@
 //  3. An exception in a body ends the loop, and leaves it as if thrown by the caller.
 //  4. oneTBB comes without the thread sanitizer's instrumentation, which therefore sees none of the
 //     synchronisation inside the library. A build with that sanitizer is told law 1 here, and no more: two
-//     bodies that race are still reported (tests/trace/parallel_test.cpp). What the library does to its own
+//     bodies that race are still reported (tests/unit/trace/parallel_test.cpp). What the library does to its own
 //     tasks is left out by tools/tsan.supp, and what it leaves on the caller's stack by RunLoop below.
 #pragma once
 

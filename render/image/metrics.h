@@ -4,7 +4,7 @@
 //     that comes out is checked to be finite, psnr excepted, which is +inf for equal pictures.
 //  2. Transparent pictures are composed over mid grey first, both alike.
 //  3. max, mean, rms, psnr and the share are over the encoded values (0 … 1), all three channels: what
-//     idiff calls them (tests/image holds them to OpenImageIO's).
+//     idiff calls them (tests/unit/image holds them to OpenImageIO's).
 //  4. SSIM: Wang et al. 2004, on luma, Gaussian window of 11 pixels with σ = 1.5, K1 = 0.01, K2 = 0.03,
 //     windows wholly inside the picture; 1 for equal pictures. Pictures smaller than the window use the
 //     window that fits.

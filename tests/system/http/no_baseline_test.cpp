@@ -1,0 +1,89 @@
+// Comparisons over HTTP whose mesh is not made: the answer is the exact half, and says why.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/system/http/live_server.h"
+#include "tests/unit/server/support.h"
+
+namespace facetless {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using Json = nlohmann::json;
+
+class HttpNoBaseline : public testing::Test {
+ protected:
+  static std::string FakeImporter() { return Program("facetless-fake-importer"); }
+  static Reply Post(LiveServer& server, const std::string& path, const std::string& text,
+                    Json options = Json::object()) {
+    options["size"] = "32x24";
+    return server.PostForm(path, {{"file", "square.step", text}, {"options", "", options.dump()}});
+  }
+  // The answer has the exact half, whose pictures can be fetched, and the reason.
+  static void ExpectExactHalf(LiveServer& server, const Reply& reply, const std::string& reason,
+                              const std::string& words) {
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    const Json answer = reply.Json();
+    EXPECT_EQ(answer.at("no_baseline").at("reason"), reason);
+    const std::string message = answer["no_baseline"].at("message");
+    EXPECT_THAT(message, HasSubstr("square.step: " + words));
+    EXPECT_THAT(message, Not(HasSubstr("--mesh-timeout"))) << "that is no name of HTTP";
+    EXPECT_EQ(answer.at("verdict").at("problems"), Json::array({message}));
+    const Json& view = answer.at("views").at(0);
+    EXPECT_GT(view.at("direct").at("hits"), 0);
+    EXPECT_FALSE(view.at("links").contains("baseline"));
+    EXPECT_EQ(server.Get(view["links"].at("direct")).headers.at("content-type"), "image/png");
+    EXPECT_EQ(server.Get(answer.at("links").at("page")).status, 200);
+  }
+};
+
+TEST_F(HttpNoBaseline, SaysWhyForEachEndOfTheMesher) {
+  LiveServer server({}, FakeImporter());
+  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash",
+                  "the mesher died of SIGSEGV");
+  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}}), "timeout",
+                  "meshing took longer than 0.3 s; mesh_timeout allows more");
+  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-unusable write-failed"), "failed", "");
+  const Json fine = Post(server, "/v1/comparisons", "mesh-ok").Json();
+  EXPECT_FALSE(fine.contains("no_baseline"));
+  EXPECT_TRUE(fine.at("views").at(0).at("links").contains("baseline"));
+}
+
+TEST_F(HttpNoBaseline, SaysWhyOfAModelThatIsThereAlready) {
+  LiveServer server({}, FakeImporter());
+  ASSERT_EQ(Post(server, "/v1/renders", "mesh-crash").status, 200);
+  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash", "the mesher died");
+  // The model was kept by a comparison, too, and asked again the answer is known.
+  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}}), "timeout",
+                  "meshing took longer");
+  const Reply again = Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}});
+  EXPECT_THAT(again.headers.at("cache-status"), HasSubstr("hit"));
+  EXPECT_EQ(Post(server, "/v1/renders", "mesh-hang").Json().at("timing_ms").at("import"), 0);
+}
+
+TEST_F(HttpNoBaseline, LeavesHalfOfTheJobsTimeToTheExactHalf) {
+  LiveServer server({"--timeout", "4"}, FakeImporter());
+  const Reply reply = Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 1000}});
+  ExpectExactHalf(server, reply, "timeout", "meshing took longer than 2 s, half of what a job may take");
+  EXPECT_THAT(reply.body, HasSubstr("the service's own option --timeout allows more"));
+}
+
+TEST_F(HttpNoBaseline, NamesTheOperatorsOptionWhereTheSearchTreeIsTooLarge) {
+  // A view's share is one megabyte.
+  LiveServer server({"--jobs", "64", "--max-view-memory", "64"});
+  const Reply reply =
+      server.PostForm("/v1/comparisons", {{"file", "sphere.step", ReadText(Sample("sphere.step"))},
+                                          {"options", "", R"({"size":"32x24","deflection":1e-4})"}});
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(reply.Json().at("no_baseline").at("reason"), "memory");
+  EXPECT_THAT(reply.Json().at("no_baseline").at("message").get<std::string>(),
+              HasSubstr("sphere.step: the mesh's search tree needs more than the 1 MB of memory that it may "
+                        "take; the service's own "
+                        "option --max-view-memory allows more"));
+  const std::string page = server.Get(reply.Json().at("links").at("page")).body;
+  EXPECT_THAT(page, HasSubstr("the service's own option --max-view-memory"));
+}
+
+}  // namespace
+}  // namespace facetless

@@ -1,0 +1,108 @@
+// The programs' answers about every sample, against samples/expected.json.
+//
+//  1. `facetless-import` makes a model with the faces, kinds of surface and closed solids that the file was made with, loses nothing, and
+//     bounds it by a box that holds the shape's extent and is not much wider.
+//  2. `facetless inspect` gives the exit code, and prints a report of a sound file.
+//  3. A broken file gives its exit code, and no model.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "render/model/model.h"
+#include "render/model/model_file.h"
+#include "tests/support/files.h"
+#include "tests/system/samples/program.h"
+#include "tests/system/samples/samples.h"
+
+namespace facetless {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json Expected() {
+  return json::parse(std::ifstream(Sample("expected.json")));
+}
+
+TEST(Samples, TheListIsThere) {
+  EXPECT_GE(SampleNames().size(), 15u);
+}
+
+class SampleFile : public testing::TestWithParam<std::string> {};
+
+TEST_P(SampleFile, ImportMakesWhatTheFileWasMadeOf) {
+  const json expected = Expected()[GetParam()];
+  const fs::path model_path =
+      fs::path(testing::TempDir()) / (fs::path(GetParam()).filename().string() + ".flm");
+  fs::remove(model_path);
+  const ProgramResult imported =
+      RunProgram("facetless-import '" + Sample(GetParam()) + "' --model '" + model_path.string() + "'");
+  ASSERT_EQ(imported.exit_code, expected["exit"].get<int>()) << imported.output;
+  if (!expected.contains("faces")) {
+    EXPECT_FALSE(fs::exists(model_path));
+    return;
+  }
+  const Result<Model> read = ReadModel(model_path.string());
+  fs::remove(model_path);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const Model& model = read.value();
+
+  EXPECT_EQ(model.PlacedFaceCount(), expected["faces"].get<std::uint32_t>());
+  EXPECT_TRUE(model.info.faces_lost.empty());
+  EXPECT_TRUE(model.info.loops_lost.empty());
+  EXPECT_TRUE(model.info.edges_lost.empty());
+
+  int solids = 0, closed = 0;
+  std::map<std::string, int> surfaces;
+  for (const Instance& instance : model.instances) {
+    const Part& part = model.parts[instance.part];
+    for (std::uint32_t face = part.faces.first; face < part.faces.end(); ++face) {
+      ++surfaces[SurfaceKindName(model.surfaces[model.faces[face].surface].kind)];
+    }
+    for (std::uint32_t solid = part.solids.first; solid < part.solids.end(); ++solid) {
+      ++solids;
+      closed += model.solids[solid].closed ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(solids, expected["solids"].get<int>());
+  EXPECT_EQ(closed, expected["closed_solids"].get<int>());
+  EXPECT_EQ(json(surfaces), expected["surfaces"]);
+
+  // The bounds are conservative: as large as the shape, and at most a tenth of its diagonal larger.
+  const double slack = 0.1 * model.Diagonal();
+  // What the file's decimal digits and OpenCASCADE's own bounding box leave unsure.
+  const double noise = 1e-5;
+  const double low[3] = {model.bounds.low.x, model.bounds.low.y, model.bounds.low.z};
+  const double high[3] = {model.bounds.high.x, model.bounds.high.y, model.bounds.high.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double expected_low = expected["bounds_mm"][0][axis],
+                 expected_high = expected["bounds_mm"][1][axis];
+    EXPECT_LE(low[axis], expected_low + noise);
+    EXPECT_GE(low[axis], expected_low - slack);
+    EXPECT_GE(high[axis], expected_high - noise);
+    EXPECT_LE(high[axis], expected_high + slack);
+  }
+}
+
+TEST_P(SampleFile, InspectGivesItsExitCodeAndReport) {
+  const json expected = Expected()[GetParam()];
+  const ProgramResult inspected = RunProgram("facetless inspect '" + Sample(GetParam()) + "'");
+  ASSERT_EQ(inspected.exit_code, expected["exit"].get<int>()) << inspected.output;
+  if (!expected.contains("faces")) return;
+  const json model = json::parse(inspected.output)["model"];
+  EXPECT_EQ(model["file"], fs::path(GetParam()).filename().string());
+  EXPECT_EQ(model["faces_skipped"], json::array());
+  EXPECT_EQ(model["loops_lost"], json::array());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SampleFile, testing::ValuesIn(SampleNames()),
+                         [](const auto& info) { return TestName(info.param); });
+
+}  // namespace
+}  // namespace facetless

@@ -1,0 +1,92 @@
+// `facetless bench` as a whole, on a sample. No test asks how fast anything is.
+#include "server/run/bench.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "server/base/exit_code.h"
+#include "tests/unit/server/support.h"
+
+namespace facetless {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+using Json = nlohmann::json;
+
+class BenchProgram : public testing::Test {
+ protected:
+  ChildOutcome Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "bench");
+    return RunProgram(Program("facetless"), arguments, directory_.path(), {"TMPDIR=" + scratch_.path()});
+  }
+
+  TempDir directory_ = TempDir::Create().value(), scratch_ = TempDir::Create().value();
+  std::string json_ = directory_.File("bench.json"), plot_ = directory_.File("bench.svg");
+};
+
+TEST_F(BenchProgram, MeasuresAFileAgainstTheAims) {
+  const ChildOutcome outcome = Run({Sample("bracket.step"), "--size", "96x64", "--repeats", "1", "--threads",
+                                    "2", "--no-growth", "--json", json_, "--plot", plot_, "--markdown"});
+  ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
+  EXPECT_THAT(outcome.out, HasSubstr("### Aims\n\n| row | what |"));
+  for (const char* title :
+       {"# Performance: files", "### Each file", "### Where the time goes", "### What was counted"})
+    EXPECT_THAT(outcome.out, HasSubstr(title));
+  EXPECT_THAT(ReadText(plot_), StartsWith("<svg"));
+  EXPECT_THAT(ReadText(plot_), HasSubstr("bracket.step iso"));
+  EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "temporary files were left behind";
+
+  const Json report = Json::parse(ReadText(json_));
+  std::set<std::string> rows;
+  for (const Json& row : report.at("rows")) {
+    rows.insert(row.at("row"));
+    EXPECT_TRUE(row.at("met").is_boolean());
+    EXPECT_THAT(outcome.out, HasSubstr(row.at("what").get<std::string>()));
+  }
+  EXPECT_THAT(rows, testing::IsSupersetOf({"first_image_default_mesh", "first_image_fine_mesh",
+                                           "trace_fine_mesh", "trace_default_mesh", "trace_default_mesh_fast",
+                                           "trace_exact_intersector", "next_view", "memory"}));
+  const Json& view = report.at("files").at(0).at("views").at(0);
+  // OpenCASCADE's intersector, the mesh and the direct renderer see the same part.
+  const Json& exact = view.at("exact_intersector");
+  EXPECT_GT(exact.at("rays"), 1000);
+  EXPECT_GE(exact.at("same").get<double>(), 0.999 * exact.at("rays").get<double>());
+  const Json& one = view.at("threads").at("1");
+  const double hits = one.at("counters").at("hits");
+  EXPECT_NEAR(one.at("mesh_1e-5").at("hits"), hits, 0.01 * hits);
+  EXPECT_GT(one.at("mesh_1e-5").at("triangles"), one.at("mesh_1e-3").at("triangles"));
+  for (const char* counter :
+       {"candidates", "solves", "iterations", "fallbacks", "trim_tests", "useful_solves"})
+    EXPECT_TRUE(one.at("counters").contains(counter)) << counter;
+  EXPECT_TRUE(view.at("threads").contains("2"));
+}
+
+TEST_F(BenchProgram, AMeshThatTakesTooLongCountsAtTheLimit) {
+  const ChildOutcome outcome = Run({Sample("wavy_sheet.step"), "--size", "48x48", "--repeats", "1",
+                                    "--threads", "1", "--time-limit", "0.5", "--no-growth", "--json", json_});
+  ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
+  EXPECT_THAT(outcome.out, HasSubstr("meshing takes longer than 0.5 s"));
+  const Json answer = Json::parse(ReadText(json_));
+  for (const Json& value : answer.at("values")) {
+    if (value.at("row") != "first_image_fine_mesh") continue;
+    EXPECT_TRUE(value.at("at_limit").get<bool>());
+    EXPECT_EQ(value.at("other"), 500);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
+}
+
+TEST_F(BenchProgram, SaysInOneSentenceWhatIsWrong) {
+  const ChildOutcome nothing = Run({});
+  EXPECT_EQ(nothing.exit_code, kExitUsage);
+  EXPECT_EQ(nothing.error_tail, "facetless: bench needs a file, or --published\n");
+  const ChildOutcome broken = Run({Sample("broken/wrong_type.step")});
+  EXPECT_EQ(broken.exit_code, kExitUnusable);
+  EXPECT_EQ(std::count(broken.error_tail.begin(), broken.error_tail.end(), '\n'), 1) << broken.error_tail;
+  EXPECT_EQ(Run({Sample("sphere.step"), "--repeats", "0"}).exit_code, kExitUsage);
+}
+
+}  // namespace
+}  // namespace facetless

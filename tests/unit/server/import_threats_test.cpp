@@ -1,0 +1,211 @@
+// What a file that has taken over the importer could try: one test per threat, with a stand-in that tries it
+// (tests/support/fake_importer). Each must end in one clear error or in a refusal, and leave the caller as it was.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "render/model/model_file.h"
+#include "server/importer/file_access.h"
+#include "server/importer/import_process.h"
+#include "tests/support/sanitized.h"
+#include "tests/unit/server/fake_import.h"
+
+namespace facetless {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+
+// What this process holds.
+struct Holdings {
+  std::size_t open_files = 0, threads = 0, resident = 0;
+  static std::size_t Entries(const char* directory) {
+    std::size_t count = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(directory)) ++count;
+    return count;
+  }
+  static Holdings Now() {
+    Holdings now;
+    now.open_files = Entries("/proc/self/fd");
+    now.threads = Entries("/proc/self/task");
+    std::ifstream("/proc/self/statm") >> now.resident >> now.resident;
+    now.resident *= static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    return now;
+  }
+};
+
+// An output of one megabyte, its reports, and what the allocator keeps of both; a sanitizer's keeps what is freed, and a shadow of it.
+constexpr std::size_t kKeptBytes = std::size_t{kSanitized ? 128 : 16} << 20;
+
+class ImportThreats : public FakeImport {
+ protected:
+  void SetUp() override {
+    // The first run pays for what stays: locale, allocator.
+    (void)RunImporter(Request("ok"));
+    before_ = Holdings::Now();
+  }
+  void TearDown() override {
+    const Holdings after = Holdings::Now();
+    EXPECT_EQ(after.open_files, before_.open_files);
+    EXPECT_EQ(after.threads, before_.threads);
+    EXPECT_LE(after.resident, before_.resident + kKeptBytes);
+    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+    EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "something was left behind";
+  }
+  void ExpectDenied(const std::string& mode) {
+    auto files = RunImporter(Request(mode));
+    ASSERT_TRUE(files.ok()) << mode << ": " << files.error().message;
+    EXPECT_EQ(files.value().summary.value("denied", false), true) << mode;
+  }
+
+  Holdings before_;
+};
+
+TEST_F(ImportThreats, ManyOutputsEndAtTheirTotal) {
+  ImportRequest request = Request("outputs");
+  request.limits.file_mb = 8;
+  const Error error = ErrorOf(request);
+  EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
+  EXPECT_THAT(error.message, HasSubstr("larger than 8 MB"));
+}
+
+TEST_F(ImportThreats, OutputsWithoutANameCountToo) {
+  ImportRequest request = Request("nameless");
+  request.limits.file_mb = 8;
+  const Error error = ErrorOf(request);
+  EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
+  EXPECT_THAT(error.message, HasSubstr("larger than 8 MB"));
+}
+
+TEST_F(ImportThreats, ManyFilesEndAtTheirNumber) {
+  const Error error = ErrorOf(Request("manyfiles"));
+  EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
+  EXPECT_THAT(error.message, HasSubstr("more than 256 files"));
+}
+
+TEST_F(ImportThreats, DirectoriesDeeperThanAPathAreStoppedAndRemoved) {
+  const Error error = ErrorOf(Request("deep"));
+  EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
+  EXPECT_THAT(error.message, HasSubstr("more than 256 files"));
+}
+
+TEST_F(ImportThreats, ManyThreadsEndAtTheirNumber) {
+  const Error error = ErrorOf(Request("threads"));
+  EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
+  EXPECT_THAT(error.message, HasSubstr("threads"));
+}
+
+TEST_F(ImportThreats, NoMoreFilesCanBeOpenedThanAllowed) {
+  auto files = RunImporter(Request("open"));
+  ASSERT_TRUE(files.ok()) << files.error().message;
+  EXPECT_GT(files.value().summary.at("opened"), 0);
+  EXPECT_LT(files.value().summary.at("opened"), 256);
+}
+
+TEST_F(ImportThreats, NoProcessCanBeStarted) {
+  ExpectDenied("fork");
+  ExpectDenied("vfork");
+}
+
+TEST_F(ImportThreats, NoSocketOfAnyFamilyCanBeMade) {
+  ExpectDenied("socket");
+}
+
+TEST_F(ImportThreats, NoMemoryBesideItsAddressSpaceCanBeHad) {
+  ExpectDenied("memfd");
+}
+
+TEST_F(ImportThreats, NoSignalReachesItsParent) {
+  ExpectDenied("signal");
+}
+
+TEST_F(ImportThreats, ItsParentCanNeitherBeReadNorChanged) {
+  ExpectDenied("ptrace");
+}
+
+TEST_F(ImportThreats, LeavingItsGroupDoesNotSaveItFromTheClock) {
+  ImportRequest request = Request("leave");
+  request.limits.timeout_s = 0.3;
+  EXPECT_EQ(ErrorOf(request).code, ErrorCode::kLimitExceeded);
+}
+
+TEST_F(ImportThreats, FilesOfOthersCanBeNeitherReadNorListedNorRun) {
+  if (LandlockVersion() == 0)
+    GTEST_SKIP() << "this kernel has no Landlock: files of the same user stay readable";
+  const TempDir others = TempDir::Create().value();
+  const std::string secret = WriteText(others.File("secret"), "nobody's business");
+  const std::string parent = "/proc/" + std::to_string(getpid());
+  ExpectDenied("read " + secret);
+  ExpectDenied("read /etc/passwd");
+  ExpectDenied("read " + parent + "/environ");
+  ExpectDenied("read " + parent + "/root" + secret);
+  ExpectDenied("read /proc/self/root" + secret);
+  ExpectDenied("list " + others.path());
+  ExpectDenied("list " + inputs_.path());
+  ExpectDenied("list " + scratch_.path());
+  ExpectDenied("list /");
+  ExpectDenied("list /proc");
+  ExpectDenied("list " + parent + "/fd");
+  ExpectDenied("write " + secret);
+  ExpectDenied("write " + others.File("new"));
+  ExpectDenied("write " + inputs_.File("part.step"));
+  ExpectDenied("write /dev/shm/facetless-test");
+  ExpectDenied("run /bin/sh");
+  EXPECT_EQ(ReadText(secret), "nobody's business");
+}
+
+TEST_F(ImportThreats, WhatLibrariesNeedStaysReadable) {
+  for (const char* mode : {"read /proc/self/status", "read /dev/null", "read /etc/ld.so.cache",
+                           "list /usr/share", "list .", "write own"}) {
+    auto files = RunImporter(Request(mode));
+    ASSERT_TRUE(files.ok()) << mode << ": " << files.error().message;
+    EXPECT_EQ(files.value().summary.value("denied", true), false) << mode;
+  }
+}
+
+TEST_F(ImportThreats, NeitherLinksNorPipesArePassedOffAsItsFiles) {
+  for (const char* mode : {"link /etc/passwd", "pipe"}) {
+    const Error error = ErrorOf(Request(mode));
+    EXPECT_EQ(error.code, ErrorCode::kImporterCrashed) << mode;
+    EXPECT_THAT(error.message, HasSubstr("the importer's answer is incomplete")) << mode;
+  }
+}
+
+TEST_F(ImportThreats, AnAnswerWithoutFilesIsNone) {
+  const Error error = ErrorOf(Request("nothing"));
+  EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(error.message, HasSubstr("a file is missing"));
+}
+
+TEST_F(ImportThreats, LastWordsAreMadePrintable) {
+  const Error error = ErrorOf(Request("words"));
+  EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(error.message, HasSubstr("exit code 70: ?[2Jbell? and ?? bytes"));
+}
+
+TEST_F(ImportThreats, AnErrorThatIsNoneIsStillAnError) {
+  for (const char* answer : {R"({"error":5})", R"({"error":{"code":7,"message":[]}})", R"({"error":null})"}) {
+    const Error error = ErrorOf(Request("lies " + std::string(answer)));
+    EXPECT_EQ(error.code, ErrorCode::kInternal) << answer;
+    EXPECT_THAT(error.message, HasSubstr("no reason given")) << answer;
+  }
+  EXPECT_EQ(ErrorOf(Request("lies " + std::string(100'000, '['))).code, ErrorCode::kImporterCrashed);
+}
+
+TEST_F(ImportThreats, TheOthersThatImportProcessTestNames) {
+  // Crash, hang against SIGTERM, memory, one large file, floods: here for what they leave of the caller.
+  ImportRequest request = Request("crash");
+  EXPECT_EQ(ErrorOf(request).code, ErrorCode::kImporterCrashed);
+  for (const char* mode : {"hang", "spin", "flood"}) {
+    request = Request(mode);
+    request.limits.timeout_s = 0.3;
+    EXPECT_EQ(ErrorOf(request).code, ErrorCode::kLimitExceeded) << mode;
+  }
+  request = Request("bigfile");
+  request.limits.file_mb = 2;
+  EXPECT_EQ(ErrorOf(request).code, ErrorCode::kLimitExceeded);
+}
+
+}  // namespace
+}  // namespace facetless

@@ -1,0 +1,373 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "server/base/files.h"
+#include "server/base/sha256.h"
+#include "server/service/jobs/sql_job_store.h"
+#include "server/service/store/file_store.h"
+#include "server/service/store/store_check.h"
+#include "tests/unit/server/support.h"
+
+namespace facetless {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+class Stored : public testing::Test {
+ protected:
+  Stored() { Open(); }
+  ~Stored() override { Close(); }
+  void Open(const StoreLimits& limits = {}) {
+    data_directory_ = DataDirectory::Open(data_).value();
+    store_ = FileStore::Open(*data_directory_, limits).value();
+  }
+  void Close() {
+    store_.reset();
+    data_directory_.reset();
+  }
+  // A file of the store with this text.
+  KeptFile Kept(const std::string& text) {
+    scratch_.push_back(store_->Scratch().value());
+    return store_->Keep(WriteText(scratch_.back().File("file"), text), "").value();
+  }
+  void PutModel(const std::string& source, const std::string& model = "model",
+                const std::string& owner = "") {
+    const auto put =
+        store_->PutModel(owner, Sha256Hex(source), "part.step", {{"faces", 3}}, Kept(source), Kept(model));
+    ASSERT_TRUE(put.ok()) << put.error().message;
+  }
+  // An answer with a picture of so many bytes.
+  void PutAnswer(const std::string& question, std::size_t bytes) {
+    const KeptFile picture = Kept(question + std::string(bytes - question.size(), '.'));
+    const auto put = store_->PutAnswer("", Sha256Hex(question), "{}", {{picture.sha256 + ".png", picture}});
+    ASSERT_TRUE(put.ok()) << put.error().message;
+  }
+  bool HasAnswer(const std::string& question) {
+    return store_->FindAnswer("", Sha256Hex(question)).has_value();
+  }
+  bool OnDisk(const std::string& sha256) const {
+    return std::filesystem::exists(data_directory_->FilePath(sha256));
+  }
+  int FilesOnDisk() const {
+    int count = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(data_ + "/files"))
+      count += entry.is_regular_file();
+    return count;
+  }
+
+  TempDir directory_ = TempDir::Create().value();
+  std::string data_ = directory_.File("data");
+  std::unique_ptr<DataDirectory> data_directory_;
+  std::unique_ptr<FileStore> store_;
+  std::vector<TempDir> scratch_;
+};
+
+TEST_F(Stored, FilesAreNamedAfterTheirContentAndStayAsLongAsSomebodyHoldsThem) {
+  std::optional<KeptFile> file = Kept("abc");
+  // FIPS 180-2, appendix B.1.
+  EXPECT_EQ(file->sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(file->bytes, 3u);
+  EXPECT_EQ(ReadText(file->path), "abc");
+  std::optional<KeptFile> same = Kept("abc");
+  EXPECT_EQ(same->path, file->path);
+  const std::string path = file->path;
+  file.reset();
+  EXPECT_EQ(ReadText(path), "abc") << "somebody still holds it";
+  same.reset();
+  EXPECT_FALSE(std::filesystem::exists(path)) << "nothing was put together with it";
+}
+
+TEST_F(Stored, NothingIsFoundUnderANameThatIsNone) {
+  const std::string digest = Sha256Hex("x");
+  for (const std::string& name :
+       {digest, digest + ".", digest + ".PNG", digest + ".p/g", digest + ".toolongext",
+        "../" + digest.substr(3) + ".png", std::string(64, 'g') + ".png", std::string()}) {
+    EXPECT_FALSE(IsArtifactName(name)) << name;
+    EXPECT_FALSE(store_->FindArtifact("", name).has_value()) << name;
+  }
+  EXPECT_FALSE(store_->FindModel("", "../../etc").has_value());
+  EXPECT_FALSE(store_->FindModel("", digest).has_value());
+  EXPECT_FALSE(store_->FindMesh("", digest, "../x").has_value());
+  EXPECT_FALSE(store_->FindAnswer("", "../x").has_value());
+  EXPECT_FALSE(store_->Pin("../x").has_value());
+}
+
+TEST_F(Stored, ModelsComeBackWholeAndTwiceIsOnce) {
+  const std::string id = Sha256Hex("source");
+  EXPECT_FALSE(store_->FindModel("", id).has_value());
+  for (int i = 0; i < 2; ++i) PutModel("source");
+  const auto model = store_->FindModel("", id);
+  ASSERT_TRUE(model.has_value());
+  EXPECT_EQ(model->name, "part.step");
+  EXPECT_EQ(model->bytes, 6u);
+  EXPECT_EQ(model->report.at("faces"), 3);
+  EXPECT_EQ(ReadText(model->source_path), "source");
+  EXPECT_EQ(ReadText(model->model_path), "model");
+
+  const std::string key = Sha256Hex("how");
+  EXPECT_FALSE(store_->FindMesh("", id, key).has_value());
+  ASSERT_TRUE(store_->PutMesh("", id, key, Kept("mesh")).ok());
+  EXPECT_EQ(ReadText(store_->FindMesh("", id, key).value()), "mesh");
+}
+
+TEST_F(Stored, ArtifactsAreServedUnderTheirNameAndNothingElseIs) {
+  PutAnswer("question", 10);
+  PutModel("source");
+  const std::string picture = Sha256Hex("question..");
+  EXPECT_EQ(store_->FindArtifact("", picture + ".png").value().bytes, 10u);
+  EXPECT_FALSE(store_->FindArtifact("", picture + ".html").has_value()) << "the browser would run it";
+  EXPECT_FALSE(store_->FindArtifact("", Sha256Hex("source") + ".png").has_value()) << "somebody's CAD file";
+}
+
+TEST_F(Stored, AnOwnerFindsOnlyWhatIsTheirs) {
+  PutModel("source", "model", "anna");
+  EXPECT_TRUE(store_->FindModel("anna", Sha256Hex("source")).has_value());
+  EXPECT_FALSE(store_->FindModel("bert", Sha256Hex("source")).has_value());
+  EXPECT_FALSE(store_->FindModel("", Sha256Hex("source")).has_value());
+}
+
+TEST_F(Stored, EverythingOutlivesTheProcessButWhatACrashLeft) {
+  PutAnswer("question", 10);
+  PutModel("source");
+  const int files = FilesOnDisk();
+  Close();
+  WriteText(data_ + "/tmp/leftover", "of a crash");
+  std::filesystem::create_directories(data_ + "/files/ab");
+  WriteText(data_ + "/files/ab/" + std::string(64, 'a'), "named by no row");
+  Open();
+  EXPECT_TRUE(HasAnswer("question"));
+  EXPECT_TRUE(store_->FindModel("", Sha256Hex("source")).has_value());
+  EXPECT_TRUE(std::filesystem::is_empty(data_ + "/tmp"));
+  EXPECT_EQ(FilesOnDisk(), files);
+}
+
+TEST_F(Stored, OneProcessOwnsTheDirectory) {
+  const auto second = DataDirectory::Open(data_);
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(second.error().message, HasSubstr("in use by another facetless serve"));
+}
+
+TEST_F(Stored, RefusesADirectoryOfANewerVersionAndLeavesItAlone) {
+  PutAnswer("question", 10);
+  const auto set_version = [&](int version) {
+    ASSERT_TRUE(data_directory_->writer().RunScript("PRAGMA user_version = " + std::to_string(version)).ok());
+  };
+  set_version(kSchemaVersion + 1);
+  Close();
+  const auto refused = DataDirectory::Open(data_);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kBadUsage);
+  EXPECT_THAT(refused.error().message, HasSubstr("written by a newer facetless"));
+  ASSERT_TRUE(Database::Open(data_ + "/facetless.db")
+                  .value()
+                  ->RunScript("PRAGMA user_version = " + std::to_string(kSchemaVersion))
+                  .ok());
+  Open();
+  EXPECT_TRUE(HasAnswer("question"));
+}
+
+TEST_F(Stored, SaysSoWhenTheDatabaseIsNone) {
+  Close();
+  WriteText(data_ + "/facetless.db", std::string(4096, 'x'));
+  const auto opened = DataDirectory::Open(data_);
+  ASSERT_FALSE(opened.ok());
+  EXPECT_EQ(opened.error().code, ErrorCode::kFormatBroken);
+}
+
+TEST_F(Stored, GivesUpWhatWasUsedLongestAgo) {
+  Close();
+  Open({.max_bytes = 1000});
+  PutAnswer("one", 300);
+  PutAnswer("two", 300);
+  PutAnswer("three", 300);
+  EXPECT_TRUE(HasAnswer("one")) << "this use makes two the oldest";
+  PutAnswer("four", 300);
+  EXPECT_TRUE(HasAnswer("one"));
+  EXPECT_FALSE(HasAnswer("two"));
+  EXPECT_TRUE(HasAnswer("three"));
+  EXPECT_TRUE(HasAnswer("four"));
+  scratch_.clear();
+  EXPECT_EQ(FilesOnDisk(), 3);
+  const auto too_large = store_->MakeRoom(1001);
+  ASSERT_FALSE(too_large.ok());
+  EXPECT_EQ(too_large.error().code, ErrorCode::kWriteFailed);
+  EXPECT_TRUE(HasAnswer("four")) << "nothing is given up in vain";
+}
+
+TEST_F(Stored, NeverGivesUpWhatAJobNeeds) {
+  Close();
+  Open({.max_bytes = 1000});
+  PutModel(std::string(300, 's'), std::string(300, 'm'));
+  const std::string id = Sha256Hex(std::string(300, 's'));
+  SqlJobStore jobs(*data_directory_, {});
+  NewJob job;
+  job.kind = "render";
+  job.question = "question";
+  job.needs = {ModelItem("", id)};
+  ASSERT_TRUE(jobs.Submit(job).ok());
+  EXPECT_FALSE(store_->MakeRoom(500).ok()) << "only the model could go";
+  ASSERT_TRUE(store_->FindModel("", id).has_value());
+
+  // Nobody needs it after the job's end.
+  Job claimed = jobs.Claim("worker", 60).value().value();
+  EXPECT_FALSE(store_->MakeRoom(500).ok());
+  claimed.state = JobState::kCancelled;
+  ASSERT_TRUE(jobs.Finish(claimed).value());
+  EXPECT_TRUE(store_->MakeRoom(500).ok());
+  EXPECT_FALSE(store_->FindModel("", id).has_value());
+  EXPECT_EQ(FilesOnDisk(), 0);
+}
+
+TEST_F(Stored, ForgetsWhatWasNotUsedForLong) {
+  PutAnswer("old", 10);
+  PutAnswer("new", 10);
+  ASSERT_TRUE(data_directory_->writer()
+                  .Run("UPDATE items SET used = used - 1000 WHERE id = ?", {AnswerItem("", Sha256Hex("old"))})
+                  .ok());
+  Close();
+  Open({.max_age_s = 500});
+  store_->Sweep();
+  EXPECT_FALSE(HasAnswer("old"));
+  EXPECT_TRUE(HasAnswer("new"));
+}
+
+// ---- store check ----
+
+class Checked : public Stored {
+ protected:
+  Checked() {
+    PutModel("source");
+    PutAnswer("question", 10);
+    scratch_.clear();
+    const KeptFile report = Kept("{}"), page = Kept("<html>");
+    const auto put = store_->PutAnswer("", Sha256Hex("asked"), "{}",
+                                       {{report.sha256 + ".json", report}, {page.sha256 + ".html", page}});
+    EXPECT_TRUE(put.ok());
+    (void)data_directory_->writer().Run("DELETE FROM items WHERE id = ?",
+                                        {AnswerItem("", Sha256Hex("question"))});
+    (void)data_directory_->writer().Run("DELETE FROM uses WHERE holder = ?",
+                                        {AnswerItem("", Sha256Hex("question"))});
+    source_ = data_directory_->FilePath(Sha256Hex("source"));
+    std::filesystem::permissions(source_, std::filesystem::perms::owner_write,
+                                 std::filesystem::perm_options::add);
+  }
+  // What the check finds, as kinds.
+  std::vector<std::string> Faults() {
+    scratch_.clear();
+    Close();
+    const auto answer = CheckStore(data_);
+    EXPECT_TRUE(answer.ok()) << answer.error().message;
+    std::vector<std::string> kinds;
+    for (const auto& fault : answer.value().at("faults")) kinds.push_back(fault.at("kind"));
+    return kinds;
+  }
+  void Sql(const std::string& text) { ASSERT_TRUE(data_directory_->writer().RunScript(text).ok()); }
+
+  std::string source_;
+};
+
+TEST_F(Checked, FindsNothingInASoundStore) {
+  EXPECT_THAT(Faults(), IsEmpty());
+}
+
+TEST_F(Checked, FindsWhatHappenedToFiles) {
+  WriteText(source_, "sourcf");
+  WriteText(data_ + "/files/" + Sha256Hex("orphan"), "orphan");
+  std::filesystem::remove(data_directory_->FilePath(Sha256Hex("model")));
+  WriteText(data_ + "/tmp/torn", "half of it");
+  EXPECT_THAT(Faults(), UnorderedElementsAre("wrong-content", "orphan", "missing-file", "leftover"));
+}
+
+TEST_F(Checked, FindsATornFile) {
+  WriteText(source_, "sou");
+  EXPECT_THAT(Faults(), UnorderedElementsAre("wrong-size", "wrong-content"));
+}
+
+TEST_F(Checked, FindsRowsThatContradictEachOther) {
+  Sql("DELETE FROM uses WHERE role = 'source'; DELETE FROM loose WHERE file = '" + Sha256Hex("source") +
+      "';");
+  EXPECT_THAT(Faults(), UnorderedElementsAre("unused-file", "incomplete-model"));
+}
+
+TEST_F(Checked, FindsRowsWithoutFilesAndHolders) {
+  Sql("INSERT INTO uses VALUES('/answer/nowhere', 'x', 'nothing');");
+  EXPECT_THAT(Faults(), UnorderedElementsAre("use-without-file", "use-without-holder"));
+}
+
+TEST_F(Checked, FindsAJobThatIsBothDoneAndQueued) {
+  SqlJobStore jobs(*data_directory_, {});
+  NewJob job;
+  job.question = "question";
+  const std::string id = jobs.Submit(job).value().job.id;
+  Sql("UPDATE jobs SET result = '/answer/x', finished = 1;");
+  EXPECT_THAT(Faults(), UnorderedElementsAre("contradictory-job"));
+}
+
+TEST_F(Checked, FindsAJobThatHoldsOnToThings) {
+  SqlJobStore jobs(*data_directory_, {});
+  NewJob job;
+  job.question = "question";
+  job.needs = {"/model/x"};
+  ASSERT_TRUE(jobs.Submit(job).ok());
+  Sql("UPDATE jobs SET state = 'cancelled', finished = 1;");
+  EXPECT_THAT(Faults(), UnorderedElementsAre("job-holds"));
+}
+
+TEST_F(Checked, NeedsADirectoryThatIsOneAndNotInUse) {
+  EXPECT_FALSE(CheckStore(data_).ok());
+  EXPECT_EQ(CheckStore(directory_.path()).error().code, ErrorCode::kBadUsage);
+}
+
+TEST(SafeFileName, KeepsWhatIsHarmless) {
+  EXPECT_EQ(SafeFileName("part-1_a.step"), "part-1_a.step");
+  EXPECT_EQ(SafeFileName("Gehäuse 2.stp"), "Gehäuse 2.stp");
+  EXPECT_EQ(SafeFileName("../../etc/passwd"), "passwd");
+  EXPECT_EQ(SafeFileName("C:\\parts\\a.igs"), "a.igs");
+  EXPECT_EQ(SafeFileName("..hidden"), "hidden");
+  EXPECT_EQ(SafeFileName("a\nb<c>.step"), "a_b_c_.step");
+  EXPECT_EQ(SafeFileName(""), "model");
+  EXPECT_EQ(SafeFileName("/"), "model");
+  const std::string kept = SafeFileName(std::string(300, 'x') + ".step");
+  EXPECT_EQ(kept.size(), 100u);
+  EXPECT_TRUE(kept.ends_with(".step"));
+}
+
+TEST(Files, AreWrittenInFullOrNotAtAll) {
+  const TempDir directory = TempDir::Create().value();
+  const std::string path = directory.File("file");
+  ASSERT_TRUE(WriteFileAtomically(path, "one").ok());
+  ASSERT_TRUE(WriteFileAtomically(path, "two").ok());
+  EXPECT_EQ(ReadText(path), "two");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
+  auto failed = WriteFileAtomically(directory.File("absent/file"), "x");
+  ASSERT_FALSE(failed.ok());
+  EXPECT_EQ(failed.error().code, ErrorCode::kWriteFailed);
+  EXPECT_EQ(ReadFile(path, 2).error().code, ErrorCode::kLimitExceeded);
+  EXPECT_EQ(ReadFile(directory.path(), 2).error().code, ErrorCode::kFileUnreadable);
+}
+
+TEST(Files, JsonWithBytesThatAreNoUtf8IsStillJson) {
+  const std::string text = JsonText({{"name",
+                                      "fl\xe4"
+                                      "che"}},
+                                    -1);
+  EXPECT_EQ(text,
+            "{\"name\":\"fl\xef\xbf\xbd"
+            "che\"}");
+}
+
+TEST(Sha256, OfFilesAndPieces) {
+  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  Sha256 pieces;
+  pieces.Add("a", 1);
+  pieces.Add("bc", 2);
+  EXPECT_EQ(pieces.Hex(), Sha256Hex("abc"));
+  EXPECT_EQ(Sha256OfFile("/no/such/file").error().code, ErrorCode::kFileUnreadable);
+}
+
+}  // namespace
+}  // namespace facetless

@@ -1,0 +1,370 @@
+#include "tests/verify/oracle/oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "tests/verify/oracle/patch_roots.h"
+
+namespace facetless::oracle {
+namespace {
+
+// A box over which the ray's two planes vary by less than this share of the model's size is not cut any more:
+// what is still open there is a doubt, known to this precision.
+constexpr double kFloorShare = 0x1p-52;
+// Roots this near to the border of their patch, in its own parameters, may be a neighbour's too.
+constexpr double kNearBorder = 0x1p-40;
+// The same crossing, found on two patches, has depths that differ by rounding in the control points only.
+constexpr double kSameDepthShare = 0x1p-40;
+// A root this far beyond its patch counts as on the border: Real's own rounding of the parameter.
+constexpr double kOnBorder = 0x1p-90;
+// Distances at which even-odd gives up, of the size of the parameters.
+constexpr double kTrimFloor = 0x1p-72;
+// What double may do to the boxes and signs that only decide what need not be looked at.
+constexpr double kCullingShare = 1e-12;
+
+// A plane, as a linear function of homogeneous points in the coordinates of a part.
+struct Covector {
+  Real x, y, z, w;
+  Real At(const Vec4& p) const { return x * p.x + y * p.y + z * p.z + w * p.w; }
+};
+
+// normal·(point − origin) for points of an instance.
+Covector CovectorOf(const Placement& placement, Real3 normal, Real3 origin) {
+  const auto& m = placement.m;
+  const auto column = [&](int c) { return normal.x * m[0][c] + normal.y * m[1][c] + normal.z * m[2][c]; };
+  const Real3 shift = Real3{m[0][3], m[1][3], m[2][3]} - origin;
+  return {column(0), column(1), column(2), Dot(normal, shift)};
+}
+
+// In double, whether the plane certainly has the patch's control points on one side.
+bool OneSide(const Covector& plane, const Vec4* points, std::size_t count) {
+  const double x = static_cast<double>(plane.x), y = static_cast<double>(plane.y),
+               z = static_cast<double>(plane.z), w = static_cast<double>(plane.w);
+  bool positive = true, negative = true;
+  for (std::size_t i = 0; i < count && (positive || negative); ++i) {
+    const double a = x * points[i].x, b = y * points[i].y, c = z * points[i].z, d = w * points[i].w;
+    const double value = a + b + c + d;
+    const double slack = kCullingShare * (std::fabs(a) + std::fabs(b) + std::fabs(c) + std::fabs(d));
+    positive = positive && value > slack;
+    negative = negative && value < -slack;
+  }
+  return positive || negative;
+}
+
+// The patch's coefficients of a plane, and a bound of their error.
+std::vector<Real> Coefficients(const Covector& plane, const Vec4* points, std::size_t count, Real& error) {
+  std::vector<Real> result(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec4& p = points[i];
+    result[i] = plane.At(p);
+    const Real size = Abs(plane.x * p.x) + Abs(plane.y * p.y) + Abs(plane.z * p.z) + Abs(plane.w * p.w);
+    error = Max(error, 4 * kHalfUlp * size);
+  }
+  return result;
+}
+
+struct Native {
+  Real value, rate;  // rate: by the patch's own parameter
+};
+Native NativeOf(const Span& span, Real t) {
+  const Real begin = span.begin, end = span.end;
+  if (span.map == SpanMap::kLinear) return {begin + t * (end - begin), end - begin};
+  // (2t − 1)·tan(h/2) = tan((native − m)/2).
+  const Real tangent = Tan((end - begin) / 4), x = (2 * t - 1) * tangent;
+  return {(begin + end) / 2 + 2 * Atan(x), 4 * tangent / (1 + x * x)};
+}
+
+// Reads the points of a curve with its coordinates mapped: `map` takes a stored point to a Real3.
+template <typename Point, typename Map>
+HomogeneousCurve Mapped(const Point* points, int degree, const Map& map) {
+  HomogeneousCurve curve;
+  for (int i = 0; i <= degree; ++i) curve.push_back(map(points[i]));
+  return curve;
+}
+
+// The straight piece from where one curve ends to where another begins.
+HomogeneousCurve Joint(const Real3& end, const Real3& begin) {
+  return {end, begin};
+}
+
+}  // namespace
+
+Oracle::Oracle(const Model& model) : model_(model) {
+  // Boxes of the placed faces, from their control points.
+  boxes_.reserve(model.PlacedFaceCount());
+  for (const Instance& instance : model.instances) {
+    const Part& part = model.parts[instance.part];
+    for (std::uint32_t f = part.faces.first; f < part.faces.end(); ++f) {
+      const Surface& surface = model.surfaces[model.faces[f].surface];
+      Box3 box;
+      for (std::uint32_t i = 0; i < surface.PatchCount() * surface.PointsPerPatch(); ++i) {
+        const Vec4& p = model.control_points[surface.first_control_point + i];
+        box.Add(instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w}));
+      }
+      const double size = box.diagonal() + Length(box.low) + Length(box.high);
+      const Vec3 slack = kCullingShare * size * Vec3{1, 1, 1};
+      boxes_.push_back({box.low - slack, box.high + slack});
+    }
+  }
+  // Boxes of the trim segments, a unit in the last place wider than their control points.
+  for (const TrimSegment& segment : model.trim_segments) {
+    TrimBox box{INFINITY, -INFINITY, -INFINITY};
+    for (std::uint32_t i = segment.first_point; i <= segment.first_point + segment.degree; ++i) {
+      const Vec3& p = model.trim_points[i];
+      box.u_low = std::min(box.u_low, std::nextafter(p.x / p.z, -INFINITY));
+      box.u_high = std::max(box.u_high, std::nextafter(p.x / p.z, INFINITY));
+      box.v_high = std::max(box.v_high, std::nextafter(p.y / p.z, INFINITY));
+    }
+    trim_boxes_.push_back(box);
+  }
+}
+
+Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
+  const Range loops = model_.faces[face].loops;
+  if (loops.count == 0) return Standing::kInside;
+  const Real floor = kTrimFloor * (1 + Abs(u) + Abs(v));
+  bool odd = false, unsure = false;
+  const auto count = [&](const HomogeneousCurve& curve) {
+    const Parity parity = CrossesUpwardAxis(curve, floor);
+    unsure = unsure || parity == Parity::kUnsure;
+    odd = odd != (parity == Parity::kOdd);
+  };
+  const double near_u = static_cast<double>(u), near_v = static_cast<double>(v);
+  for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
+    const Range coedges = model_.loops[l].coedges;
+    bool started = false;
+    Real3 first, last;
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+      const Range segments = model_.coedges[c].segments;
+      for (std::uint32_t s = segments.first; s < segments.end(); ++s) {
+        const TrimSegment& segment = model_.trim_segments[s];
+        const Vec3* points = model_.trim_points.data() + segment.first_point;
+        const auto relative = [&](const Vec3& p) { return Real3{p.x - p.z * u, p.y - p.z * v, p.z}; };
+        const Real3 begin = relative(points[0]), end = relative(points[segment.degree]);
+        // Segments meet to within rounding; a straight piece closes what is left between them.
+        if (started) count(Joint(last, begin));
+        if (!started) first = begin;
+        started = true;
+        last = end;
+        const TrimBox& box = trim_boxes_[s];
+        const double reach_u = std::nextafter(near_u, INFINITY), reach_v = std::nextafter(near_v, -INFINITY);
+        if (reach_u < box.u_low || std::nextafter(near_u, -INFINITY) > box.u_high || reach_v > box.v_high)
+          continue;
+        count(Mapped(points, segment.degree, relative));
+      }
+    }
+    if (started) count(Joint(last, first));
+  }
+  if (unsure) return Standing::kUnsure;
+  return odd ? Standing::kInside : Standing::kOutside;
+}
+
+void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed_face,
+                           std::vector<Crossing>& found) const {
+  const Instance& instance = model_.instances[model_.InstanceOf(placed_face)];
+  const std::uint32_t face = model_.FaceOf(placed_face);
+  const Surface& surface = model_.surfaces[model_.faces[face].surface];
+  const int n = surface.degree_u, m = surface.degree_v;
+  const Real3 along = Normalized(ray.direction);
+  const Covector across = CovectorOf(instance.placement, ray.across, ray.origin),
+                 down = CovectorOf(instance.placement, ray.down, ray.origin),
+                 forth = CovectorOf(instance.placement, along, ray.origin);
+  const Real depth_per_mm = 1 / Length(ray.direction);
+  const Real floor = kFloorShare * model_.Diagonal();
+  for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
+    const std::size_t count = surface.PointsPerPatch();
+    // A factor of all weights changes nothing: a power of two brings the largest near 1, exactly.
+    const Vec4* first = model_.control_points.data() + surface.first_control_point + patch * count;
+    double largest = 0, smallest = INFINITY;
+    for (std::size_t i = 0; i < count; ++i) {
+      largest = std::max(largest, first[i].w);
+      smallest = std::min(smallest, first[i].w);
+    }
+    const double scale = std::exp2(-std::floor(std::log2(largest)));
+    std::vector<Vec4> scaled(first, first + count);
+    for (Vec4& p : scaled) p = scale * p;
+    const Vec4* points = scaled.data();
+    if (OneSide(across, points, count) || OneSide(down, points, count)) continue;
+    BernsteinPair pair{n, m, {}, {}, 0};
+    pair.f = Coefficients(across, points, count, pair.error);
+    pair.g = Coefficients(down, points, count, pair.error);
+    // Coefficients are lengths times weights.
+    const std::vector<PatchRoot> roots = FindRoots(pair, floor * (scale * smallest));
+    if (roots.empty()) continue;
+    Real unused = 0;
+    const std::vector<Real> height = Coefficients(forth, points, count, unused);
+    std::vector<Real> weight(count);
+    for (std::size_t i = 0; i < count; ++i) weight[i] = points[i].w;
+    for (const PatchRoot& root : roots) {
+      Crossing crossing;
+      crossing.placed_face = placed_face;
+      crossing.patch = patch;
+      crossing.proven = root.proven;
+      crossing.border = Min(Min(root.u, 1 - root.u), Min(root.v, 1 - root.v));
+      // The depth.
+      const Jet h = Evaluate(height, n, m, root.u, root.v), w = Evaluate(weight, n, m, root.u, root.v);
+      if (root.proven) {
+        crossing.depth = h.value / w.value * depth_per_mm;
+      } else {
+        const Real u0 = root.u - root.half_u, u1 = root.u + root.half_u, v0 = root.v - root.half_v,
+                   v1 = root.v + root.half_v;
+        const std::vector<Real> heights = Restrict(height, n, m, u0, u1, v0, v1),
+                                weights = Restrict(weight, n, m, u0, u1, v0, v1);
+        Real low = heights[0] / weights[0], high = low;
+        for (std::size_t i = 0; i < count; ++i) {
+          low = Min(low, heights[i] / weights[i]);
+          high = Max(high, heights[i] / weights[i]);
+        }
+        crossing.depth = (low + high) / 2 * depth_per_mm;
+        crossing.half_depth = (high - low) / 2 * depth_per_mm;
+      }
+      if (!(crossing.depth + crossing.half_depth > near)) continue;
+      // Tangents across the ray, and the normal.
+      const Span& span_u = model_.spans[surface.u_spans.first + patch / surface.v_spans.count];
+      const Span& span_v = model_.spans[surface.v_spans.first + patch % surface.v_spans.count];
+      const Real inwards_u = Max(kInwards, Min(1 - Real(kInwards), root.u)),
+                 inwards_v = Max(kInwards, Min(1 - Real(kInwards), root.v));
+      const Native u = NativeOf(span_u, inwards_u), v = NativeOf(span_v, inwards_v);
+      const Jet f = Evaluate(pair.f, n, m, root.u, root.v), g = Evaluate(pair.g, n, m, root.u, root.v);
+      const auto by_u = [&](const Jet& jet) { return (jet.du - jet.value / w.value * w.du) / w.value; };
+      const auto by_v = [&](const Jet& jet) { return (jet.dv - jet.value / w.value * w.dv) / w.value; };
+      const Real3 du{by_u(f), by_u(g), by_u(h)}, dv{by_v(f), by_v(g), by_v(h)};
+      const Real3 normal = Cross(du, dv);
+      const Real length = Length(normal);
+      crossing.cosine = length > 0 ? static_cast<double>(Abs(normal.z) / length) : 0;
+      crossing.turns = (normal.z > 0) - (normal.z < 0);
+      crossing.u = u.value;
+      crossing.v = v.value;
+      crossing.tangents[0][0] = static_cast<double>(du.x / u.rate);
+      crossing.tangents[0][1] = static_cast<double>(dv.x / v.rate);
+      crossing.tangents[1][0] = static_cast<double>(du.y / u.rate);
+      crossing.tangents[1][1] = static_cast<double>(dv.y / v.rate);
+      // Inside or outside.
+      const bool beyond = -crossing.border > root.radius + kOnBorder;
+      if (root.proven && !beyond) crossing.standing = StandingOf(face, u.value, v.value);
+      found.push_back(crossing);
+    }
+  }
+}
+
+std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
+  const auto narrow = [](Real3 v) {
+    return Vec3{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+  };
+  const Vec3 across = narrow(ray.across), down = narrow(ray.down);
+  const double across_origin = static_cast<double>(Dot(ray.across, ray.origin)),
+               down_origin = static_cast<double>(Dot(ray.down, ray.origin));
+  const double origin_slack = kCullingShare * Length(narrow(ray.origin));
+  // Whether the line misses the box, seen along one of the two directions across it.
+  const auto misses = [&](const Box3& box, Vec3 axis, double origin) {
+    const Vec3 center = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
+    const double reach = std::fabs(axis.x) * half.x + std::fabs(axis.y) * half.y + std::fabs(axis.z) * half.z;
+    return std::fabs(Dot(axis, center) - origin) > reach * (1 + kCullingShare) + origin_slack;
+  };
+  std::vector<Crossing> all;
+  for (std::uint32_t id = 0; id < boxes_.size(); ++id) {
+    if (misses(boxes_[id], across, across_origin) || misses(boxes_[id], down, down_origin)) continue;
+    std::vector<Crossing> found;
+    FaceCrossings(ray, near, id, found);
+    // Law 1: one crossing where two patches meet. The more definite one speaks for both.
+    const Real same = kSameDepthShare * model_.Diagonal();
+    for (const Crossing& crossing : found) {
+      const auto twin = std::find_if(all.begin(), all.end(), [&](const Crossing& other) {
+        const bool same_way = !other.proven || !crossing.proven || other.turns * crossing.turns >= 0;
+        return other.placed_face == id && other.patch != crossing.patch && same_way &&
+               other.border < kNearBorder && crossing.border < kNearBorder &&
+               Abs(other.depth - crossing.depth) <= same + other.half_depth + crossing.half_depth;
+      });
+      if (twin == all.end()) {
+        all.push_back(crossing);
+      } else if (crossing.standing < twin->standing) {
+        *twin = crossing;
+      }
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Crossing& a, const Crossing& b) { return a.depth < b.depth; });
+  return all;
+}
+
+double Oracle::TrimDistance(const Crossing& crossing, double limit_mm) const {
+  const std::uint32_t face = model_.FaceOf(crossing.placed_face);
+  const Range loops = model_.faces[face].loops;
+  const auto& tangents = crossing.tangents;
+  double best = limit_mm;
+  bool any = false;
+  const auto uses = [&](std::uint32_t edge) {
+    int count = 0;
+    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
+      const Range coedges = model_.loops[l].coedges;
+      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) count += model_.coedges[c].edge == edge;
+    }
+    return count;
+  };
+  for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
+    const Range coedges = model_.loops[l].coedges;
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+      const Coedge& coedge = model_.coedges[c];
+      if (coedge.edge != kNoIndex && model_.edges[coedge.edge].degenerate) continue;
+      bool seam_known = false, seam = false;
+      for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
+        const TrimSegment& segment = model_.trim_segments[s];
+        const HomogeneousCurve curve =
+            Mapped(model_.trim_points.data() + segment.first_point, segment.degree, [&](const Vec3& p) {
+              const Real du = p.x - p.z * crossing.u, dv = p.y - p.z * crossing.v;
+              return Real3{tangents[0][0] * du + tangents[0][1] * dv,
+                           tangents[1][0] * du + tangents[1][1] * dv, p.z};
+            });
+        const double distance = NearestTo(curve, best).distance;
+        if (!(distance <= best)) continue;
+        if (!seam_known) seam = coedge.edge != kNoIndex && uses(coedge.edge) > 1;
+        seam_known = true;
+        if (seam) continue;
+        best = distance;
+        any = true;
+      }
+    }
+  }
+  return any ? best : INFINITY;
+}
+
+EdgeContact Oracle::NearestEdge(const ViewRay& ray, std::uint32_t placed_face, double depth, double slack_mm,
+                                double depth_reach) const {
+  const Instance& instance = model_.instances[model_.InstanceOf(placed_face)];
+  const Range loops = model_.faces[model_.FaceOf(placed_face)].loops;
+  const Covector across = CovectorOf(instance.placement, ray.across, ray.origin),
+                 down = CovectorOf(instance.placement, ray.down, ray.origin),
+                 forth = CovectorOf(instance.placement, Normalized(ray.direction), ray.origin);
+  const Real depth_per_mm = 1 / Length(ray.direction);
+  EdgeContact best;
+  for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
+    const Range coedges = model_.loops[l].coedges;
+    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+      const Coedge& coedge = model_.coedges[c];
+      if (coedge.edge == kNoIndex) continue;
+      const Edge& edge = model_.edges[coedge.edge];
+      for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
+        const EdgeSegment& segment = model_.edge_segments[s];
+        const Vec4* points = model_.edge_points.data() + segment.first_point;
+        const HomogeneousCurve curve = Mapped(points, segment.degree, [&](const Vec4& p) {
+          return Real3{across.At(p), down.At(p), p.w};
+        });
+        const Nearest nearest = NearestTo(curve, coedge.gap_mm + slack_mm);
+        if (!(nearest.distance <= coedge.gap_mm + slack_mm)) continue;
+        const Real3 high = PointAt(Mapped(points, segment.degree,
+                                          [&](const Vec4& p) {
+                                            return Real3{forth.At(p), 0, p.w};
+                                          }),
+                                   nearest.t);
+        const double edge_depth = static_cast<double>(high.x / high.z * depth_per_mm);
+        if (!(std::fabs(edge_depth - depth) <= depth_reach)) continue;
+        if (best.coedge == kNoIndex || nearest.distance - coedge.gap_mm < best.distance_mm - best.gap_mm)
+          best = {c, nearest.distance, coedge.gap_mm, edge_depth};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace facetless::oracle

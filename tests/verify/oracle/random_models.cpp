@@ -1,0 +1,263 @@
+#include "tests/verify/oracle/random_models.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace facetless::oracle {
+namespace {
+
+struct KnotLine {
+  std::vector<double> knots;   // clamped
+  std::vector<double> breaks;  // distinct ones
+};
+
+KnotLine RandomKnots(int degree, int spans, Random& random) {
+  KnotLine line;
+  double at = random.Uniform(-5, 5);
+  for (int span = 0; span <= spans; ++span) {
+    const bool inside = span > 0 && span < spans;
+    const int multiplicity =
+        inside ? 1 + static_cast<int>(random.Below(static_cast<std::uint32_t>(degree))) : degree + 1;
+    line.knots.insert(line.knots.end(), static_cast<std::size_t>(multiplicity), at);
+    line.breaks.push_back(at);
+    at += random.Uniform(0.2, 2);
+  }
+  return line;
+}
+
+// W. Boehm: inserts interior knots until each has the multiplicity of the degree.
+std::vector<Vec4> ToBezier(std::vector<Vec4> points, KnotLine line, int degree) {
+  std::vector<double>& knots = line.knots;
+  for (std::size_t b = 1; b + 1 < line.breaks.size(); ++b) {
+    const double knot = line.breaks[b];
+    while (std::count(knots.begin(), knots.end(), knot) < degree) {
+      // knots[k] <= knot < knots[k + 1].
+      const auto above = std::upper_bound(knots.begin(), knots.end(), knot);
+      const std::size_t k = static_cast<std::size_t>(above - knots.begin()) - 1,
+                        p = static_cast<std::size_t>(degree);
+      std::vector<Vec4> inserted;
+      for (std::size_t i = 0; i <= points.size(); ++i) {
+        if (i + p <= k) {
+          inserted.push_back(points[i]);
+        } else if (i > k) {
+          inserted.push_back(points[i - 1]);
+        } else {
+          const double share = std::clamp((knot - knots[i]) / (knots[i + p] - knots[i]), 0.0, 1.0);
+          inserted.push_back((1 - share) * points[i - 1] + share * points[i]);
+        }
+      }
+      points = std::move(inserted);
+      knots.insert(knots.begin() + static_cast<std::ptrdiff_t>(k) + 1, knot);
+    }
+  }
+  return points;
+}
+
+Model OneFace(Surface surface, const std::vector<double>& u_breaks, const std::vector<double>& v_breaks) {
+  Model model;
+  for (std::size_t i = 0; i + 1 < u_breaks.size(); ++i) model.spans.push_back({u_breaks[i], u_breaks[i + 1]});
+  surface.u_spans = {0, static_cast<std::uint32_t>(u_breaks.size() - 1)};
+  for (std::size_t i = 0; i + 1 < v_breaks.size(); ++i) model.spans.push_back({v_breaks[i], v_breaks[i + 1]});
+  surface.v_spans = {surface.u_spans.count, static_cast<std::uint32_t>(v_breaks.size() - 1)};
+  model.surfaces.push_back(surface);
+  model.faces.emplace_back();
+  model.parts.push_back({"part", {0, 1}, {}});
+  model.instances.emplace_back();
+  return model;
+}
+
+}  // namespace
+
+Model RandomSurface(const SurfaceRecipe& recipe) {
+  Random random(recipe.seed);
+  const int n = recipe.degree_u, m = recipe.degree_v;
+  const KnotLine u = RandomKnots(n, recipe.spans_u, random), v = RandomKnots(m, recipe.spans_v, random);
+  const std::size_t rows = u.knots.size() - static_cast<std::size_t>(n) - 1,
+                    columns = v.knots.size() - static_cast<std::size_t>(m) - 1;
+  // The B-spline's net, then Bézier along v, then along u.
+  constexpr double kSide = 10;
+  std::vector<std::vector<Vec4>> net(rows);
+  const double log_spread = std::log(recipe.weight_spread);
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t j = 0; j < columns; ++j) {
+      const auto off = [&] { return kSide * recipe.bump * random.Uniform(-1, 1); };
+      const double x =
+          kSide * static_cast<double>(i) / static_cast<double>(rows - 1) + off() / static_cast<double>(rows);
+      const double y = kSide * static_cast<double>(j) / static_cast<double>(columns - 1) +
+                       off() / static_cast<double>(columns);
+      const double z = off();
+      const double w = recipe.weight_spread > 1 ? std::exp(log_spread * random.Uniform(-1, 1)) : 1;
+      net[i].push_back({w * x, w * y, w * z, w});
+    }
+    net[i] = ToBezier(net[i], v, m);
+  }
+  std::vector<std::vector<Vec4>> lines;  // along u
+  for (std::size_t j = 0; j < net[0].size(); ++j) {
+    std::vector<Vec4> line;
+    for (std::size_t i = 0; i < rows; ++i) line.push_back(net[i][j]);
+    lines.push_back(ToBezier(line, u, n));
+  }
+  Surface surface;
+  surface.degree_u = static_cast<std::uint8_t>(n);
+  surface.degree_v = static_cast<std::uint8_t>(m);
+  surface.rational = recipe.weight_spread > 1;
+  Model model = OneFace(surface, u.breaks, v.breaks);
+  for (int a = 0; a < recipe.spans_u; ++a) {
+    for (int b = 0; b < recipe.spans_v; ++b) {
+      for (int k = 0; k <= n; ++k) {
+        for (int l = 0; l <= m; ++l) {
+          Vec4 p = lines[static_cast<std::size_t>(b * m + l)][static_cast<std::size_t>(a * n + k)];
+          if (!surface.rational) p.w = 1;  // a mean of ones may be rounded
+          model.control_points.push_back(p);
+          model.bounds.Add({p.x / p.w, p.y / p.w, p.z / p.w});
+        }
+      }
+    }
+  }
+  return model;
+}
+
+void AddRandomLoop(Model& model, int corners, double radius, bool clockwise, std::uint64_t seed) {
+  Random random(seed);
+  const Surface& surface = model.surfaces[model.faces[0].surface];
+  const double u0 = model.spans[surface.u_spans.first].begin, u1 = model.spans[surface.u_spans.end() - 1].end;
+  const double v0 = model.spans[surface.v_spans.first].begin, v1 = model.spans[surface.v_spans.end() - 1].end;
+  std::vector<Vec2> places;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * (i + random.Uniform(0, 0.5)) / corners;
+    const double size = radius * random.Uniform(0.6, 1);
+    places.push_back({0.5 * (u0 + u1) + 0.5 * (u1 - u0) * size * std::cos(angle),
+                      0.5 * (v0 + v1) + 0.5 * (v1 - v0) * size * std::sin(angle)});
+  }
+  if (clockwise) std::reverse(places.begin(), places.end());
+  Loop loop;
+  loop.coedges = {static_cast<std::uint32_t>(model.coedges.size()), static_cast<std::uint32_t>(corners)};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Vec2 a = places[i], b = places[(i + 1) % places.size()];
+    const int degree = 1 + static_cast<int>(random.Below(3));
+    Coedge coedge;
+    coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
+    model.coedges.push_back(coedge);
+    model.trim_segments.push_back(
+        {static_cast<std::uint8_t>(degree), static_cast<std::uint32_t>(model.trim_points.size())});
+    for (int k = 0; k <= degree; ++k) {
+      const bool end = k == 0 || k == degree;
+      const double t = static_cast<double>(k) / degree;
+      const Vec2 bulge = end ? Vec2{} : random.Uniform(-0.2, 0.2) * Vec2{b.y - a.y, a.x - b.x};
+      // Ends are the very corners: consecutive segments must meet.
+      const Vec2 p = k == 0 ? a : k == degree ? b : (1 - t) * a + t * b + bulge;
+      const double w = end ? 1 : random.Uniform(0.3, 3);
+      model.trim_points.push_back({w * p.x, w * p.y, w});
+    }
+  }
+  if (model.faces[0].loops.count == 0)
+    model.faces[0].loops.first = static_cast<std::uint32_t>(model.loops.size());
+  ++model.faces[0].loops.count;
+  model.loops.push_back(loop);
+}
+
+Model SolidBox(const Placement& placement) {
+  Model model;
+  Part part{"box", {0, 6}, {0, 1}};
+  model.parts.push_back(part);
+  model.solids.push_back({0, true, "box"});
+  model.instances.emplace_back();
+  model.instances[0].placement = placement;
+  const auto corner = [](int i) { return Vec3{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0}; };
+  for (int i = 0; i < 8; ++i) {
+    model.vertices.push_back({corner(i), 0});
+    model.bounds.Add(placement.Point(corner(i)));
+  }
+  // An edge from each corner to each neighbour with one bit more.
+  std::array<std::array<std::uint32_t, 8>, 8> edge_of{};
+  for (int i = 0; i < 8; ++i) {
+    for (const int bit : {1, 2, 4}) {
+      if (i & bit) continue;
+      const int j = i | bit;
+      edge_of[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
+          static_cast<std::uint32_t>(model.edges.size());
+      Edge edge;
+      edge.segments = {static_cast<std::uint32_t>(model.edge_segments.size()), 1};
+      edge.vertices[0] = static_cast<std::uint32_t>(i);
+      edge.vertices[1] = static_cast<std::uint32_t>(j);
+      edge.coedge_count = 2;
+      model.edges.push_back(edge);
+      model.edge_segments.push_back({1, static_cast<std::uint32_t>(model.edge_points.size()), 0, 1});
+      for (const int end : {i, j})
+        model.edge_points.push_back({corner(end).x, corner(end).y, corner(end).z, 1});
+    }
+  }
+  // A face across each axis, at each end: u and v along the other two, in turn, so that Su × Sv points outwards
+  // at the upper end.
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool upper : {false, true}) {
+      const int along_u = 1 << ((axis + 1) % 3), along_v = 1 << ((axis + 2) % 3),
+                base = upper ? 1 << axis : 0;
+      Surface surface;
+      surface.kind = SurfaceKind::kPlane;
+      surface.u_spans = {static_cast<std::uint32_t>(model.spans.size()), 1};
+      surface.v_spans = {static_cast<std::uint32_t>(model.spans.size()) + 1, 1};
+      surface.first_control_point = static_cast<std::uint32_t>(model.control_points.size());
+      // The plane reaches beyond the face, as those of an importer do.
+      constexpr double kReach = 1.25;
+      surface.extendable_u = surface.extendable_v = true;
+      model.spans.push_back({-kReach, kReach});
+      model.spans.push_back({-kReach, kReach});
+      for (const double u : {-kReach, kReach}) {
+        for (const double v : {-kReach, kReach}) {
+          double p[3] = {};
+          p[axis] = upper ? 1 : -1;
+          p[(axis + 1) % 3] = u;
+          p[(axis + 2) % 3] = v;
+          model.control_points.push_back({p[0], p[1], p[2], 1});
+        }
+      }
+      Face face;
+      face.surface = static_cast<std::uint32_t>(model.surfaces.size());
+      face.loops = {static_cast<std::uint32_t>(model.loops.size()), 1};
+      face.reversed = !upper;
+      face.solid = 0;
+      model.surfaces.push_back(surface);
+      model.loops.push_back({{static_cast<std::uint32_t>(model.coedges.size()), 4}});
+      const int around[5] = {base, base | along_u, base | along_u | along_v, base | along_v, base};
+      for (int side = 0; side < 4; ++side) {
+        const int from = around[side], to = around[side + 1];
+        Coedge coedge;
+        coedge.edge = edge_of[static_cast<std::size_t>(std::min(from, to))]
+                             [static_cast<std::size_t>(std::max(from, to))];
+        coedge.reversed = from > to;
+        coedge.from_file = true;
+        coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
+        model.coedges.push_back(coedge);
+        model.trim_segments.push_back({1, static_cast<std::uint32_t>(model.trim_points.size()),
+                                       coedge.reversed ? 1.0 : 0.0, coedge.reversed ? 0.0 : 1.0});
+        for (const int end : {from, to})
+          model.trim_points.push_back({end & along_u ? 1.0 : -1.0, end & along_v ? 1.0 : -1.0, 1});
+      }
+      model.faces.push_back(face);
+    }
+  }
+  return model;
+}
+
+Placement RandomPlacement(Random& random) {
+  // A unit quaternion.
+  double q[4], square = 0;
+  do {
+    square = 0;
+    for (double& c : q) {
+      c = random.Uniform(-1, 1);
+      square += c * c;
+    }
+  } while (square > 1 || square < 0.01);
+  for (double& c : q) c /= std::sqrt(square);
+  const double s = std::exp2(random.Uniform(-2, 2)), a = q[0], b = q[1], c = q[2], d = q[3];
+  const auto shift = [&] { return random.Uniform(-100, 100); };
+  return {{{s * (a * a + b * b - c * c - d * d), s * 2 * (b * c - a * d), s * 2 * (b * d + a * c), shift()},
+           {s * 2 * (b * c + a * d), s * (a * a - b * b + c * c - d * d), s * 2 * (c * d - a * b), shift()},
+           {s * 2 * (b * d - a * c), s * 2 * (c * d + a * b), s * (a * a - b * b - c * c + d * d), shift()}}};
+}
+
+}  // namespace facetless::oracle
