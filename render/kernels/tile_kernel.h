@@ -7,8 +7,7 @@
 //  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a
 //     miss or pin the root down to kSolverTolerance; then it is frozen. Lanes never influence each other, so
 //     all builds give the same bits.
-//  3. The kernel knows numbers only. Trimming, borders of patches and leaves without a certificate go through plain
-//     functions.
+//  3. The kernel knows numbers only. Trimming, borders of patches and leaves without a certificate are the HitResolver's.
 //  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
 //     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds to
 //     the leaf's depth in double.
@@ -53,6 +52,33 @@ struct ViewAxes {
   double pixel_x = 1, pixel_y = 1;  // as CameraFrame's
 };
 
+// Takes the roots of one leaf and one ray.
+class RootSink {
+ public:
+  // `kept`: the trimming keeps the root.
+  virtual void Add(const TileHit& hit, std::uint8_t doubt, bool kept) = 0;
+
+ protected:
+  ~RootSink() = default;
+};
+
+// What the kernel asks of the tracer around it. (x, y) is the ray's pixel relative to the image centre.
+class HitResolver {
+ public:
+  // Whether the hit at (s, t) of a leaf with kLeafTrimmed lies inside its face; adds to *doubt.
+  virtual bool IsInsideFace(const Leaf& leaf, double s, double t, double x, double y,
+                            std::uint8_t* doubt) = 0;
+  // Whether a root on the border of its patch is the leaf's own; adds to *doubt and to hit->error.
+  virtual bool OwnsBorderRoot(const Leaf& leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) = 0;
+  // Adds the roots of a leaf without a certificate that are nearer than `limit`. Returns the doubts that belong to no root.
+  virtual std::uint8_t SolveHardLeaf(const Leaf& leaf, double x, double y, double limit, RootSink* roots) = 0;
+  // Takes a hit of sample row·tile_size + column of the tile, where TileJob::every_hit is set.
+  virtual void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = 0;
+
+ protected:
+  ~HitResolver() = default;
+};
+
 struct TileJob {
   // The tile's leaves, front to back, and its bitmaps (accel/bmssm.h).
   const Leaf* leaves = nullptr;
@@ -66,21 +92,8 @@ struct TileJob {
   double near_depth = 0;      // hits must lie beyond; −inf in orthographic views
   bool coincidences = false;  // look for hits of other faces within the error of the nearest hit's depth
 
-  // Whether the hit at (s, t) of a leaf with kLeafTrimmed belongs to the face; adds to *doubt.
-  bool (*keep)(void* context, const Leaf& leaf, double s, double t, double x, double y,
-               std::uint8_t* doubt) = nullptr;
-  // Whether a root on the border of its patch is the leaf's own; adds to *doubt and to hit->error.
-  bool (*keep_on_border)(void* context, const Leaf& leaf, double x, double y, TileHit* hit,
-                         std::uint8_t* doubt) = nullptr;
-  // The roots of a hard leaf nearer than `limit`: calls back `found` for each, `kept` if the trimming keeps it.
-  // Returns the doubts that belong to no root.
-  std::uint8_t (*solve_hard)(void* context, const Leaf& leaf, double x, double y, double limit, void* sink,
-                             void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
-                                           bool kept)) = nullptr;
-  // Set to get every hit instead of the nearest: sample = row·tile_size + column within the tile.
-  void (*every_hit)(void* context, int sample, std::uint32_t leaf, const TileHit& hit,
-                    std::uint8_t doubt) = nullptr;
-  void* context = nullptr;
+  HitResolver* resolver = nullptr;
+  bool every_hit = false;  // report every hit to HitResolver::RecordHit, instead of keeping the nearest
 
   // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is kNoIndex for a
   // miss, and then only depth (+inf) and doubt are set besides.

@@ -104,19 +104,6 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certif
   job_.near_depth = shared.frame.projection == Projection::kPerspective ? shared.frame.near_mm : -INFINITY;
   job_.axes = {shared.frame.right, shared.frame.down, shared.frame.forward, shared.frame.pixel_x,
                shared.frame.pixel_y};
-  job_.keep = [](void* context, const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
-                 std::uint8_t* hit_doubt) {
-    return static_cast<TileTracer*>(context)->Keep(hit_leaf, RootOf(hit_leaf, hit_s, hit_t), x, y, hit_doubt);
-  };
-  job_.keep_on_border = [](void* context, const Leaf& hit_leaf, double x, double y, TileHit* hit,
-                           std::uint8_t* hit_doubt) {
-    return static_cast<TileTracer*>(context)->KeepOnBorder(hit_leaf, RootOf(hit_leaf, hit->s, hit->t), x, y,
-                                                           hit, hit_doubt);
-  };
-  job_.solve_hard = [](void* context, const Leaf& hard_leaf, double x, double y, double limit, void* sink,
-                       void (*found)(void*, const TileHit&, std::uint8_t, bool)) {
-    return static_cast<TileTracer*>(context)->SolveHard(hard_leaf, x, y, limit, sink, found);
-  };
 }
 
 void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
@@ -130,7 +117,7 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   job_.words = bitmaps_.words();
   job_.row_bits = bitmaps_.Row(0);
   job_.column_bits = bitmaps_.Column(0);
-  job_.context = this;
+  job_.resolver = this;
   job_.counters = &counters;
   job_.depth = depth.data();
   job_.error = error.data();
@@ -140,19 +127,26 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   job_.doubt = doubt.data();
   job_.normal = crossings ? nullptr : normal.data();
   crossings_ = crossings;
-  job_.every_hit = nullptr;
-  if (crossings) {
-    job_.every_hit = [](void* context, int sample, std::uint32_t leaf_index, const TileHit& hit,
-                        std::uint8_t hit_doubt) {
-      TileTracer* self = static_cast<TileTracer*>(context);
-      const int row = self->job_.row + sample / kTileSize, column = self->job_.column + sample % kTileSize;
-      self->crossings_->push_back({static_cast<std::uint32_t>(row * self->shared_.camera.width_px + column),
-                                   leaf_index, hit, hit_doubt});
-    };
-  }
+  job_.every_hit = crossings != nullptr;
   if (empty()) return;
   work_.fill({});
   kernel_(job_);
+}
+
+bool TileTracer::IsInsideFace(const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
+                              std::uint8_t* hit_doubt) {
+  return IsInsideFace(hit_leaf, RootOf(hit_leaf, hit_s, hit_t), x, y, hit_doubt);
+}
+
+bool TileTracer::OwnsBorderRoot(const Leaf& hit_leaf, double x, double y, TileHit* hit,
+                                std::uint8_t* hit_doubt) {
+  return OwnsBorderRoot(hit_leaf, RootOf(hit_leaf, hit->s, hit->t), x, y, hit, hit_doubt);
+}
+
+void TileTracer::RecordHit(int sample, std::uint32_t leaf_index, const TileHit& hit, std::uint8_t hit_doubt) {
+  const int row = job_.row + sample / kTileSize, column = job_.column + sample % kTileSize;
+  crossings_->push_back(
+      {static_cast<std::uint32_t>(row * shared_.camera.width_px + column), leaf_index, hit, hit_doubt});
 }
 
 int TileTracer::SampleAt(double x, double y) const {
@@ -179,7 +173,8 @@ TrimAnswer TileTracer::QueryTrim(const Leaf& hit_leaf, const Root& root, double 
                                               std::min(kMaxBandScale, 1 / cosine));
 }
 
-bool TileTracer::Keep(const Leaf& hit_leaf, const Root& root, double x, double y, std::uint8_t* hit_doubt) {
+bool TileTracer::IsInsideFace(const Leaf& hit_leaf, const Root& root, double x, double y,
+                              std::uint8_t* hit_doubt) {
   // Most hits lie farther from every edge than the widest band.
   const TrimAnswer far = QueryTrim(hit_leaf, root, 1 / kMaxBandScale);
   if (far.certain && far.coedge == kNoIndex) return far.inside;
@@ -316,8 +311,8 @@ bool TileTracer::OnSeam(const Leaf& own, const Root& root, const TrimAnswer& ans
   return again;
 }
 
-bool TileTracer::KeepOnBorder(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
-                              std::uint8_t* hit_doubt) {
+bool TileTracer::OwnsBorderRoot(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
+                                std::uint8_t* hit_doubt) {
   // Where both patches have the root and turn the same way, the border runs between their images: one of them
   // has the ray, and the surface there is seen by it once.
   const std::optional<Neighbour> neighbour = NeighbourOf(leaf, root, *hit, x, y);
@@ -334,16 +329,14 @@ bool TileTracer::KeepOnBorder(const Leaf& leaf, const Root& root, double x, doub
   return true;
 }
 
-std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, void* sink,
-                                   void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
-                                                 bool kept)) {
+std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, RootSink* roots) {
   // Every root of the face on this ray, with the trimming's answer.
   seam_roots_.clear();
   const bool complete =
       EveryRoot(seam.placed_face, x, y, [&](const Leaf& leaf, const Root& root, const TileHit& hit) {
         std::uint8_t ignored = 0;
         if (!(hit.depth > job_.near_depth)) return;
-        if ((leaf.flags & kLeafTrimmed) && !Keep(leaf, root, x, y, &ignored)) return;
+        if ((leaf.flags & kLeafTrimmed) && !IsInsideFace(leaf, root, x, y, &ignored)) return;
         seam_roots_.emplace_back(leaf, hit);
       });
   if (!complete) return kDoubtLimit;
@@ -355,14 +348,13 @@ std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, void* s
                                [](const RootTwin& a, const RootTwin& b) { return a.Is(b); });
   const bool odd = (end - seam_roots_.begin()) % 2 != 0;
   if (odd != ((seam.flags & kLeafOdd) != 0) && seam.near_depth > job_.near_depth)
-    found(sink, {seam.near_depth, seam.s_low, seam.t_low, INFINITY}, kDoubtTrim, true);
+    roots->Add({seam.near_depth, seam.s_low, seam.t_low, INFINITY}, kDoubtTrim, true);
   return 0;
 }
 
-std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, double limit, void* sink,
-                                   void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt,
-                                                 bool kept)) {
-  if (hard_leaf.flags & kLeafSeam) return SolveSeam(hard_leaf, x, y, sink, found);
+std::uint8_t TileTracer::SolveHardLeaf(const Leaf& hard_leaf, double x, double y, double limit,
+                                       RootSink* roots) {
+  if (hard_leaf.flags & kLeafSeam) return SolveSeam(hard_leaf, x, y, roots);
   roots_.clear();
   const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &work_[SampleAt(x, y)], &roots_);
   for (const FallbackRoot& root : roots_) {
@@ -373,13 +365,13 @@ std::uint8_t TileTracer::SolveHard(const Leaf& hard_leaf, double x, double y, do
     if (shared_.check && root.proven && root_doubt == 0)
       root_doubt |= shared_.CheckRoot(hard_leaf, {hit.s, hit.t, root.error_s, root.error_t}, x, y, hit.depth,
                                       hit.error, &check);
-    if (root.on_border && !KeepOnBorder(hard_leaf, at, x, y, &hit, &root_doubt)) continue;
+    if (root.on_border && !OwnsBorderRoot(hard_leaf, at, x, y, &hit, &root_doubt)) continue;
     bool kept = true;
     if (hard_leaf.flags & kLeafTrimmed) {
       ++counters.trim_tests;
-      kept = Keep(hard_leaf, at, x, y, &root_doubt);
+      kept = IsInsideFace(hard_leaf, at, x, y, &root_doubt);
     }
-    found(sink, hit, root_doubt, kept);
+    roots->Add(hit, root_doubt, kept);
   }
   return result;
 }

@@ -86,7 +86,7 @@ struct RootTwin {
   bool on_border;
 };
 
-class TileTracer {
+class TileTracer final : private HitResolver {
  public:
   // `certify`: spend what it takes to tell coincident faces from certified ones.
   TileTracer(const TraceShared& shared, TileKernel kernel, bool certify);
@@ -130,8 +130,8 @@ class TileTracer {
   bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
   // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds to
   // *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
-  bool KeepOnBorder(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
-                    std::uint8_t* doubt);
+  bool OwnsBorderRoot(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
+                      std::uint8_t* doubt);
   // The root of the same ray in the patch across the border.
   struct Neighbour {
     double depth, error;
@@ -141,12 +141,16 @@ class TileTracer {
                                        double y);
   // Whether the face has the root again on the other side of the seam that `answer` names.
   bool OnSeam(const Leaf& leaf, const Root& root, const TrimAnswer& answer, double depth, double x, double y);
-  bool Keep(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
+  bool IsInsideFace(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
   // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they should.
-  std::uint8_t SolveSeam(const Leaf& leaf, double x, double y, void* sink,
-                         void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt, bool kept));
-  std::uint8_t SolveHard(const Leaf& leaf, double x, double y, double limit, void* sink,
-                         void (*found)(void* sink, const TileHit& hit, std::uint8_t doubt, bool kept));
+  std::uint8_t SolveSeam(const Leaf& leaf, double x, double y, RootSink* roots);
+
+  // As HitResolver.
+  bool IsInsideFace(const Leaf& leaf, double s, double t, double x, double y, std::uint8_t* doubt) override;
+  bool OwnsBorderRoot(const Leaf& leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) override;
+  std::uint8_t SolveHardLeaf(const Leaf& leaf, double x, double y, double limit, RootSink* roots) override;
+  void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) override;
+
   std::uint8_t DoubtOf(const Leaf& leaf, const FallbackRoot& root, double x, double y) const;
 
   const TraceShared& shared_;

@@ -1,0 +1,358 @@
+// The walk of one packet of samples through the tile's leaves, front to back. Included once by each tile_kernel_<isa>.cpp, through
+// tile_kernel.inl.h.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "render/kernels/leaf_normal.inl.h"
+#include "render/kernels/leaf_solver.inl.h"
+
+namespace facetless::FACETLESS_KERNEL_NAMESPACE {
+namespace {
+
+constexpr std::uint32_t kNoLeaf = 0xffffffff;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of the
+// tile on.
+class Packet {
+ public:
+  explicit Packet(const TileJob& job)
+      : job_(job), nearest_only_(!job.every_hit), plain_(!job.every_hit && !job.coincidences) {}
+
+  // Traces the packet and writes its results; those of a packet that no leaf meets stay as they are.
+  void Run(int row, int column) {
+    row_ = row;
+    column_ = column;
+    begun_ = false;
+    Trace();
+    if (begun_) Write();
+  }
+
+ private:
+  static constexpr double kMiss = -1;
+
+  void Begin() {
+    begun_ = true;
+    doubtful_ = several_ = false;
+    hit_ = 0;
+    farthest_ = kInfinity;
+    const double x = job_.column + column_ + 0.5 - job_.half_width,
+                 y = job_.row + row_ + 0.5 - job_.half_height;
+    for (int i = 0; i < kPacketHeight; ++i) {
+      for (int j = 0; j < kPacketWidth; ++j) {
+        x_[i * kPacketWidth + j] = x + j;
+        y_[i * kPacketWidth + j] = y + i;
+      }
+    }
+    for (int i = 0; i < kPacketLanes; i += kWideLanes) {
+      Store(SetWide(kInfinity), depth_ + i);
+      Store(SetWide(kInfinity), reach_ + i);
+      Store(SetWide(kInfinity), doubt_depth_ + i);
+      Store(SetWide(0), s_ + i);
+      Store(SetWide(0), t_ + i);
+      Store(SetWide(0), error_ + i);
+      Store(SetWide(kMiss), leaf_ + i);
+    }
+    std::fill_n(doubt_, kPacketLanes, std::uint8_t{0});
+    valid_ = (1u << kPacketLanes) - 1;
+    if (row_ + kPacketHeight <= job_.rows && column_ + kPacketWidth <= job_.columns) return;
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      if (row_ + lane / kPacketWidth < job_.rows && column_ + lane % kPacketWidth < job_.columns) continue;
+      valid_ &= ~(1u << lane);
+      reach_[lane] = -kInfinity;
+    }
+  }
+
+  void Trace() {
+    const int words = job_.words;
+    const std::uint64_t* rows = job_.row_bits + std::size_t(row_) * words;
+    const std::uint64_t* columns = job_.column_bits + std::size_t(column_) * words;
+    for (int k = 0; k < words; ++k) {
+      std::uint64_t in_rows = 0, in_columns = 0;
+      for (int i = 0; i < kPacketHeight; ++i) in_rows |= rows[i * words + k];
+      for (int j = 0; j < kPacketWidth; ++j) in_columns |= columns[j * words + k];
+      for (std::uint64_t candidates = in_rows & in_columns; candidates; candidates &= candidates - 1) {
+        const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
+        const Leaf& leaf = job_.leaves[index];
+        if (!begun_) Begin();
+        if (nearest_only_ && leaf.near_depth > farthest_) return;
+        TestLeaf(leaf, index);
+      }
+    }
+  }
+
+  void Write() const {
+    for (int i = 0; i < kPacketHeight; ++i) {
+      const int from = i * kPacketWidth, to = SampleOf(from);
+      for (int j = 0; j < kPacketWidth; ++j) {
+        job_.depth[to + j] = depth_[from + j];
+        job_.error[to + j] = error_[from + j];
+        job_.s[to + j] = s_[from + j];
+        job_.t[to + j] = t_[from + j];
+        job_.leaf[to + j] = leaf_[from + j] == kMiss ? kNoLeaf : static_cast<std::uint32_t>(leaf_[from + j]);
+      }
+      for (int j = 0; several_ && j < kPacketWidth; ++j)
+        job_.error[to + j] = std::fmax(error_[from + j], depth_[from + j] - least_[from + j]);
+      for (int j = 0; doubtful_ && j < kPacketWidth; ++j)
+        if (!nearest_only_ || doubt_depth_[from + j] <= Reach(from + j))
+          job_.doubt[to + j] = doubt_[from + j];
+    }
+    if (job_.normal) WriteNormals();
+  }
+
+  int SampleOf(int lane) const {
+    return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
+  }
+
+  // Nothing beyond this depth matters to a lane.
+  double Reach(int lane) const { return depth_[lane] + error_[lane]; }
+
+  void AddDoubt(int lane, std::uint8_t doubt, double depth) {
+    if (doubt == 0) return;
+    doubtful_ = true;
+    doubt_[lane] |= doubt;
+    if (depth < doubt_depth_[lane]) doubt_depth_[lane] = depth;
+  }
+
+  // Bits [begin, end) of those from `first` on, `count` of them.
+  static unsigned Covered(int begin, int end, int first, int count) {
+    const int from = begin > first ? begin - first : 0;
+    const int to = end - first < count ? end - first : count;
+    return from < to ? (1u << to) - (1u << from) : 0;
+  }
+
+  // The lanes whose sample lies in the leaf's box and that it could still serve.
+  unsigned LanesIn(const Leaf& leaf) const {
+    const unsigned rows = Covered(leaf.row_begin, leaf.row_end, job_.row + row_, kPacketHeight);
+    const unsigned columns = Covered(leaf.col_begin, leaf.col_end, job_.column + column_, kPacketWidth);
+    unsigned mask = 0;
+    for (int i = 0; i < kPacketHeight; ++i) mask |= (rows >> i & 1 ? columns : 0) << i * kPacketWidth;
+    mask &= valid_;
+    if (!nearest_only_ || mask == 0) return mask;
+    unsigned reached = 0;
+    for (int i = 0; i < kPacketLanes; i += kWideLanes)
+      reached |= LessOrEqual(SetWide(leaf.near_depth), Load(reach_ + i)) << i;
+    return mask & reached;
+  }
+
+  void TestLeaf(const Leaf& leaf, std::uint32_t index) {
+    const unsigned lanes = LanesIn(leaf);
+    if (lanes == 0) return;
+    ++job_.counters->candidates;
+    if (leaf.flags & kLeafHard) {
+      TestHardLeaf(leaf, index, lanes);
+      return;
+    }
+    bool nearer = false;
+    for (int first = 0; first < kPacketLanes; first += kLanes) {
+      const unsigned group = lanes >> first & ((1u << kLanes) - 1);
+      if (group == 0) continue;
+      const Solution solution = SolveLeaf(leaf, x_ + first, y_ + first, group);
+      job_.counters->solves += solution.started;
+      job_.counters->iterations += solution.iterations;
+      for (unsigned rest = solution.unconverged; rest; rest &= rest - 1)
+        AddDoubt(first + __builtin_ctz(rest), kDoubtUnresolved, leaf.near_depth);
+      if (solution.hit == 0) continue;
+      double s[kLanes], t[kLanes], depth[kLanes];
+      StoreWide(solution.s, s);
+      StoreWide(solution.t, t);
+      Depths(leaf, solution.depth, depth);
+      unsigned one_by_one = solution.hit;
+      if (plain_ && !(leaf.flags & kLeafTrimmed)) {
+        one_by_one = (leaf.flags & kLeafAtBorder) ? solution.hit & NearBorder(leaf, solution) : 0;
+        nearer |= AcceptPlainHits(leaf, index, first, solution.hit & ~one_by_one, s, t, depth);
+      }
+      for (unsigned rest = one_by_one; rest; rest &= rest - 1) {
+        const int k = __builtin_ctz(rest);
+        nearer |= AcceptRoot(leaf, index, first + k, {depth[k], s[k], t[k], leaf.depth_error});
+      }
+    }
+    if (nearer) UpdateFarthest();
+  }
+
+  // Lanes that OnPatchBorder might hold of.
+  static unsigned NearBorder(const Leaf& leaf, const Solution& solution) {
+    const Lane inside = Set(1 - 2 * leaf.root_error);
+    return ToBits((inside < Abs(solution.s)) | (inside < Abs(solution.t)));
+  }
+
+  // Hits that nothing else is to be asked of, kLanes from lane `first` on. Whether one is the nearest so far.
+  bool AcceptPlainHits(const Leaf& leaf, std::uint32_t index, int first, unsigned hits, const double* s,
+                       const double* t, const double* depth) {
+    unsigned kept = 0;
+    for (int i = 0; i < kLanes; i += kWideLanes) {
+      const int lane = first + i;
+      const Wide found = Load(depth + i);
+      const unsigned beyond = hits >> i & Less(SetWide(job_.near_depth), found),
+                     nearer = beyond & Less(found, Load(depth_ + lane));
+      kept |= nearer;
+      if (unsigned again = beyond & hit_ >> lane) {
+        again &= Less(found + SetWide(-leaf.depth_error), Load(reach_ + lane));
+        for (; again; again &= again - 1) {
+          const int k = __builtin_ctz(again);
+          NoteLeast(lane + k, depth[i + k], leaf.depth_error);
+        }
+      }
+      hit_ |= nearer << lane;
+      Store(Select(nearer, found, Load(depth_ + lane)), depth_ + lane);
+      Store(Select(nearer, found + SetWide(leaf.depth_error), Load(reach_ + lane)), reach_ + lane);
+      Store(Select(nearer, SetWide(leaf.depth_error), Load(error_ + lane)), error_ + lane);
+      Store(Select(nearer, Load(s + i), Load(s_ + lane)), s_ + lane);
+      Store(Select(nearer, Load(t + i), Load(t_ + lane)), t_ + lane);
+      Store(Select(nearer, SetWide(index), Load(leaf_ + lane)), leaf_ + lane);
+    }
+    return kept != 0;
+  }
+
+  // Whether a hit may be the nearest, or coincide with it.
+  bool Matters(int lane, const TileHit& hit) const {
+    return job_.coincidences ? hit.depth - hit.error <= Reach(lane) : hit.depth < depth_[lane];
+  }
+
+  // A root in a certified leaf: trimming, then the depth test. Whether it is the nearest so far.
+  bool AcceptRoot(const Leaf& leaf, std::uint32_t index, int lane, TileHit hit) {
+    if (!(hit.depth > job_.near_depth)) return false;
+    if (nearest_only_ && !Matters(lane, hit)) {
+      NoteLeast(lane, hit.depth, hit.error);  // whatever the trimming would say
+      return false;
+    }
+    std::uint8_t doubt = 0;
+    if (OnPatchBorder(leaf, hit.s, hit.t) &&
+        !job_.resolver->OwnsBorderRoot(leaf, x_[lane], y_[lane], &hit, &doubt))
+      return false;
+    bool keep = true;
+    if (leaf.flags & kLeafTrimmed) {
+      ++job_.counters->trim_tests;
+      keep = job_.resolver->IsInsideFace(leaf, hit.s, hit.t, x_[lane], y_[lane], &doubt);
+    }
+    AddDoubt(lane, doubt, hit.depth - hit.error);
+    return keep && AcceptHit(index, lane, hit, doubt);
+  }
+
+  // Whether the hit is the nearest so far.
+  bool AcceptHit(std::uint32_t index, int lane, const TileHit& hit, std::uint8_t doubt) {
+    if (job_.every_hit) job_.resolver->RecordHit(SampleOf(lane), index, hit, doubt);
+    if (job_.coincidences && leaf_[lane] != kMiss && hit.depth - hit.error <= Reach(lane) &&
+        depth_[lane] - error_[lane] <= hit.depth + hit.error &&
+        job_.leaves[static_cast<std::uint32_t>(leaf_[lane])].placed_face != job_.leaves[index].placed_face)
+      AddDoubt(lane, kDoubtCoincident, std::fmin(hit.depth - hit.error, depth_[lane] - error_[lane]));
+    if (hit_ >> lane & 1) NoteLeast(lane, hit.depth, hit.error);
+    if (!(hit.depth < depth_[lane])) return false;
+    hit_ |= 1u << lane;
+    depth_[lane] = hit.depth;
+    error_[lane] = hit.error;
+    reach_[lane] = Reach(lane);
+    s_[lane] = hit.s;
+    t_[lane] = hit.t;
+    leaf_[lane] = index;
+    return true;
+  }
+
+  // Takes note of a lane's second hit and of those after it. When the error intervals of two hits overlap, either may be the
+  // nearest: the smallest possible depth is recorded. A hit without a bound has a doubt and is left out.
+  void NoteLeast(int lane, double depth, double error) {
+    if (!(depth - error < Reach(lane))) return;
+    if (!several_) std::fill_n(least_, kPacketLanes, kInfinity);
+    several_ = true;
+    if (error_[lane] < kInfinity) least_[lane] = std::fmin(least_[lane], depth_[lane] - error_[lane]);
+    if (error < kInfinity) least_[lane] = std::fmin(least_[lane], depth - error);
+  }
+
+  // Takes the roots of a leaf without a certificate into one lane of a packet.
+  class LaneSink final : public RootSink {
+   public:
+    LaneSink(Packet* packet, std::uint32_t index, int lane) : packet_(packet), index_(index), lane_(lane) {}
+    void Add(const TileHit& hit, std::uint8_t doubt, bool kept) override {
+      packet_->AddDoubt(lane_, doubt, hit.depth - hit.error);
+      if (kept) packet_->AcceptHit(index_, lane_, hit, doubt);
+    }
+
+   private:
+    Packet* packet_;
+    std::uint32_t index_;
+    int lane_;
+  };
+
+  void TestHardLeaf(const Leaf& leaf, std::uint32_t index, unsigned lanes) {
+    for (unsigned rest = lanes; rest; rest &= rest - 1) {
+      const int lane = __builtin_ctz(rest);
+      ++job_.counters->fallbacks;
+      LaneSink sink(this, index, lane);
+      const double limit = nearest_only_ ? Reach(lane) : kInfinity;
+      const std::uint8_t doubt = job_.resolver->SolveHardLeaf(leaf, x_[lane], y_[lane], limit, &sink);
+      AddDoubt(lane, doubt, leaf.near_depth);
+    }
+    UpdateFarthest();
+  }
+
+  void UpdateFarthest() {
+    Wide farthest = Load(reach_);
+    for (int i = kWideLanes; i < kPacketLanes; i += kWideLanes)
+      farthest = Greater(farthest, Load(reach_ + i));
+    farthest_ = Greatest(farthest);
+  }
+
+  void WriteNormals() const {
+    unsigned rest = 0;
+    for (int i = 0; i < kPacketLanes; i += kWideLanes) rest |= Less(SetWide(kMiss), Load(leaf_ + i)) << i;
+    while (rest) {
+      // All lanes of one leaf at a time.
+      const Wide one = SetWide(leaf_[__builtin_ctz(rest)]);
+      unsigned lanes = 0;
+      for (int i = 0; i < kPacketLanes; i += kWideLanes)
+        lanes |= (LessOrEqual(one, Load(leaf_ + i)) & LessOrEqual(Load(leaf_ + i), one)) << i;
+      const Leaf& leaf = job_.leaves[static_cast<std::uint32_t>(leaf_[__builtin_ctz(rest)])];
+      rest &= ~lanes;
+      for (int first = 0; first < kPacketLanes; first += kLanes) {
+        const unsigned group = lanes >> first & ((1u << kLanes) - 1);
+        if (group != 0) WriteNormals(leaf, first, group);
+      }
+    }
+  }
+
+  // Of the lanes `group` from `first` on; zero where there is none.
+  void WriteNormals(const Leaf& leaf, int first, unsigned group) const {
+    Real x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
+    unsigned known = 0;
+    if (!(leaf.flags & kLeafHard)) {
+      const Lane s = LoadNarrow(s_ + first), t = LoadNarrow(t_ + first);
+      const Normal normal = NormalAt(leaf, x_ + first, y_ + first, s, t, job_.axes);
+      Store(normal.x, x);
+      Store(normal.y, y);
+      Store(normal.z, z);
+      known = normal.known;
+    }
+    for (; group; group &= group - 1) {
+      const int k = __builtin_ctz(group);
+      std::array<float, 3>& out = job_.normal[SampleOf(first + k)];
+      if (known >> k & 1) {
+        out = {static_cast<float>(x[k]), static_cast<float>(y[k]), static_cast<float>(z[k])};
+      } else {
+        out = {0, 0, 0};
+      }
+    }
+  }
+
+  const TileJob& job_;
+  const bool nearest_only_, plain_;
+  int row_ = 0, column_ = 0;
+  unsigned valid_ = 0, hit_ = 0;  // lanes inside the image, and those with a hit
+  bool begun_ = false, doubtful_ = false, several_ = false;
+  double farthest_ = kInfinity;
+  alignas(64) double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes],
+      t_[kPacketLanes];
+  double error_[kPacketLanes];        // of the depth, as a root of its leaf
+  double least_[kPacketLanes];        // with several_: of a lane's hits none can be nearer
+  double reach_[kPacketLanes];        // Reach(); −inf outside the image
+  double leaf_[kPacketLanes];         // its index, or kMiss
+  double doubt_depth_[kPacketLanes];  // no doubt arose nearer
+  std::uint8_t doubt_[kPacketLanes];
+};
+
+}  // namespace
+}  // namespace facetless::FACETLESS_KERNEL_NAMESPACE
