@@ -16,11 +16,6 @@
 
 namespace facetless {
 
-struct StoreLimits {
-  std::uint64_t max_bytes = 0;  // of all files together; 0: none
-  double max_age_s = 0;         // since the last use; 0: none
-};
-
 class FileStore : public Store {
  public:
   // `directory` must outlive the store. Errors: kWriteFailed and those of the database.

@@ -59,6 +59,12 @@ struct StoredArtifact {
   std::uint64_t bytes = 0;
 };
 
+// What law 4 goes by.
+struct StoreLimits {
+  std::uint64_t max_bytes = 0;  // of all files together; 0: none
+  double max_age_s = 0;         // since the last use; 0: none
+};
+
 class Store {
  public:
   virtual ~Store() = default;

@@ -8,6 +8,7 @@
 #include "server/service/jobs/sql_job_store.h"
 #include "server/service/store/file_store.h"
 #include "server/service/store/store_check.h"
+#include "tests/unit/server/store_conformance.h"
 #include "tests/unit/server/support.h"
 
 namespace facetless {
@@ -17,6 +18,33 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
+class FileStoreHost : public StoreHost {
+ public:
+  Store& Open(const StoreLimits& limits) override {
+    jobs_.reset();
+    store_.reset();
+    directory_.reset();
+    directory_ = DataDirectory::Open(folder_.File("data")).value();
+    store_ = FileStore::Open(*directory_, limits).value();
+    jobs_ = std::make_unique<SqlJobStore>(*directory_, QueueLimits{});
+    return *store_;
+  }
+  JobStore& jobs() override { return *jobs_; }
+
+ private:
+  TempDir folder_ = TempDir::Create().value();
+  std::unique_ptr<DataDirectory> directory_;
+  std::unique_ptr<FileStore> store_;
+  std::unique_ptr<SqlJobStore> jobs_;
+};
+
+std::unique_ptr<StoreHost> MakeFileStoreHost() {
+  return std::make_unique<FileStoreHost>();
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, StoreConformance, testing::Values(&MakeFileStoreHost));
+
+// What is of the files alone: where they lie, what a crash leaves, who owns the directory.
 class Stored : public testing::Test {
  protected:
   Stored() { Open(); }
@@ -66,70 +94,6 @@ class Stored : public testing::Test {
   std::vector<TempDir> scratch_;
 };
 
-TEST_F(Stored, FilesAreNamedAfterTheirContentAndStayAsLongAsSomebodyHoldsThem) {
-  std::optional<KeptFile> file = Kept("abc");
-  // FIPS 180-2, appendix B.1.
-  EXPECT_EQ(file->sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(file->bytes, 3u);
-  EXPECT_EQ(ReadText(file->path), "abc");
-  std::optional<KeptFile> same = Kept("abc");
-  EXPECT_EQ(same->path, file->path);
-  const std::string path = file->path;
-  file.reset();
-  EXPECT_EQ(ReadText(path), "abc") << "somebody still holds it";
-  same.reset();
-  EXPECT_FALSE(std::filesystem::exists(path)) << "nothing was put together with it";
-}
-
-TEST_F(Stored, NothingIsFoundUnderANameThatIsNone) {
-  const std::string digest = Sha256Hex("x");
-  for (const std::string& name :
-       {digest, digest + ".", digest + ".PNG", digest + ".p/g", digest + ".toolongext",
-        "../" + digest.substr(3) + ".png", std::string(64, 'g') + ".png", std::string()}) {
-    EXPECT_FALSE(IsArtifactName(name)) << name;
-    EXPECT_FALSE(store_->FindArtifact("", name).has_value()) << name;
-  }
-  EXPECT_FALSE(store_->FindModel("", "../../etc").has_value());
-  EXPECT_FALSE(store_->FindModel("", digest).has_value());
-  EXPECT_FALSE(store_->FindMesh("", digest, "../x").has_value());
-  EXPECT_FALSE(store_->FindAnswer("", "../x").has_value());
-  EXPECT_FALSE(store_->Pin("../x").has_value());
-}
-
-TEST_F(Stored, ModelsComeBackWholeAndTwiceIsOnce) {
-  const std::string id = Sha256Hex("source");
-  EXPECT_FALSE(store_->FindModel("", id).has_value());
-  for (int i = 0; i < 2; ++i) PutModel("source");
-  const auto model = store_->FindModel("", id);
-  ASSERT_TRUE(model.has_value());
-  EXPECT_EQ(model->name, "part.step");
-  EXPECT_EQ(model->bytes, 6u);
-  EXPECT_EQ(model->report.at("faces"), 3);
-  EXPECT_EQ(ReadText(model->source_path), "source");
-  EXPECT_EQ(ReadText(model->model_path), "model");
-
-  const std::string key = Sha256Hex("how");
-  EXPECT_FALSE(store_->FindMesh("", id, key).has_value());
-  ASSERT_TRUE(store_->PutMesh("", id, key, Kept("mesh")).ok());
-  EXPECT_EQ(ReadText(store_->FindMesh("", id, key).value()), "mesh");
-}
-
-TEST_F(Stored, ArtifactsAreServedUnderTheirNameAndNothingElseIs) {
-  PutAnswer("question", 10);
-  PutModel("source");
-  const std::string picture = Sha256Hex("question..");
-  EXPECT_EQ(store_->FindArtifact("", picture + ".png").value().bytes, 10u);
-  EXPECT_FALSE(store_->FindArtifact("", picture + ".html").has_value()) << "the browser would run it";
-  EXPECT_FALSE(store_->FindArtifact("", Sha256Hex("source") + ".png").has_value()) << "somebody's CAD file";
-}
-
-TEST_F(Stored, AnOwnerFindsOnlyWhatIsTheirs) {
-  PutModel("source", "model", "anna");
-  EXPECT_TRUE(store_->FindModel("anna", Sha256Hex("source")).has_value());
-  EXPECT_FALSE(store_->FindModel("bert", Sha256Hex("source")).has_value());
-  EXPECT_FALSE(store_->FindModel("", Sha256Hex("source")).has_value());
-}
-
 TEST_F(Stored, EverythingOutlivesTheProcessButWhatACrashLeft) {
   PutAnswer("question", 10);
   PutModel("source");
@@ -176,50 +140,6 @@ TEST_F(Stored, SaysSoWhenTheDatabaseIsNone) {
   const auto opened = DataDirectory::Open(data_);
   ASSERT_FALSE(opened.ok());
   EXPECT_EQ(opened.error().code, ErrorCode::kFormatBroken);
-}
-
-TEST_F(Stored, GivesUpWhatWasUsedLongestAgo) {
-  Close();
-  Open({.max_bytes = 1000});
-  PutAnswer("one", 300);
-  PutAnswer("two", 300);
-  PutAnswer("three", 300);
-  EXPECT_TRUE(HasAnswer("one")) << "this use makes two the oldest";
-  PutAnswer("four", 300);
-  EXPECT_TRUE(HasAnswer("one"));
-  EXPECT_FALSE(HasAnswer("two"));
-  EXPECT_TRUE(HasAnswer("three"));
-  EXPECT_TRUE(HasAnswer("four"));
-  scratch_.clear();
-  EXPECT_EQ(FilesOnDisk(), 3);
-  const auto too_large = store_->MakeRoom(1001);
-  ASSERT_FALSE(too_large.ok());
-  EXPECT_EQ(too_large.error().code, ErrorCode::kWriteFailed);
-  EXPECT_TRUE(HasAnswer("four")) << "nothing is given up in vain";
-}
-
-TEST_F(Stored, NeverGivesUpWhatAJobNeeds) {
-  Close();
-  Open({.max_bytes = 1000});
-  PutModel(std::string(300, 's'), std::string(300, 'm'));
-  const std::string id = Sha256Hex(std::string(300, 's'));
-  SqlJobStore jobs(*data_directory_, {});
-  NewJob job;
-  job.kind = "render";
-  job.question = "question";
-  job.needs = {ModelItem("", id)};
-  ASSERT_TRUE(jobs.Submit(job).ok());
-  EXPECT_FALSE(store_->MakeRoom(500).ok()) << "only the model could go";
-  ASSERT_TRUE(store_->FindModel("", id).has_value());
-
-  // Nobody needs it after the job's end.
-  Job claimed = jobs.Claim("worker", 60).value().value();
-  EXPECT_FALSE(store_->MakeRoom(500).ok());
-  claimed.state = JobState::kCancelled;
-  ASSERT_TRUE(jobs.Finish(claimed).value());
-  EXPECT_TRUE(store_->MakeRoom(500).ok());
-  EXPECT_FALSE(store_->FindModel("", id).has_value());
-  EXPECT_EQ(FilesOnDisk(), 0);
 }
 
 TEST_F(Stored, ForgetsWhatWasNotUsedForLong) {
