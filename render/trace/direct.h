@@ -36,7 +36,7 @@ enum class CheckLevel : std::uint8_t {
   kShare,  // one root in kRootsPerCheckedRoot (of leaves without a certificate, every one), one ray in kRaysPerCheckedRay
   kAll,    // every root, and one ray in kRaysPerAuditedRay
 };
-// Chosen so that the share costs less than a tenth of TraceDirect's instructions (docs/accuracy.md: the independent check).
+// Chosen so that the share costs less than a tenth of TraceDirect's instructions (docs/accuracy-proof.md).
 inline constexpr int kRootsPerCheckedRoot = 16;
 inline constexpr int kRaysPerCheckedRay = 32768, kRaysPerAuditedRay = 512;  // powers of two
 

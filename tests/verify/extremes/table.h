@@ -1,4 +1,4 @@
-// The tables of docs/accuracy.md, from a run of the catalogue.
+// The tables of docs/accuracy-results.md, from a run of the catalogue.
 #pragma once
 
 #include <string>
