@@ -1,4 +1,4 @@
-// A table for readers: as text for a terminal, and as Markdown for docs/performance.md.
+// A table for readers: as text for a terminal, and as Markdown for docs/performance-files.md.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// `facetless bench`: the tables of docs/performance.md, measured here and now.
+// `facetless bench`: the tables of docs/performance-files.md and docs/performance-published.md, measured here and now.
 //
 //  1. Files are imported as for `render`; of every mesh the importer's process tells how long the mesher alone took, and
 //     OpenCASCADE's exact intersector is asked there, too.
