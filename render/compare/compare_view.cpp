@@ -7,8 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "render/base/execution.h"
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
+#include "render/compare/representation.h"
 #include "render/compare/see_through.h"
 #include "render/lines/draw_lines.h"
 #include "render/lines/view_lines.h"
@@ -120,100 +122,18 @@ const InspectionView* Address(const std::optional<InspectionView>& view) {
   return view ? &*view : nullptr;
 }
 
-// What RenderView makes, and the samples of the colour pass, which the foreign mesh's colours come from.
-struct DirectPasses {
-  DirectView view;
+// One representation from one camera.
+struct RepresentedView {
+  TracedView traced;           // the pixel-centre pass
   SampleBuffer color_samples;  // empty where the pixel-centre pass is the colour pass
+  Image8 image;
+  std::optional<InspectionView> inspection;
+  std::vector<ViewLine> lines;
+  double color_ms = 0, lines_ms = 0, shade_ms = 0, total_ms = 0;
+  std::uint64_t peak_bytes = 0;
 
-  const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : view.samples; }
+  const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : traced.samples; }
 };
-
-Result<DirectPasses> RunDirect(const Scene& scene, const Camera& camera, const Subject& subject,
-                               const ViewOptions& options) {
-  const Stopwatch stopwatch;
-  DirectPasses passes;
-  DirectView& view = passes.view;
-  view.grid = GridOf(options.samples);
-
-  // The pixel-centre pass.
-  DirectOptions trace;
-  trace.precision = options.precision;
-  trace.check = options.check;
-  trace.max_bytes = options.max_bytes;
-  trace.threads = options.threads;
-  trace.newton_tolerance = options.newton_tolerance;
-  trace.uv = options.uv || WantsUv(options.inspection.kind);
-  trace.depth_error = options.depth_error;
-  trace.audit = options.audit;
-  trace.sections = options.sections;
-  trace.cancel = options.cancel;
-  Result<DirectResult> traced = TraceDirect(scene, camera, trace);
-  if (!traced.ok()) return traced.error();
-  view.frame = traced.value().frame;
-  view.samples = std::move(traced.value().samples);
-  view.stats = std::move(traced.value().stats);
-  for (std::uint32_t id : view.stats.unseen_faces)
-    view.unseen_names.push_back(scene.model().PlacedFaceName(id));
-  view.peak_bytes = view.stats.scene_bytes + BufferBytes(view.samples) + FilmBytes(view.samples);
-
-  // The colour pass.
-  CameraFrame color_frame = view.frame;
-  if (options.samples > 1) {
-    const Stopwatch color_watch;
-    trace.uv = NeedsExactSurface(options.inspection.kind);
-    trace.depth_error = trace.audit = false;
-    trace.check = CheckLevel::kNone;  // the report's certificates are those of the pixel centres
-    Result<DirectResult> color = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
-    if (!color.ok()) return color.error();
-    color_frame = color.value().frame;
-    passes.color_samples = std::move(color.value().samples);
-    view.color_ms = color_watch.Milliseconds();
-    view.peak_bytes =
-        std::max(view.peak_bytes, color.value().stats.scene_bytes + BufferBytes(view.samples) +
-                                      BufferBytes(passes.color_samples) + FilmBytes(passes.color_samples));
-  }
-
-  // What lies behind transparent faces.
-  SampleBuffer behind;
-  if (!subject.transparent.empty()) {
-    const Stopwatch behind_watch;
-    trace.uv = trace.depth_error = trace.audit = false;
-    trace.leave_out = &subject.transparent;
-    Result<DirectResult> seen = TraceDirect(scene, camera.Supersampled(view.grid.x, view.grid.y), trace);
-    if (!seen.ok()) return seen.error();
-    behind = std::move(seen.value().samples);
-    view.color_ms += behind_watch.Milliseconds();
-  }
-
-  // Lines.
-  if (options.lines != LineMode::kNone || options.find_lines) {
-    const Stopwatch lines_watch;
-    view.lines =
-        FindLines(scene, camera, view.frame, passes.color(), color_frame,
-                  {.sections = options.sections, .threads = options.threads, .cancel = options.cancel});
-    if (options.cancel && options.cancel->load())
-      return Error{ErrorCode::kCancelled, "cancelled while finding lines"};
-    std::erase_if(view.lines, [&](const ViewLine& line) {
-      return !line.visible && (options.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
-                               line.kind == LineClass::kSmooth);
-    });
-    view.lines_ms = lines_watch.Milliseconds();
-  }
-
-  // Light.
-  const Stopwatch shade_watch;
-  auto inspected = Inspected(subject.model, &scene, view.samples, view.frame, options);
-  if (!inspected.ok()) return inspected.error();
-  view.inspection = std::move(inspected).value();
-  Result<Image8> image = Develop(
-      {passes.color(), color_frame, view.grid, &scene, view.lines, behind.size() > 0 ? &behind : nullptr},
-      subject, Address(view.inspection), options);
-  if (!image.ok()) return image.error();
-  view.image = std::move(image).value();
-  view.shade_ms = shade_watch.Milliseconds();
-  view.total_ms = stopwatch.Milliseconds();
-  return passes;
-}
 
 // For a mesh that names no faces: those that the direct image shows at the same sample, else the one it shows most often.
 PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
@@ -233,71 +153,171 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
   return faces;
 }
 
-// `direct` lends its faces to a foreign mesh; null for one that names its own.
-Result<BaselineView> RunBaseline(const BaselineScene& scene, const Camera& camera, const DirectPasses* direct,
-                                 const Subject& subject, const std::vector<ViewLine>& lines,
-                                 const ViewOptions& options) {
-  const Stopwatch stopwatch;
-  const SampleGrid grid = GridOf(options.samples);
-  BaselineView view;
+// Makes the view of one representation.
+class ViewMaker {
+ public:
+  ViewMaker(const Representation& representation, const Camera& camera, const Subject& subject,
+            const ViewOptions& options)
+      : representation_(representation),
+        camera_(camera),
+        subject_(subject),
+        options_(options),
+        execution_{options.threads, options.cancel},
+        grid_(GridOf(options.samples)) {}
 
-  // The pixel-centre pass.
-  const BaselineOptions trace{options.threads, options.cancel, options.sections,
-                              subject.solids ? &*subject.solids : nullptr};
-  Result<BaselineResult> traced = TraceBaseline(scene, camera, trace);
-  if (!traced.ok()) return traced.error();
-  view.samples = std::move(traced.value().samples);
-  view.stats = traced.value().stats;
-  const std::uint64_t scene_bytes = scene.mesh_bytes() + scene.bvh_peak_bytes();
-  view.peak_bytes = scene_bytes + BufferBytes(view.samples) + FilmBytes(view.samples);
-
-  // The colour pass.
-  CameraFrame color_frame = traced.value().frame;
-  SampleBuffer color = view.samples;
-  if (options.samples > 1) {
-    const Stopwatch color_watch;
-    Result<BaselineResult> fine = TraceBaseline(scene, camera.Supersampled(grid.x, grid.y), trace);
-    if (!fine.ok()) return fine.error();
-    color_frame = fine.value().frame;
-    color = std::move(fine.value().samples);
-    view.color_ms = color_watch.Milliseconds();
-    view.peak_bytes = scene_bytes + BufferBytes(view.samples) + BufferBytes(color) + FilmBytes(color);
+  // `reference`: a view whose lines are drawn, and which lends its faces to samples that name none; null: the representation finds
+  // its own lines.
+  Result<RepresentedView> Make(const RepresentedView* reference) {
+    const Stopwatch stopwatch;
+    if (auto done = TraceCentres(); !done.ok()) return done.error();
+    if (auto done = TraceColors(); !done.ok()) return done.error();
+    if (auto done = TraceBehind(); !done.ok()) return done.error();
+    if (auto done = FindOwnLines(); !done.ok()) return done.error();
+    if (auto done = Light(reference); !done.ok()) return done.error();
+    view_.total_ms = stopwatch.Milliseconds();
+    return std::move(view_);
   }
 
-  // What lies behind transparent faces. Those of a mesh of another program are not known.
-  SampleBuffer behind;
-  if (!subject.transparent.empty() && scene.mesh().from_model) {
-    const Stopwatch behind_watch;
-    const Mesh opaque = OpaqueMesh(scene.mesh(), subject.transparent);
-    Result<BaselineScene> opaque_scene =
-        BaselineScene::Build(opaque, options.threads, false, options.max_bytes);
-    if (opaque_scene.ok()) {
-      Result<BaselineResult> seen =
-          TraceBaseline(opaque_scene.value(), camera.Supersampled(grid.x, grid.y), trace);
-      if (!seen.ok()) return seen.error();
-      behind = std::move(seen.value().samples);
-    } else if (opaque_scene.error().code == ErrorCode::kNothingUsable) {
-      behind.Resize(color.width, color.height);  // everything is transparent
-    } else {
-      return opaque_scene.error();
+ private:
+  Result<void> TraceCentres() {
+    Result<TracedView> traced = representation_.Trace(camera_,
+                                                      {.uv = options_.uv || WantsUv(options_.inspection.kind),
+                                                       .depth_error = options_.depth_error,
+                                                       .audit = options_.audit},
+                                                      execution_);
+    if (!traced.ok()) return traced.error();
+    view_.traced = std::move(traced).value();
+    color_frame_ = view_.traced.frame;
+    const SampleBuffer& samples = view_.traced.samples;
+    view_.peak_bytes = view_.traced.structure_bytes + BufferBytes(samples) + FilmBytes(samples);
+    return {};
+  }
+
+  // The report's certificates are those of the pixel centres.
+  TraceRequest ColorRequest() const {
+    return {.uv = NeedsExactSurface(options_.inspection.kind), .certificates = false};
+  }
+
+  Result<void> TraceColors() {
+    if (options_.samples == 1) return {};
+    const Stopwatch stopwatch;
+    Result<TracedView> color =
+        representation_.Trace(camera_.Supersampled(grid_.x, grid_.y), ColorRequest(), execution_);
+    if (!color.ok()) return color.error();
+    color_frame_ = color.value().frame;
+    view_.color_samples = std::move(color.value().samples);
+    view_.color_ms = stopwatch.Milliseconds();
+    view_.peak_bytes =
+        std::max(view_.peak_bytes, color.value().structure_bytes + BufferBytes(view_.traced.samples) +
+                                       BufferBytes(view_.color_samples) + FilmBytes(view_.color_samples));
+    return {};
+  }
+
+  // What lies behind transparent faces. Those of a representation that names no faces are not known.
+  Result<void> TraceBehind() {
+    if (subject_.transparent.empty() || !representation_.names_faces()) return {};
+    const Stopwatch stopwatch;
+    Result<TracedView> seen =
+        representation_.Trace(camera_.Supersampled(grid_.x, grid_.y),
+                              {.certificates = false, .leave_out = &subject_.transparent}, execution_);
+    if (!seen.ok()) return seen.error();
+    behind_ = std::move(seen.value().samples);
+    view_.color_ms += stopwatch.Milliseconds();
+    return {};
+  }
+
+  Result<void> FindOwnLines() {
+    const Scene* scene = representation_.exact();
+    if (scene == nullptr || (options_.lines == LineMode::kNone && !options_.find_lines)) return {};
+    const Stopwatch stopwatch;
+    view_.lines =
+        FindLines(*scene, camera_, view_.traced.frame, view_.color(), color_frame_,
+                  {.sections = options_.sections, .threads = options_.threads, .cancel = options_.cancel});
+    if (execution_.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while finding lines"};
+    std::erase_if(view_.lines, [&](const ViewLine& line) {
+      return !line.visible && (options_.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
+                               line.kind == LineClass::kSmooth);
+    });
+    view_.lines_ms = stopwatch.Milliseconds();
+    return {};
+  }
+
+  Result<void> Light(const RepresentedView* reference) {
+    const Stopwatch stopwatch;
+    auto inspected = Inspected(subject_.model, representation_.exact(), view_.traced.samples,
+                               view_.traced.frame, options_);
+    if (!inspected.ok()) return inspected.error();
+    view_.inspection = std::move(inspected).value();
+    std::optional<SampleBuffer> borrowed;
+    if (reference != nullptr && !representation_.names_faces()) {
+      borrowed = view_.color();
+      borrowed->face = BorrowFaces(reference->color(), *borrowed);
     }
-    view.color_ms += behind_watch.Milliseconds();
+    const SampleBuffer& color = borrowed ? *borrowed : view_.color();
+    const std::vector<ViewLine>& lines = reference != nullptr ? reference->lines : view_.lines;
+    Result<Image8> image = Develop(
+        {color, color_frame_, grid_, representation_.exact(), lines, behind_.size() > 0 ? &behind_ : nullptr},
+        subject_, Address(view_.inspection), options_);
+    if (!image.ok()) return image.error();
+    view_.image = std::move(image).value();
+    view_.shade_ms = stopwatch.Milliseconds();
+    return {};
   }
 
-  // Light.
-  const Stopwatch shade_watch;
-  if (direct != nullptr) color.face = BorrowFaces(direct->color(), color);
-  auto inspected = Inspected(subject.model, nullptr, view.samples, traced.value().frame, options);
-  if (!inspected.ok()) return inspected.error();
-  view.inspection = std::move(inspected).value();
-  Result<Image8> image =
-      Develop({color, color_frame, grid, nullptr, lines, behind.size() > 0 ? &behind : nullptr}, subject,
-              Address(view.inspection), options);
-  if (!image.ok()) return image.error();
-  view.image = std::move(image).value();
-  view.shade_ms = shade_watch.Milliseconds();
-  view.total_ms = stopwatch.Milliseconds();
-  return view;
+  const Representation& representation_;
+  const Camera& camera_;
+  const Subject& subject_;
+  const ViewOptions& options_;
+  const Execution execution_;
+  const SampleGrid grid_;
+  RepresentedView view_;
+  CameraFrame color_frame_;  // of the colour pass
+  SampleBuffer behind_;      // empty where nothing is transparent
+};
+
+ExactSurfaces ExactSurfacesOf(const Scene& scene, const ViewOptions& options) {
+  DirectOptions trace;
+  trace.precision = options.precision;
+  trace.check = options.check;
+  trace.max_bytes = options.max_bytes;
+  trace.newton_tolerance = options.newton_tolerance;
+  trace.sections = options.sections;
+  return ExactSurfaces(scene, std::move(trace));
+}
+
+Triangles TrianglesOf(const BaselineScene& scene, const Subject& subject, const ViewOptions& options) {
+  return Triangles(scene, options.sections, subject.solids ? &*subject.solids : nullptr, options.max_bytes);
+}
+
+DirectView DirectViewOf(RepresentedView view, const Model& model, const ViewOptions& options) {
+  DirectView direct;
+  direct.frame = view.traced.frame;
+  direct.samples = std::move(view.traced.samples);
+  direct.stats = *std::move(view.traced.direct);
+  for (std::uint32_t id : direct.stats.unseen_faces) direct.unseen_names.push_back(model.PlacedFaceName(id));
+  direct.image = std::move(view.image);
+  direct.inspection = std::move(view.inspection);
+  direct.grid = GridOf(options.samples);
+  direct.lines = std::move(view.lines);
+  direct.color_ms = view.color_ms;
+  direct.lines_ms = view.lines_ms;
+  direct.shade_ms = view.shade_ms;
+  direct.total_ms = view.total_ms;
+  direct.peak_bytes = view.peak_bytes;
+  return direct;
+}
+
+BaselineView BaselineViewOf(RepresentedView view) {
+  BaselineView baseline;
+  baseline.samples = std::move(view.traced.samples);
+  baseline.stats = *view.traced.baseline;
+  baseline.image = std::move(view.image);
+  baseline.inspection = std::move(view.inspection);
+  baseline.color_ms = view.color_ms;
+  baseline.shade_ms = view.shade_ms;
+  baseline.total_ms = view.total_ms;
+  baseline.peak_bytes = view.peak_bytes;
+  return baseline;
 }
 
 // The difference of two views that are there, as numbers and as a picture.
@@ -342,9 +362,11 @@ SampleGrid GridOf(int samples) {
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
   try {
-    Result<DirectPasses> passes = RunDirect(scene, camera, Subject(scene.model(), options), options);
-    if (!passes.ok()) return passes.error();
-    return std::move(passes).value().view;
+    const Subject subject(scene.model(), options);
+    Result<RepresentedView> view =
+        ViewMaker(ExactSurfacesOf(scene, options), camera, subject, options).Make(nullptr);
+    if (!view.ok()) return view.error();
+    return DirectViewOf(std::move(view).value(), scene.model(), options);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -357,7 +379,11 @@ Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& mode
     return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
   if (Result<void> can = CheckMeshCanShow(options.inspection, true); !can.ok()) return can.error();
   try {
-    return RunBaseline(baseline, camera, nullptr, Subject(model, options), {}, options);
+    const Subject subject(model, options);
+    Result<RepresentedView> view =
+        ViewMaker(TrianglesOf(baseline, subject, options), camera, subject, options).Make(nullptr);
+    if (!view.ok()) return view.error();
+    return BaselineViewOf(std::move(view).value());
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
@@ -373,14 +399,14 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     ViewComparison comparison;
     comparison.camera = camera;
     const Subject subject(scene.model(), options);
-    Result<DirectPasses> direct = RunDirect(scene, camera, subject, options);
-    if (!direct.ok()) return direct.error();
-    Result<BaselineView> meshed =
-        RunBaseline(baseline, camera, baseline.mesh().from_model ? nullptr : &direct.value(), subject,
-                    direct.value().view.lines, options);
+    Result<RepresentedView> exact =
+        ViewMaker(ExactSurfacesOf(scene, options), camera, subject, options).Make(nullptr);
+    if (!exact.ok()) return exact.error();
+    Result<RepresentedView> meshed =
+        ViewMaker(TrianglesOf(baseline, subject, options), camera, subject, options).Make(&exact.value());
     if (!meshed.ok()) return meshed.error();
-    comparison.direct = std::move(direct.value().view);
-    comparison.baseline = std::move(meshed).value();
+    comparison.direct = DirectViewOf(std::move(exact).value(), scene.model(), options);
+    comparison.baseline = BaselineViewOf(std::move(meshed).value());
 
     // Compare.
     const Stopwatch stopwatch;

@@ -1,0 +1,56 @@
+#include "render/compare/representation.h"
+
+#include <utility>
+
+#include "render/compare/see_through.h"
+
+namespace facetless {
+
+Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest& request,
+                                        const Execution& execution) const {
+  DirectOptions options = options_;
+  options.uv = request.uv;
+  options.depth_error = request.depth_error;
+  options.audit = request.audit;
+  options.leave_out = request.leave_out;
+  if (!request.certificates) options.check = CheckLevel::kNone;
+  options.threads = execution.threads;
+  options.cancel = execution.cancel;
+  Result<DirectResult> traced = TraceDirect(scene_, camera, options);
+  if (!traced.ok()) return traced.error();
+  TracedView view;
+  view.frame = traced.value().frame;
+  view.samples = std::move(traced.value().samples);
+  view.structure_bytes = traced.value().stats.scene_bytes;
+  view.direct = std::move(traced.value().stats);
+  return view;
+}
+
+Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& request,
+                                    const Execution& execution) const {
+  TracedView view;
+  const BaselineScene* scene = &scene_;
+  Mesh rest;
+  std::optional<BaselineScene> rest_scene;
+  if (request.leave_out != nullptr) {
+    rest = OpaqueMesh(scene_.mesh(), *request.leave_out);
+    Result<BaselineScene> built = BaselineScene::Build(rest, execution.threads, false, max_bytes_);
+    if (!built.ok()) {
+      if (built.error().code != ErrorCode::kNothingUsable) return built.error();
+      view.samples.Resize(camera.width_px, camera.height_px);  // every face is left out
+      return view;
+    }
+    rest_scene.emplace(std::move(built).value());
+    scene = &*rest_scene;
+  }
+  Result<BaselineResult> traced =
+      TraceBaseline(*scene, camera, {execution.threads, execution.cancel, sections_, solids_});
+  if (!traced.ok()) return traced.error();
+  view.frame = traced.value().frame;
+  view.samples = std::move(traced.value().samples);
+  view.structure_bytes = scene->mesh_bytes() + scene->bvh_peak_bytes();
+  view.baseline = traced.value().stats;
+  return view;
+}
+
+}  // namespace facetless
