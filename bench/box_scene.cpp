@@ -28,7 +28,8 @@ std::vector<SceneBox> RandomBoxes(int objects, int size, bool perspective, std::
     // Moved away from the eye, along the rays through the corners of its front.
     const double scale = perspective ? 1 + z / kEyeDistance : 1;
     SceneBox box{kEye + scale * (low - kEye), kEye + scale * (high - kEye)};
-    box.low.z = z, box.high.z = z + scale * size;
+    box.low.z = z;
+    box.high.z = z + scale * size;
     boxes.push_back(box);
   }
   return boxes;

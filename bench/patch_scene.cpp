@@ -122,7 +122,8 @@ Model Birds() {
     Instance instance;
     const int row = k / 3 % 3, layer = k / 9;
     const Vec3 offset{90.0 * (k % 3), 80.0 * row, 90.0 * layer};
-    instance.placement.m[0][3] = offset.x, instance.placement.m[1][3] = offset.y,
+    instance.placement.m[0][3] = offset.x;
+    instance.placement.m[1][3] = offset.y;
     instance.placement.m[2][3] = offset.z;
     instance.first_placed_face = static_cast<std::uint32_t>(k) * faces;
     model.bounds.Add(one.low + offset);
@@ -266,7 +267,8 @@ std::vector<ScenePatch> PatchesOf(const Model& model) {
       const Surface& surface = model.surfaces[model.faces[face].surface];
       for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
         ScenePatch out;
-        out.degree_u = surface.degree_u, out.degree_v = surface.degree_v;
+        out.degree_u = surface.degree_u;
+        out.degree_v = surface.degree_v;
         out.placed_face = instance.first_placed_face + (face - faces.first);
         for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k) {
           const Vec4 p =

@@ -354,7 +354,10 @@ Result<Placement> GlbReader::LocalPlacement(const tinygltf::Node& node) const {
       const std::vector<double>& q = node.rotation;
       const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
       if (!(length > 0)) return Broken("node '" + node.name + "' has a rotation of length zero");
-      x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
+      x = q[0] / length;
+      y = q[1] / length;
+      z = q[2] / length;
+      w = q[3] / length;
     }
     const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
                             {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},

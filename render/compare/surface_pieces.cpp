@@ -53,7 +53,8 @@ double TurnAlong(const BezierNet& net, Direction direction) {
       length += Length(step);
       if (i > 0) own += Length(step - (point(i, line) - point(i - 1, line)));
     }
-    longest = std::max(longest, length), bend = std::max(bend, own);
+    longest = std::max(longest, length);
+    bend = std::max(bend, own);
   }
   return longest > 0 ? bend / longest : 0;
 }
@@ -95,7 +96,8 @@ SurfacePieces::Box SurfacePieces::BoxOf(const BezierNet& net) {
       size = std::max(size, Length(p));
       for (int a = 0; a < 3; ++a) {
         const double at = Dot(box.axis[a], p);
-        low[a] = std::min(low[a], at), high[a] = std::max(high[a], at);
+        low[a] = std::min(low[a], at);
+        high[a] = std::max(high[a], at);
       }
     }
   }

@@ -33,7 +33,8 @@ Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
     const Vec3 off = target - p.position;
     const double distance = Length(off);
     if (!(distance < nearest)) break;
-    nearest = distance, best = at;
+    nearest = distance;
+    best = at;
     const double uu = Dot(p.du, p.du), uv = Dot(p.du, p.dv), vv = Dot(p.dv, p.dv),
                  determinant = uu * vv - uv * uv;
     const double u = Dot(off, p.du), v = Dot(off, p.dv);
@@ -123,7 +124,8 @@ class EdgeMeter {
                                             Normalized(Cross(other.frame.normal, place.tangent)));
     if (!std::isfinite(a) || !std::isfinite(b) || !keep(result->curvature_jump, std::fabs(a - b))) return;
     result->relative_jump = std::fabs(a - b) / std::max(std::fabs(a), std::fabs(b));
-    result->curvatures[0] = a, result->curvatures[1] = b;
+    result->curvatures[0] = a;
+    result->curvatures[1] = b;
   }
 
   void Classify(EdgeContinuity* result) const {

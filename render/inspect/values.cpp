@@ -184,9 +184,12 @@ ValueStatistics StatisticsOf(const PerSample<double>& values, const SampleBuffer
   const auto at = [&](double share) {
     return numbers[static_cast<std::size_t>(share * static_cast<double>(numbers.size() - 1))];
   };
-  statistics.min = numbers.front(), statistics.max = numbers.back();
+  statistics.min = numbers.front();
+  statistics.max = numbers.back();
   statistics.mean = sum / static_cast<double>(numbers.size());
-  statistics.p2 = at(kLowShare), statistics.p50 = at(0.5), statistics.p98 = at(kHighShare);
+  statistics.p2 = at(kLowShare);
+  statistics.p50 = at(0.5);
+  statistics.p98 = at(kHighShare);
   return statistics;
 }
 

@@ -37,8 +37,10 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
     next += n;
     const Lane b1 = Local(x, leaf.center_x, leaf.c11, y, leaf.center_y, leaf.c12);
     const Lane b2 = Local(x, leaf.center_x, leaf.c21, y, leaf.center_y, leaf.c22);
-    h1s = Fnma(b1, w.ds, h1s), h1t = Fnma(b1, w.dt, h1t);
-    h2s = Fnma(b2, w.ds, h2s), h2t = Fnma(b2, w.dt, h2t);
+    h1s = Fnma(b1, w.ds, h1s);
+    h1t = Fnma(b1, w.dt, h1t);
+    h2s = Fnma(b2, w.ds, h2s);
+    h2t = Fnma(b2, w.dt, h2t);
   }
   // Undo C, to pixels and then to mm; and the depth with them. One factor for all keeps squares of squares in the
   // range of a float, however small the leaf.
@@ -57,19 +59,25 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
     const Jet d = Evaluate<-1, -1>(next, p, q, s, t);
     if (perspective) {
       const Lane depth = w.f / d.f;
-      zs = Fnma(depth, d.ds, w.ds), zt = Fnma(depth, d.dt, w.dt);
+      zs = Fnma(depth, d.ds, w.ds);
+      zt = Fnma(depth, d.dt, w.dt);
     } else {
       const Lane depth = d.f / w.f;
-      zs = Fnma(depth, w.ds, d.ds), zt = Fnma(depth, w.dt, d.dt);
+      zs = Fnma(depth, w.ds, d.ds);
+      zt = Fnma(depth, w.dt, d.dt);
     }
   } else if (perspective) {
-    zs = w.ds, zt = w.dt;
+    zs = w.ds;
+    zt = w.dt;
   }
-  zs = Set(factor) * zs, zt = Set(factor) * zt;
+  zs = Set(factor) * zs;
+  zt = Set(factor) * zt;
   if (perspective) {
     const Lane tan_x = Local(x, 0, axes.pixel_x, y, 0, 0), tan_y = Local(x, 0, 0, y, 0, axes.pixel_y);
-    xs = Fma(tan_x, zs, xs), xt = Fma(tan_x, zt, xt);
-    ys = Fma(tan_y, zs, ys), yt = Fma(tan_y, zt, yt);
+    xs = Fma(tan_x, zs, xs);
+    xt = Fma(tan_x, zt, xt);
+    ys = Fma(tan_y, zs, ys);
+    yt = Fma(tan_y, zt, yt);
   }
   const Lane nx = Fma(ys, zt, Set(0) - zs * yt), ny = Fma(zs, xt, Set(0) - xs * zt),
              nz = Fma(xs, yt, Set(0) - ys * xt);

@@ -284,7 +284,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   if (!(kappa_g <= kMaxKappa)) return fail();
   double w_low = 1, slope = 0, w_rest = 0, w_second = 0;
   if (rule.weight_varies) {
-    w_rest = bound.value[kW], w_second = bound.second[kW];
+    w_rest = bound.value[kW];
+    w_second = bound.second[kW];
     w_low = 1 - w_rest;
     if (!(w_low > 0)) return fail();
     slope = bound.Slope(kW);
@@ -340,7 +341,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
         Put((rule.weight_varies ? Spread<kW>(p) : Same(0)) - p, apart, i);
       }
       const Bounds between = Bound<P, Q>(apart, pu, pv);
-      difference = between.value[kQ], difference_slope = between.Slope(kQ);
+      difference = between.value[kQ];
+      difference_slope = between.Slope(kQ);
     }
     const double range = w_rest + q_rest;
     depth_slope = leaf->depth_scale * (difference_slope / q_low + difference * q_slope / (q_low * q_low));
@@ -409,8 +411,10 @@ NetBox Project(const BezierNet& net, DepthRule rule, double half_window) {
   Store(low, least);
   Store(high, most);
   Store(smallest, divisor);
-  box.x_low = least[kX], box.x_high = most[kX];
-  box.y_low = least[kY], box.y_high = most[kY];
+  box.x_low = least[kX];
+  box.x_high = most[kX];
+  box.y_low = least[kY];
+  box.y_high = most[kY];
   if (!rule.perspective) box.near_depth = least[kQ], box.far_depth = most[kQ];
   // Errors: of the pixel, by the window's size at most, and of the depth.
   box.error = (std::fmax(net.error[kX], net.error[kY]) + half_window * net.error[kW]) / divisor[kW];

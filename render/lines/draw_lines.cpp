@@ -37,7 +37,8 @@ void AddStrokes(const ViewLine& line, const LineStyle& style, std::vector<Stroke
       if (on)
         strokes->push_back({a.x + dx * (from / length), a.y + dy * (from / length),
                             a.x + dx * ((from + step) / length), a.y + dy * ((from + step) / length)});
-      from += step, place += step;
+      from += step;
+      place += step;
     }
   }
 }
@@ -51,7 +52,8 @@ void CoverRow(const Stroke& s, double half_width, int y, std::vector<float>* cov
   if (std::fabs(dy) > 0) {
     const double at = s.x0 + dx * ((center - reach - s.y0) / dy),
                  other = s.x0 + dx * ((center + reach - s.y0) / dy);
-    low = std::max(low, std::min(at, other)), high = std::min(high, std::max(at, other));
+    low = std::max(low, std::min(at, other));
+    high = std::min(high, std::max(at, other));
     if (low > high) std::swap(low, high);
   }
   const int width = static_cast<int>(cover->size());
@@ -158,10 +160,12 @@ LineStyle StyleOf(LineClass kind, bool visible) {
   LineStyle style;
   switch (kind) {
     case LineClass::kSeam:
-      style.width = 0.6, style.cover = 0.35f;
+      style.width = 0.6;
+      style.cover = 0.35f;
       break;
     case LineClass::kSmooth:
-      style.width = 0.8, style.cover = 0.45f;
+      style.width = 0.8;
+      style.cover = 0.45f;
       break;
     case LineClass::kFeature:
       break;
@@ -176,7 +180,8 @@ LineStyle StyleOf(LineClass kind, bool visible) {
   if (!visible) {
     style.width *= 0.7;
     style.cover *= 0.5f;
-    style.dash = 5, style.gap = 3;
+    style.dash = 5;
+    style.gap = 3;
   }
   return style;
 }

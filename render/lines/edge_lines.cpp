@@ -120,8 +120,10 @@ class Projector {
       const bool ahead = !perspective || q.depth > frame_.near_mm;
       in_front = in_front && ahead;
       behind = behind && !ahead;
-      left = left && q.x < 0, right = right && q.x > camera_.width_px;
-      above = above && q.y < 0, below = below && q.y > camera_.height_px;
+      left = left && q.x < 0;
+      right = right && q.x > camera_.width_px;
+      above = above && q.y < 0;
+      below = below && q.y > camera_.height_px;
     }
     if (behind || (in_front && (left || right || above || below))) return End(lines);
     const PixelPoint &a = pixels.front(), &b = pixels.back();

@@ -295,8 +295,10 @@ double SizeInPicture(const Box3& box, const Placement& placement, const Camera& 
                                         k & 4 ? box.high.z : box.low.z}));
     // What reaches behind the eye may be as large as it likes.
     if (frame.projection == Projection::kPerspective && !(p.depth > frame.near_mm)) return INFINITY;
-    x_low = std::min(x_low, p.x), x_high = std::max(x_high, p.x);
-    y_low = std::min(y_low, p.y), y_high = std::max(y_high, p.y);
+    x_low = std::min(x_low, p.x);
+    x_high = std::max(x_high, p.x);
+    y_low = std::min(y_low, p.y);
+    y_high = std::max(y_high, p.y);
   }
   if (x_high < 0 || y_high < 0 || x_low > camera.width_px || y_low > camera.height_px) return 0;
   return std::max(x_high - x_low, y_high - y_low);

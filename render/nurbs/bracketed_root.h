@@ -18,9 +18,13 @@ double BracketedRoot(const Function& f, double f_0, double f_1, double width) {
     const double value = f(t);
     if (value == 0) return t;
     if ((value > 0) == (f_0 > 0)) {
-      a = t, f_0 = value, f_1 *= 0.5;
+      a = t;
+      f_0 = value;
+      f_1 *= 0.5;
     } else {
-      b = t, f_1 = value, f_0 *= 0.5;
+      b = t;
+      f_1 = value;
+      f_0 *= 0.5;
     }
   }
   return 0.5 * (a + b);

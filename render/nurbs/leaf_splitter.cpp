@@ -86,8 +86,10 @@ Leaf HardLeaf(const BezierNet& net, DepthRule rule, bool edge_on) {
       (rule.depth_varies ? kLeafDepthVaries : 0) | (edge_on ? kLeafEdgeOn : 0));
   leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
   leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
-  leaf.c11 = net.error[kX], leaf.c12 = net.error[kY];
-  leaf.c21 = net.error[kW], leaf.c22 = net.error[kQ];
+  leaf.c11 = net.error[kX];
+  leaf.c12 = net.error[kY];
+  leaf.c21 = net.error[kW];
+  leaf.c22 = net.error[kQ];
   return leaf;
 }
 
@@ -141,8 +143,10 @@ void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, Coe
   lost_ = false;
   node_limit_ = std::numeric_limits<std::uint64_t>::max();
   Node* root = Level(0, 0);
-  root->u_mid = 0.5 * (patch.u_low + patch.u_high), root->u_half = 0.5 * (patch.u_high - patch.u_low);
-  root->v_mid = 0.5 * (patch.v_low + patch.v_high), root->v_half = 0.5 * (patch.v_high - patch.v_low);
+  root->u_mid = 0.5 * (patch.u_low + patch.u_high);
+  root->u_half = 0.5 * (patch.u_high - patch.u_low);
+  root->v_mid = 0.5 * (patch.v_low + patch.v_high);
+  root->v_half = 0.5 * (patch.v_high - patch.v_low);
   root->level = 0;
   root->trim = patch.trim_class;
   Visit(*root);
@@ -172,8 +176,10 @@ void LeafSplitter::Visit(const Node& node) {
     const double r0 = first(box.y_low - slack, window_.half_height),
                  r1 = last(box.y_high + slack, window_.half_height);
     if (!(c0 < c1 && r0 < r1)) return;
-    col_begin = static_cast<int>(c0), col_end = static_cast<int>(c1);
-    row_begin = static_cast<int>(r0), row_end = static_cast<int>(r1);
+    col_begin = static_cast<int>(c0);
+    col_end = static_cast<int>(c1);
+    row_begin = static_cast<int>(r0);
+    row_end = static_cast<int>(r1);
   }
 
   // Ask the trimming, unless the parent knew, about all that the leaf will answer for: its overlap with its
@@ -243,8 +249,10 @@ void LeafSplitter::Visit(const Node& node) {
       if (hard && !edge_on)
         node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
       leaf.near_depth = box.near_depth - leaf.depth_error;
-      leaf.col_begin = col_begin, leaf.col_end = col_end;
-      leaf.row_begin = row_begin, leaf.row_end = row_end;
+      leaf.col_begin = col_begin;
+      leaf.col_end = col_end;
+      leaf.row_begin = row_begin;
+      leaf.row_end = row_end;
       Keep(leaf, node, trim, hard ? net.value : monomials);
       return;
     }
@@ -263,8 +271,10 @@ void LeafSplitter::Visit(const Node& node) {
   Node* high = Level(node.level + 1, 1);
   low->SetDegrees(net.degree_u, net.degree_v);
   high->SetDegrees(net.degree_u, net.degree_v);
-  low->u_mid = high->u_mid = node.u_mid, low->u_half = high->u_half = node.u_half;
-  low->v_mid = high->v_mid = node.v_mid, low->v_half = high->v_half = node.v_half;
+  low->u_mid = high->u_mid = node.u_mid;
+  low->u_half = high->u_half = node.u_half;
+  low->v_mid = high->v_mid = node.v_mid;
+  low->v_half = high->v_half = node.v_half;
   if (direction == Direction::kU) {
     low->u_half = high->u_half = node.u_half / 2;
     low->u_mid = node.u_mid - low->u_half;
@@ -282,8 +292,10 @@ void LeafSplitter::Visit(const Node& node) {
 }
 
 void LeafSplitter::Keep(Leaf leaf, const Node& node, RectClass trim, const double* coefficients) {
-  leaf.u_mid = node.u_mid, leaf.u_half = node.u_half;
-  leaf.v_mid = node.v_mid, leaf.v_half = node.v_half;
+  leaf.u_mid = node.u_mid;
+  leaf.u_half = node.u_half;
+  leaf.v_mid = node.v_mid;
+  leaf.v_half = node.v_half;
   leaf.placed_face = patch_->placed_face;
   leaf.patch = patch_->patch;
   if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;

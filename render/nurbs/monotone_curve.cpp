@@ -218,9 +218,13 @@ CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
     if (std::fabs(x) <= piece.error.x && std::fabs(y) <= piece.error.y) break;
     const double f = x * scale_u + y * scale_v;
     if (f < 0) {
-      a = t, fa = f, fb *= 0.5;
+      a = t;
+      fa = f;
+      fb *= 0.5;
     } else {
-      b = t, fb = f, fa *= 0.5;
+      b = t;
+      fb = f;
+      fa *= 0.5;
     }
   }
   return CurveSide::kOn;
@@ -246,7 +250,8 @@ double NearestParameter(const MonotonePiece& piece, Vec2 q, Vec2 scale) {
     const double next = std::clamp(t - Dot(d, tangent) / speed, t_min, t_max);
     const double reached = distance(next);
     if (!(reached < best)) break;
-    t = next, best = reached;
+    t = next;
+    best = reached;
   }
   return t;
 }

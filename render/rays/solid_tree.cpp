@@ -126,8 +126,10 @@ void SolidTree::AddFace(std::uint32_t face) {
       stack.pop_back();
       Piece piece;
       piece.face = face;
-      piece.u0 = BezierToNative(u_span, net.s0), piece.u1 = BezierToNative(u_span, net.s1);
-      piece.v0 = BezierToNative(v_span, net.t0), piece.v1 = BezierToNative(v_span, net.t1);
+      piece.u0 = BezierToNative(u_span, net.s0);
+      piece.u1 = BezierToNative(u_span, net.s1);
+      piece.v0 = BezierToNative(v_span, net.t0);
+      piece.v1 = BezierToNative(v_span, net.t1);
       const RectClass where = data.trim.Classify(piece.u0, piece.u1, piece.v0, piece.v1);
       if (where == RectClass::kOutside) continue;
       const Bend bend = BendOf(net);

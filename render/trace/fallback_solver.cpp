@@ -88,8 +88,10 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     double monomials[kNetComponents * kMaxNetPoints];
     if (pieces > 1 && nets_.certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
       piece.coefficients = monomials;
-      piece.u_mid = leaf.u_mid + work->s_mid * leaf.u_half, piece.u_half = work->s_half * leaf.u_half;
-      piece.v_mid = leaf.v_mid + work->t_mid * leaf.v_half, piece.v_half = work->t_half * leaf.v_half;
+      piece.u_mid = leaf.u_mid + work->s_mid * leaf.u_half;
+      piece.u_half = work->s_half * leaf.u_half;
+      piece.v_mid = leaf.v_mid + work->t_mid * leaf.v_half;
+      piece.v_half = work->t_half * leaf.v_half;
       // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors.
       piece.s_high = piece.t_high = 1 + piece.overlap();
       piece.s_low = piece.t_low = -piece.s_high;
@@ -125,8 +127,10 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     Piece& high = *stack_[depth + 2];
     low.SetDegrees(net.degree_u, net.degree_v);
     high.SetDegrees(net.degree_u, net.degree_v);
-    low.s_mid = high.s_mid = work->s_mid, low.s_half = high.s_half = work->s_half;
-    low.t_mid = high.t_mid = work->t_mid, low.t_half = high.t_half = work->t_half;
+    low.s_mid = high.s_mid = work->s_mid;
+    low.s_half = high.s_half = work->s_half;
+    low.t_mid = high.t_mid = work->t_mid;
+    low.t_half = high.t_half = work->t_half;
     const Direction direction = residual.extent.v > residual.extent.u ? Direction::kV : Direction::kU;
     if (direction == Direction::kU) {
       low.s_half = high.s_half = work->s_half / 2;

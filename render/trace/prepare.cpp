@@ -115,8 +115,10 @@ class Preparation {
       below = below && p.y > limit_y;
       behind = behind && p.w <= window_.near_depth * p.q;
       in_front = in_front && p.w > 0;
-      x_low = std::min(x_low, p.x / p.w), x_high = std::max(x_high, p.x / p.w);
-      y_low = std::min(y_low, p.y / p.w), y_high = std::max(y_high, p.y / p.w);
+      x_low = std::min(x_low, p.x / p.w);
+      x_high = std::max(x_high, p.x / p.w);
+      y_low = std::min(y_low, p.y / p.w);
+      y_high = std::max(y_high, p.y / p.w);
     }
     if (left || right || above || below || behind) return false;
     if (!in_front) return true;
@@ -189,7 +191,8 @@ class Preparation {
       if (leave_out_ && (*leave_out_)[placed_face]) continue;
       const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
       Leaf leaf;
-      leaf.degree_u = surface.degree_u, leaf.degree_v = surface.degree_v;
+      leaf.degree_u = surface.degree_u;
+      leaf.degree_v = surface.degree_v;
       // Samples of one patch follow each other, and share its net.
       if (!before || before->instance != sample.instance || before->face != sample.face ||
           before->patch != sample.patch) {
@@ -211,10 +214,13 @@ class Preparation {
       leaf.flags = static_cast<std::uint16_t>(kLeafHard | kLeafSeam | kLeafWeightVaries | kLeafDepthVaries |
                                               (window_.perspective ? kLeafPerspective : 0) |
                                               (sample.odd ? kLeafOdd : 0));
-      leaf.s_low = 2 * sample.u - 1, leaf.t_low = 2 * sample.v - 1;
+      leaf.s_low = 2 * sample.u - 1;
+      leaf.t_low = 2 * sample.v - 1;
       leaf.near_depth = sample.depth;
-      leaf.col_begin = sample.column, leaf.col_end = sample.column + 1;
-      leaf.row_begin = sample.row, leaf.row_end = sample.row + 1;
+      leaf.col_begin = sample.column;
+      leaf.col_end = sample.column + 1;
+      leaf.row_begin = sample.row;
+      leaf.row_end = sample.row + 1;
       leaf.placed_face = placed_face;
       leaf.patch = sample.patch;
       worker.leaves.push_back(leaf);

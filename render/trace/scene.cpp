@@ -70,8 +70,10 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
   // Continue the grid where the face ends with it.
   const Span &u_first = model.spans[surface.u_spans.first], &u_last = model.spans[surface.u_spans.end() - 1];
   const Span &v_first = model.spans[surface.v_spans.first], &v_last = model.spans[surface.v_spans.end() - 1];
-  data.u_low = u_first.begin, data.u_high = u_last.end;
-  data.v_low = v_first.begin, data.v_high = v_last.end;
+  data.u_low = u_first.begin;
+  data.u_high = u_last.end;
+  data.v_low = v_first.begin;
+  data.v_high = v_last.end;
   if (const double reach_mm = kContinueGaps * LargestGap(model, face); reach_mm > 0) {
     const auto by = [&](bool across_u, bool high) {
       return ContinueBy(model, surface, {across_u, high}, reach_mm);
@@ -84,8 +86,10 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
       data.v_low = BezierToNative(v_first, -by(false, false));
       data.v_high = BezierToNative(v_last, 1 + by(false, true));
     }
-    data.u_low_continued = data.u_low<u_first.begin, data.u_high_continued = data.u_high> u_last.end;
-    data.v_low_continued = data.v_low<v_first.begin, data.v_high_continued = data.v_high> v_last.end;
+    data.u_low_continued = data.u_low < u_first.begin;
+    data.u_high_continued = data.u_high > u_last.end;
+    data.v_low_continued = data.v_low < v_first.begin;
+    data.v_high_continued = data.v_high > v_last.end;
     // Twice the distance bounds the continuation, which bends little.
     const Vec3 margin{2 * reach_mm, 2 * reach_mm, 2 * reach_mm};
     data.bounds = {data.bounds.low - margin, data.bounds.high + margin};

@@ -71,7 +71,8 @@ double Continued(const SectionRow* rows, int step) {
 // rows[−1] and rows[kBlockRows] are those of the neighbours.
 Block Integrate(double begin, double end, const SectionRow* rows) {
   Block block;
-  block.begin = begin, block.end = end;
+  block.begin = begin;
+  block.end = end;
   const double width = end - begin;
   double eight = 0, four = 0, odd = 0;
   for (int i = 0; i < kBlockRows; ++i) {

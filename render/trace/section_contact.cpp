@@ -262,8 +262,10 @@ class Subdivision {
       const auto [least, most] = SizeOf(bounds.rise[direction]);
       if (!(least > 0) || !(most <= kSteady * least)) continue;
       const double taken = std::min(1.0, (high_ - low_) * bounds.weight.high / least);
-      if (best < 0 || taken < share || (taken == share && least > SizeOf(bounds.rise[best]).first))
-        best = direction, share = taken;
+      if (best < 0 || taken < share || (taken == share && least > SizeOf(bounds.rise[best]).first)) {
+        best = direction;
+        share = taken;
+      }
     }
     const bool tiny = std::max(bounds.speed[0], bounds.speed[1]) <= tiny_;
     if (best >= 0 && share <= kNarrow) {
@@ -319,8 +321,10 @@ class Subdivision {
       std::copy_n(halves_[half].net.value, kNetComponents * net.points(), next->net.net.value);
       std::copy_n(halves_[half].net.error, int{kNetComponents}, next->net.net.error);
       next->source = cell.source;
-      next->u_low = cell.u_low, next->u_high = cell.u_high;
-      next->v_low = cell.v_low, next->v_high = cell.v_high;
+      next->u_low = cell.u_low;
+      next->u_high = cell.u_high;
+      next->v_low = cell.v_low;
+      next->v_high = cell.v_high;
       if (direction == Direction::kU) (half == 0 ? next->u_high : next->u_low) = u;
       if (direction == Direction::kV) (half == 0 ? next->v_high : next->v_low) = v;
       Push(std::move(next), part);

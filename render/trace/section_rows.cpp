@@ -33,7 +33,8 @@ SectionScan::SectionScan(const SectionPlane& section, const Box3& bounds) : plan
   if (const auto range = bounds.empty() ? std::nullopt : RangeOf(bounds, {})) {
     // A plane that touches the bounds' face must not lose its ends to rounding.
     const double margin = 1e-6 * bounds.diagonal();
-    begin = range->first - margin, end = range->second + margin;
+    begin = range->first - margin;
+    end = range->second + margin;
     size_ = bounds.diagonal() + Length(origin);
   }
 }
@@ -116,7 +117,8 @@ double SectionRows::WayThroughModel(const Ray& ray) const {
   for (int k = 0; k < 3; ++k) {
     if (direction[k] == 0) continue;
     const double a = (low[k] - origin[k]) / direction[k], b = (high[k] - origin[k]) / direction[k];
-    begin = std::max(begin, std::min(a, b)), end = std::min(end, std::max(a, b));
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
   }
   return std::max(end - begin, 0.0);
 }

@@ -94,10 +94,12 @@ KeptInterval KeptOf(const Ray& ray, std::span<const SectionPlane> planes, double
         kPlaneRounding *
         (std::fabs(depth) + (Length(ray.origin) + Length(plane.point) + std::fabs(depth)) / std::fabs(rate));
     if (rate < 0 && depth > kept.begin) {
-      kept.begin = depth, kept.begin_error = error;
+      kept.begin = depth;
+      kept.begin_error = error;
       kept.plane = i;
     } else if (rate > 0 && depth < kept.end) {
-      kept.end = depth, kept.end_error = error;
+      kept.end = depth;
+      kept.end_error = error;
     }
   }
   return kept;

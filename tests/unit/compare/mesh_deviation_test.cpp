@@ -135,8 +135,10 @@ double ByForce(const SurfaceEval& surface, Vec3 point, int n) {
     }
     best = std::min(best, nearest);
     const double du = 4 * (u1 - u0) / n, dv = 4 * (v1 - v0) / n;
-    u0 = std::max(surface.u_begin(), bu - du), u1 = std::min(surface.u_end(), bu + du);
-    v0 = std::max(surface.v_begin(), bv - dv), v1 = std::min(surface.v_end(), bv + dv);
+    u0 = std::max(surface.u_begin(), bu - du);
+    u1 = std::min(surface.u_end(), bu + du);
+    v0 = std::max(surface.v_begin(), bv - dv);
+    v1 = std::min(surface.v_end(), bv + dv);
   }
   return best;
 }

@@ -191,10 +191,16 @@ Handle(Geom_BSplineSurface) SomeSurface(bool rational) {
   }
   TColStd_Array1OfReal u_knots(1, 3), v_knots(1, 2);
   TColStd_Array1OfInteger u_counts(1, 3), v_counts(1, 2);
-  u_knots(1) = 0, u_knots(2) = 3, u_knots(3) = 4;
-  u_counts(1) = 4, u_counts(2) = 1, u_counts(3) = 4;
-  v_knots(1) = 10, v_knots(2) = 20;
-  v_counts(1) = 4, v_counts(2) = 4;
+  u_knots(1) = 0;
+  u_knots(2) = 3;
+  u_knots(3) = 4;
+  u_counts(1) = 4;
+  u_counts(2) = 1;
+  u_counts(3) = 4;
+  v_knots(1) = 10;
+  v_knots(2) = 20;
+  v_counts(1) = 4;
+  v_counts(2) = 4;
   return new Geom_BSplineSurface(poles, weights, u_knots, v_knots, u_counts, v_counts, 3, 3);
 }
 
@@ -231,7 +237,8 @@ TEST(SurfacePatches, PeriodicBsplinesGoOnThroughTheirSeam) {
     u_knots(i) = 0.5 + i * i * 0.1;
     u_counts(i) = 1;
   }
-  v_knots(1) = 0, v_knots(2) = 1;
+  v_knots(1) = 0;
+  v_knots(2) = 1;
   v_counts(1) = v_counts(2) = 3;
   surface = new Geom_BSplineSurface(poles, u_knots, v_knots, u_counts, v_counts, 3, 2, true, false);
   const double first = u_knots(1), period = u_knots(7) - first;
@@ -253,7 +260,8 @@ TEST(SurfacePatches, UnclampedKnotsAreNoSpecialCase) {
     u_knots(i) = i;
     u_counts(i) = 1;
   }
-  v_knots(1) = 0, v_knots(2) = 1;
+  v_knots(1) = 0;
+  v_knots(2) = 1;
   v_counts(1) = v_counts(2) = 2;
   const Handle(Geom_BSplineSurface) surface =
       new Geom_BSplineSurface(poles, u_knots, v_knots, u_counts, v_counts, 3, 1);

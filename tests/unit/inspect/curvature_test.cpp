@@ -156,7 +156,10 @@ TEST(Curvature, OfAFreeFormPatchIsThatOfItsDifferences) {
       for (int l = 0; l < 4; ++l) {
         const Vec4& p = grid.points[static_cast<std::size_t>(4 * k + l)];
         const Real b = basis(k, u) * basis(l, v);
-        h[0] += b * p.x, h[1] += b * p.y, h[2] += b * p.z, h[3] += b * p.w;
+        h[0] += b * p.x;
+        h[1] += b * p.y;
+        h[2] += b * p.z;
+        h[3] += b * p.w;
       }
     return P{h[0] / h[3], h[1] / h[3], h[2] / h[3]};
   };

@@ -42,7 +42,8 @@ Model Joined(const Join& join, double width) {
                          Parabola(0, 1, join.other_bend, join.slope, join.step, width)});
   Edge edge;
   edge.segments = {0, 1};
-  edge.vertices[0] = 0, edge.vertices[1] = 1;
+  edge.vertices[0] = 0;
+  edge.vertices[1] = 1;
   edge.coedge_count = 2;
   model.edge_segments.push_back({1, 0, 0, 1});
   model.edge_points = {{0, 0, 0, 1}, {0, width, 0, 1}};

@@ -175,8 +175,10 @@ TEST(Range, IgnoresFewOutliersAndIsSymmetric) {
   SampleBuffer samples;
   samples.Resize(1000, 1);
   PerSample<double> values(1000);
-  for (std::size_t i = 0; i < 1000; ++i)
-    samples.depth[i] = 1, values[i] = i < 5 ? 1e6 : i < 500 ? -0.5 : 0.25;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    samples.depth[i] = 1;
+    values[i] = i < 5 ? 1e6 : i < 500 ? -0.5 : 0.25;
+  }
   const ValueStatistics statistics = StatisticsOf(values, samples);
   EXPECT_EQ(statistics.max, 1e6);
   Inspection curvature = ParseInspection("curvature").value();

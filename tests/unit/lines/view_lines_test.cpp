@@ -47,7 +47,8 @@ double LengthOf(const std::vector<ViewLine>& lines, LineClass kind, bool visible
         const double at_low = (0 - from) / (to - from), at_high = (size - from) / (to - from);
         if (from == to && (from < 0 || from > size)) end = 0;
         if (from == to) continue;
-        begin = std::max(begin, std::min(at_low, at_high)), end = std::min(end, std::max(at_low, at_high));
+        begin = std::max(begin, std::min(at_low, at_high));
+        end = std::min(end, std::max(at_low, at_high));
       }
       length += std::max(end - begin, 0.0) * std::hypot(b.x - a.x, b.y - a.y);
     }
@@ -132,7 +133,8 @@ TEST(ViewLines, AreWholeHoweverNearOneLooks) {
   for (const double height : {1e-1, 1e-3, 1e-5}) {
     Camera camera = ViewOf(model, "front", Projection::kOrthographic);
     const Vec3 to_edge = Vec3{6, 0, 8} - camera.target;
-    camera.eye = camera.eye + to_edge, camera.target = camera.target + to_edge;
+    camera.eye = camera.eye + to_edge;
+    camera.target = camera.target + to_edge;
     camera.height = height;
     const auto lines = LinesOf(model, camera);
     EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 300 / 0.8, 2) << height;
@@ -173,7 +175,9 @@ TEST(Visibility, MakesASmoothEdgeOnTheOutlineASilhouette) {
   // a sharp edge on the outline, which keeps its name.
   Camera camera;
   camera.width_px = camera.height_px = 100;
-  camera.eye = {0, 0, 10}, camera.target = {0, 0, 0}, camera.up = {0, 1, 0};
+  camera.eye = {0, 0, 10};
+  camera.target = {0, 0, 0};
+  camera.up = {0, 1, 0};
   camera.height = 100;
   const CameraFrame frame = MakeFrame(camera, 10).value();
   SampleBuffer samples;
@@ -200,7 +204,8 @@ TEST(ViewLines, AreHiddenToThePixelHoweverFarTheyRunBesideThePicture) {
   // A wire of ten kilometres, and a ball in front of its right side.
   const Model model = ModelOf({Frustum({0, 0, -5e6}, 5, 5, 1e7), Sphere({5, -20, 0}, 4)});
   Camera camera = ViewOf(model, "front", Projection::kOrthographic);
-  camera.eye = {0, -100, 0}, camera.target = {0, 0, 0};
+  camera.eye = {0, -100, 0};
+  camera.target = {0, 0, 0};
   camera.height = 20;
   const auto lines = LinesOf(model, camera);
   EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, false), 8 * 15, 2);
@@ -292,7 +297,8 @@ TEST(EdgeClasses, AreThoseOfTheirFaces) {
 
 Film WhiteFilm(int width, int height) {
   Film film;
-  film.width = width, film.height = height;
+  film.width = width;
+  film.height = height;
   film.pixels.assign(std::size_t(width) * height, {1, 1, 1, 1});
   return film;
 }

@@ -66,7 +66,8 @@ TEST(Bezier, AnExtendedNetIsTheSamePolynomialOverALongerInterval) {
       std::vector<double> b(degree + 1), e(degree + 1);
       for (int k = 0; k <= degree; ++k) {
         const int i = along_u ? k * net.stride() + line : line * net.stride() + k;
-        b[k] = before[i], e[k] = after[i];
+        b[k] = before[i];
+        e[k] = after[i];
       }
       for (const double t : {0.0, 0.25, 0.5, 1.0})
         EXPECT_NEAR(Bernstein(e.data(), degree, t), Bernstein(b.data(), degree, -low + t * (1 + low + high)),

@@ -305,7 +305,8 @@ TEST(Direct, APatchThatItsErrorsPlaceAnywhereIsInDoubtAndNotSplitForever) {
     std::vector<Vec4> points;
     for (int k = 0; k < 3; ++k)
       for (int l = 0; l < 3; ++l) points.push_back({5.0 * k, 5.0 * l, 2.0 * (k == 1), 1});
-    points[7] = beside, points[8] = corner;
+    points[7] = beside;
+    points[8] = corner;
     const std::vector<Span> span{{0, 1, SpanMap::kLinear}};
     Model model = ModelOf({{SurfaceKind::kBspline, 2, 2, span, span, points}});
     model.bounds = {{0, 0, 0}, {10, 10, 2}};

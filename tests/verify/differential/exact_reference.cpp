@@ -113,11 +113,17 @@ NearestOnEdge FindNearest(const Ray& ray, const BRepAdaptor_Curve& curve, double
     double at_a = offer(a), at_b = offer(b);
     for (int k = 0; k < kSteps; ++k) {
       if (at_a < at_b) {
-        high = b, b = a, at_b = at_a;
-        a = high - kGolden * (high - low), at_a = offer(a);
+        high = b;
+        b = a;
+        at_b = at_a;
+        a = high - kGolden * (high - low);
+        at_a = offer(a);
       } else {
-        low = a, a = b, at_a = at_b;
-        b = low + kGolden * (high - low), at_b = offer(b);
+        low = a;
+        a = b;
+        at_a = at_b;
+        b = low + kGolden * (high - low);
+        at_b = offer(b);
       }
     }
   }
