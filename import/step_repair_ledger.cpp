@@ -1,0 +1,323 @@
+// What the file declares and nobody reads or places; units that cannot be read.
+#include "import/step_repairer.h"
+
+#include <map>
+#include <set>
+
+namespace facetless::step_repair {
+
+namespace {
+
+// Bodies that OpenCASCADE 7.6 makes no shape of, and what they are called.
+struct Unread {
+  std::string_view keyword;
+  const char* what;
+};
+constexpr std::array kUnread{Unread{"CSG_SOLID", "a CSG solid"},
+                             Unread{"BOOLEAN_RESULT", "a CSG solid"},
+                             Unread{"BOOLEAN_CLIPPING_RESULT", "a CSG solid"},
+                             Unread{"BLOCK", "a CSG primitive"},
+                             Unread{"SPHERE", "a CSG primitive"},
+                             Unread{"TORUS", "a CSG primitive"},
+                             Unread{"ELLIPSOID", "a CSG primitive"},
+                             Unread{"ECCENTRIC_CONE", "a CSG primitive"},
+                             Unread{"RIGHT_ANGULAR_WEDGE", "a CSG primitive"},
+                             Unread{"RIGHT_CIRCULAR_CONE", "a CSG primitive"},
+                             Unread{"RIGHT_CIRCULAR_CYLINDER", "a CSG primitive"},
+                             Unread{"RECTANGULAR_PYRAMID", "a CSG primitive"},
+                             Unread{"FACETED_PRIMITIVE", "a CSG primitive"},
+                             Unread{"CYCLIDE_SEGMENT_SOLID", "a CSG primitive"},
+                             Unread{"HALF_SPACE_SOLID", "a half space"},
+                             Unread{"BOXED_HALF_SPACE", "a half space"},
+                             Unread{"SOLID_REPLICA", "a replica of a solid"},
+                             Unread{"SURFACE_REPLICA", "a replica of a surface"},
+                             Unread{"EXTRUDED_AREA_SOLID", "a swept solid"},
+                             Unread{"REVOLVED_AREA_SOLID", "a swept solid"},
+                             Unread{"SURFACE_CURVE_SWEPT_AREA_SOLID", "a swept solid"},
+                             Unread{"SWEPT_AREA_SOLID", "a swept solid"},
+                             Unread{"SWEPT_FACE_SOLID", "a swept solid"},
+                             Unread{"EXTRUDED_FACE_SOLID", "a swept solid"},
+                             Unread{"REVOLVED_FACE_SOLID", "a swept solid"},
+                             Unread{"EXTRUDED_AREA_SOLID_TAPERED", "a swept solid"},
+                             Unread{"REVOLVED_AREA_SOLID_TAPERED", "a swept solid"},
+                             Unread{"EXTRUDED_FACE_SOLID_WITH_TRIM_CONDITIONS", "a swept solid"},
+                             Unread{"SURFACE_CURVE_SWEPT_FACE_SOLID", "a swept solid"},
+                             Unread{"SWEPT_DISK_SOLID", "a swept solid"},
+                             Unread{"TESSELLATED_SOLID", "a tessellated solid, which is a mesh"},
+                             Unread{"TESSELLATED_SHELL", "a tessellated shell, which is a mesh"},
+                             Unread{"TESSELLATED_FACE", "a tessellated face, which is a mesh"},
+                             Unread{"TRIANGULATED_FACE", "a tessellated face, which is a mesh"},
+                             Unread{"COMPLEX_TRIANGULATED_FACE", "a tessellated face, which is a mesh"},
+                             Unread{"CUBIC_BEZIER_TRIANGULATED_FACE", "a tessellated face, which is a mesh"}};
+
+// Bodies and sheets of faces that it reads.
+constexpr std::array<std::string_view, 16> kRead{"MANIFOLD_SOLID_BREP",
+                                                 "BREP_WITH_VOIDS",
+                                                 "FACETED_BREP",
+                                                 "FACETED_BREP_AND_BREP_WITH_VOIDS",
+                                                 "SHELL_BASED_SURFACE_MODEL",
+                                                 "FACE_BASED_SURFACE_MODEL",
+                                                 "GEOMETRIC_SET",
+                                                 "GEOMETRIC_CURVE_SET",
+                                                 "MAPPED_ITEM",
+                                                 "CLOSED_SHELL",
+                                                 "OPEN_SHELL",
+                                                 "ORIENTED_CLOSED_SHELL",
+                                                 "ADVANCED_FACE",
+                                                 "FACE_SURFACE",
+                                                 "CONNECTED_FACE_SET",
+                                                 "CURVE_BOUNDED_SURFACE"};
+
+// Wireframes.
+constexpr std::array<std::string_view, 3> kCurveSets{"GEOMETRIC_CURVE_SET", "EDGE_BASED_WIREFRAME_MODEL",
+                                                     "SHELL_BASED_WIREFRAME_MODEL"};
+// What a shape may hold that is nothing to be seen.
+constexpr std::array<std::string_view, 24> kWithoutBody{"COORDINATES_LIST",
+                                                        "TESSELLATED_CURVE_SET",
+                                                        "TESSELLATED_POINT_SET",
+                                                        "TESSELLATED_VERTEX",
+                                                        "TESSELLATED_EDGE",
+                                                        "TRIANGULATED_SURFACE_SET",
+                                                        "COMPLEX_TRIANGULATED_SURFACE_SET",
+                                                        "REPOSITIONED_TESSELLATED_ITEM",
+                                                        "AXIS1_PLACEMENT",
+                                                        "AXIS2_PLACEMENT_2D",
+                                                        "AXIS2_PLACEMENT_3D",
+                                                        "CARTESIAN_POINT",
+                                                        "DIRECTION",
+                                                        "VECTOR",
+                                                        "PLACEMENT",
+                                                        "LINE",
+                                                        "CIRCLE",
+                                                        "ELLIPSE",
+                                                        "POLYLINE",
+                                                        "VERTEX_POINT",
+                                                        "PLANE",
+                                                        "STYLED_ITEM",
+                                                        "TESSELLATED_GEOMETRIC_SET",
+                                                        "CARTESIAN_TRANSFORMATION_OPERATOR_3D"};
+
+}  // namespace
+
+void Repairer::NoteOtherItem(const StepEntity& item) {
+  if (Holds(kCurveSets, item.keyword)) {
+    ++curve_sets_;
+  } else if (!item.keyword.empty() && !Holds(kRead, item.keyword) && !Holds(kWithoutBody, item.keyword) &&
+             !item.keyword.ends_with("_CURVE") && !item.keyword.ends_with("_SURFACE") &&
+             item.keyword.find("REPRESENTATION_ITEM") == std::string_view::npos &&
+             item.keyword.find("ANNOTATION") == std::string_view::npos) {
+    Warn("Item " + Label(item.id) + " of a shape, of the kind " + std::string(item.keyword) +
+         ", is not shown.");
+  }
+}
+
+void Repairer::FindUnread() {
+  FindRepresentations();
+  std::set<std::uint64_t> seen;
+  for (const Representation& representation : representations_) {
+    for (const std::uint64_t item : representation.items) {
+      const StepEntity* entity = entities_.Find(item);
+      if (entity == nullptr || gone_.contains(entity) ||
+          std::find(replicas_.begin(), replicas_.end(), entity) != replicas_.end() ||
+          !seen.insert(item).second)
+        continue;
+      const auto unread = std::find_if(kUnread.begin(), kUnread.end(),
+                                       [&](const Unread& kind) { return kind.keyword == entity->keyword; });
+      if (unread == kUnread.end()) {
+        const StepEntity* holder = entities_.Find(representation.id);
+        if (holder != nullptr && holder->keyword.ends_with("SHAPE_REPRESENTATION")) NoteOtherItem(*entity);
+        continue;
+      }
+      const auto record = RecordOf(*entity);
+      // A tessellation that says of which body it is one is not missed where the body is shown.
+      if (record && entity->keyword.starts_with("TESSELLATED_S") && Value(*record, 2) != nullptr &&
+          Value(*record, 2)->IsReference())
+        continue;
+      repair_.lost.push_back({Label(item), record ? NameIn(*record) : "",
+                              std::string("it is ") + unread->what + " (" + std::string(entity->keyword) +
+                                  "), and only boundary representations are read; export it as one"});
+    }
+  }
+  if (curve_sets_ > 0)
+    Warn("The file holds " + std::to_string(curve_sets_) +
+         (curve_sets_ == 1 ? " set of curves (a wireframe), which is not shown."
+                           : " sets of curves (wireframes), which are not shown."));
+}
+
+std::uint64_t Repairer::ReferenceIn(const StepRecord& record, std::size_t index) const {
+  const StepValue* value = Value(record, index);
+  return value != nullptr && value->IsReference() ? value->reference : 0;
+}
+
+void Repairer::FindUnplaced() {
+  std::map<std::uint64_t, const StepEntity*> usages;  // occurrences
+  std::unordered_map<std::uint64_t, std::uint64_t>
+      definition_of;                         // PRODUCT_DEFINITION_SHAPE → what it is the shape of
+  std::vector<std::uint64_t> placed_shapes;  // … that a placement names
+  std::unordered_map<std::uint64_t, std::set<std::uint64_t>> shapes;  // what has a shape → representations
+  // Shape → representation; representations that are the same.
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> used;
+  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;
+  std::vector<const StepEntity*> products;
+  for (const StepEntity& entity : entities_.all()) {
+    if (entity.structure != 0 || gone_.contains(&entity) || dropped_.contains(&entity)) continue;
+    const std::string_view keyword = entity.keyword;
+    const bool usage = keyword == "NEXT_ASSEMBLY_USAGE_OCCURRENCE";
+    const bool shape = keyword == "PRODUCT_DEFINITION_SHAPE";
+    const bool placement = keyword == "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION";
+    const bool definition = keyword == "SHAPE_DEFINITION_REPRESENTATION";
+    const bool link = keyword == "SHAPE_REPRESENTATION_RELATIONSHIP";
+    if (keyword == "PRODUCT_DEFINITION" || keyword == "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
+      products.push_back(&entity);
+    if (!usage && !shape && !placement && !definition && !link) continue;
+    const auto record = RecordOf(entity);
+    if (!record) continue;
+    if (usage) usages[entity.id] = &entity;
+    if (shape) definition_of[entity.id] = ReferenceIn(*record, 2);
+    if (placement) placed_shapes.push_back(ReferenceIn(*record, 1));
+    if (definition) used.emplace_back(ReferenceIn(*record, 0), ReferenceIn(*record, 1));
+    if (link) {
+      const std::uint64_t a = ReferenceIn(*record, 2), b = ReferenceIn(*record, 3);
+      linked[a].push_back(b);
+      linked[b].push_back(a);
+    }
+  }
+  if (usages.empty()) return;
+  FindRepresentations();
+  for (const auto& [shape, representation] : used) {
+    if (const auto of = definition_of.find(shape); of != definition_of.end()) {
+      shapes[of->second].insert(representation);
+      // Representations that are the same shape.
+      const std::vector<std::uint64_t>& others = linked[representation];
+      shapes[of->second].insert(others.begin(), others.end());
+    }
+  }
+  std::set<std::uint64_t> placed, bodies, mapped;
+  for (const std::uint64_t shape : placed_shapes) {
+    if (const auto of = definition_of.find(shape); of != definition_of.end()) placed.insert(of->second);
+  }
+  std::unordered_map<std::uint64_t, std::set<std::uint64_t>> maps;  // representation → those that it maps
+  for (const Representation& representation : representations_) {
+    for (const std::uint64_t item : representation.items) {
+      const StepEntity* entity = entities_.Find(item);
+      if (entity == nullptr || gone_.contains(entity)) continue;
+      const bool unread = std::any_of(kUnread.begin(), kUnread.end(),
+                                      [&](const Unread& kind) { return kind.keyword == entity->keyword; });
+      if (unread || Holds(kRead, entity->keyword)) bodies.insert(representation.id);
+      if (entity->keyword != "MAPPED_ITEM") continue;
+      const auto record = RecordOf(*entity);
+      const auto map = record ? Record(ReferenceIn(*record, 1)) : std::nullopt;
+      if (map) maps[representation.id].insert(ReferenceIn(*map, 1));
+    }
+  }
+  const auto has_bodies = [&](std::uint64_t definition) {
+    const std::set<std::uint64_t>& own = shapes[definition];
+    return std::any_of(own.begin(), own.end(), [&](std::uint64_t id) { return bodies.contains(id); });
+  };
+  const auto name_of = [&](std::uint64_t definition) {
+    const auto record = Record(definition);
+    const auto formation = record ? Record(ReferenceIn(*record, 2)) : std::nullopt;
+    const auto product = formation ? Record(ReferenceIn(*formation, 2)) : std::nullopt;
+    if (!product) return std::string();
+    const StepValue* name = Value(*product, 1);
+    std::string text =
+        name != nullptr && name->kind == Kind::kString ? DecodeStepText(name->text) : std::string();
+    return text.empty() ? NameIn(*product) : text;
+  };
+  std::set<std::uint64_t> parents, children;
+  for (const auto& [id, entity] : usages) {
+    const auto record = RecordOf(*entity);
+    if (!record) continue;
+    const std::uint64_t parent = ReferenceIn(*record, 3), child = ReferenceIn(*record, 4);
+    parents.insert(parent);
+    children.insert(child);
+  }
+  for (const auto& [id, entity] : usages) {
+    const auto record = RecordOf(*entity);
+    if (!record || placed.contains(id)) continue;
+    const std::uint64_t parent = ReferenceIn(*record, 3), child = ReferenceIn(*record, 4);
+    // The parent may hold the child as a mapped item instead.
+    const bool is_mapped = std::any_of(shapes[parent].begin(), shapes[parent].end(), [&](std::uint64_t own) {
+      return std::any_of(shapes[child].begin(), shapes[child].end(),
+                         [&](std::uint64_t other) { return maps[own].contains(other); });
+    });
+    if (is_mapped || (!has_bodies(child) && !parents.contains(child))) continue;
+    if (parent == child) {
+      Warn("The assembly '" + name_of(child) + "' contains itself, by occurrence " + Label(id) +
+           ", which is not shown.");
+      continue;
+    }
+    const StepValue* name = Value(*record, 1);
+    std::string text =
+        name != nullptr && name->kind == Kind::kString ? DecodeStepText(name->text) : std::string();
+    repair_.lost.push_back(
+        {Label(id), text.empty() ? name_of(child) : text,
+         "this occurrence of part '" + name_of(child) + "' has no placement in its assembly"});
+  }
+  for (const StepEntity* product : products) {
+    if (parents.contains(product->id) || has_bodies(product->id)) continue;
+    Warn("The part '" + name_of(product->id) + "' (" + Label(product->id) + ") has no shape.");
+  }
+}
+
+bool Repairer::IsReadable(const StepRecord& unit, int depth) const {
+  constexpr int kDeepest = 8;
+  constexpr std::array<std::string_view, 16> kPrefixes{"EXA",   "PETA", "TERA",  "GIGA",  "MEGA",  "KILO",
+                                                       "HECTO", "DECA", "DECI",  "CENTI", "MILLI", "MICRO",
+                                                       "NANO",  "PICO", "FEMTO", "ATTO"};
+  if (const StepPart* si = unit.Find("SI_UNIT")) {
+    // The dimensions come first where the unit is an entity of one part.
+    const std::size_t first = si->values.size() == 3 ? 1 : 0;
+    if (si->values.size() < first + 2) return false;
+    const StepValue &prefix = si->values[first], &name = si->values[first + 1];
+    return name.text == "METRE" &&
+           (prefix.kind == Kind::kUnset || (prefix.kind == Kind::kEnum && Holds(kPrefixes, prefix.text)));
+  }
+  const StepPart* multiple = unit.Find("CONVERSION_BASED_UNIT");
+  if (multiple == nullptr || multiple->values.size() < 2 || depth == kDeepest) return false;
+  const StepValue& factor = multiple->values.back();
+  const auto measure = factor.IsReference() ? Record(factor.reference) : std::nullopt;
+  if (!measure) return false;
+  for (const StepPart& part : measure->parts) {
+    if (part.values.size() < 2 || !part.values[1].IsReference()) continue;
+    const auto base = Record(part.values[1].reference);
+    return part.values[0].Number(0) > 0 && base && IsReadable(*base, depth + 1);
+  }
+  return false;
+}
+
+bool Repairer::HasLengthUnit(std::uint64_t context) {
+  const auto record = Record(context);
+  if (!record) return false;
+  const StepPart* units = record->Find("GLOBAL_UNIT_ASSIGNED_CONTEXT");
+  if (units == nullptr) return false;
+  for (const StepValue& list : units->values) {
+    for (const StepValue& item : list.items) {
+      const StepEntity* entity = item.IsReference() ? entities_.Find(item.reference) : nullptr;
+      const auto unit = entity ? RecordOf(*entity) : std::nullopt;
+      if (!unit || unit->Find("LENGTH_UNIT") == nullptr) continue;
+      if (IsReadable(*unit)) return true;
+      edits_[entity] = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))";
+      return false;
+    }
+  }
+  return false;
+}
+
+void Repairer::CheckUnits() {
+  FindRepresentations();
+  std::unordered_map<std::uint64_t, bool> known;
+  for (const Representation& representation : representations_) {
+    const bool bodies =
+        std::any_of(representation.items.begin(), representation.items.end(), [&](std::uint64_t item) {
+          const StepEntity* entity = entities_.Find(item);
+          return entity != nullptr && Holds(kRead, entity->keyword);
+        });
+    if (!bodies) continue;
+    const auto [context, added] = known.try_emplace(representation.context, false);
+    if (added) context->second = HasLengthUnit(representation.context);
+    if (!context->second) repair_.unit_missing = true;
+  }
+}
+
+}  // namespace facetless::step_repair
