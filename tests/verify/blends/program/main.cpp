@@ -36,6 +36,7 @@ struct Message {
   Stage stage = Stage::kMaking;
   BlendReport report;
   char what[200] = {};
+  char why[400] = {};  // of kRefused: the error
 };
 
 void Child(std::uint64_t seed, int size, int to) {
@@ -51,10 +52,14 @@ void Child(std::uint64_t seed, int size, int to) {
   std::snprintf(message.what, sizeof message.what, "%s", blend->what.c_str());
   say(Stage::kConverting);
   const Result<Model> model = ModelOfBlend(*blend);
-  if (!model.ok()) return say(Stage::kRefused);
+  const auto refuse = [&](const Error& error) {
+    std::snprintf(message.why, sizeof message.why, " (%s)", error.message.c_str());
+    say(Stage::kRefused);
+  };
+  if (!model.ok()) return refuse(model.error());
   say(Stage::kRendering);
   const Result<BlendReport> report = JudgeBlend(model.value(), seed, size);
-  if (!report.ok()) return say(Stage::kRefused);
+  if (!report.ok()) return refuse(report.error());
   message.report = report.value();
   say(Stage::kDone);
 }
@@ -120,15 +125,15 @@ void Judge(std::uint64_t seed, const Options& options, Totals* totals) {
   ++totals->by_outcome[outcome];
   totals->findings += found;
   if (found)
-    std::fprintf(
-        stderr,
-        "seed %llu: %s: %s; odd %llu, mismatched %llu, contradicted %llu, wrong %llu, limited %llu, %.1f s\n",
-        static_cast<unsigned long long>(seed), message.what, outcome.c_str(),
-        static_cast<unsigned long long>(message.report.odd),
-        static_cast<unsigned long long>(message.report.mismatched),
-        static_cast<unsigned long long>(message.report.contradicted),
-        static_cast<unsigned long long>(message.report.wrong),
-        static_cast<unsigned long long>(message.report.limited), seconds);
+    std::fprintf(stderr,
+                 "seed %llu: %s: %s%s; odd %llu, mismatched %llu, contradicted %llu, wrong %llu, limited "
+                 "%llu, %.1f s\n",
+                 static_cast<unsigned long long>(seed), message.what, outcome.c_str(), message.why,
+                 static_cast<unsigned long long>(message.report.odd),
+                 static_cast<unsigned long long>(message.report.mismatched),
+                 static_cast<unsigned long long>(message.report.contradicted),
+                 static_cast<unsigned long long>(message.report.wrong),
+                 static_cast<unsigned long long>(message.report.limited), seconds);
 }
 
 int Run(const Options& options) {
