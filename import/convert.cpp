@@ -91,9 +91,11 @@ Error NothingUsable(const ImportInfo& info, bool declares_faces) {
     message = info.file + " holds no face: no trimmed surface, shell or solid to render.";
     if (!info.faces_lost.empty()) {
       const Loss& loss = info.faces_lost.front();
+      const bool one = info.faces_lost.size() == 1;
       message += " It holds " + std::to_string(info.faces_lost.size()) +
-                 (info.faces_lost.size() == 1 ? " other body, " : " other bodies, the first ") + loss.entity +
-                 ": " + loss.reason + ".";
+                 (one ? " other body" : " other bodies, the first");
+      if (!loss.entity.empty()) message += (one ? ", " : " ") + loss.entity;
+      message += ": " + loss.reason + ".";
     }
   } else {
     message =
