@@ -4,6 +4,10 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <utility>
+
+#include "render/model/builder.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -14,38 +18,6 @@ Vec4 Weighted(Vec3 p, double w) {
   return {w * p.x, w * p.y, w * p.z, w};
 }
 
-// Adds a face of u_spans × v_spans patches; `points` in the model's order.
-void AddFace(Model& model, SurfaceKind kind, int degree_u, int degree_v, const std::vector<Span>& u_spans,
-             const std::vector<Span>& v_spans, const std::vector<Vec4>& points) {
-  Surface surface;
-  surface.kind = kind;
-  surface.degree_u = static_cast<std::uint8_t>(degree_u);
-  surface.degree_v = static_cast<std::uint8_t>(degree_v);
-  for (const Vec4& p : points) {
-    surface.rational = surface.rational || p.w != 1;
-    model.bounds.Add({p.x / p.w, p.y / p.w, p.z / p.w});
-  }
-  const auto append = [&](const std::vector<Span>& spans) {
-    const Range range{static_cast<std::uint32_t>(model.spans.size()),
-                      static_cast<std::uint32_t>(spans.size())};
-    model.spans.insert(model.spans.end(), spans.begin(), spans.end());
-    return range;
-  };
-  surface.u_spans = append(u_spans);
-  surface.v_spans = append(v_spans);
-  surface.first_control_point = static_cast<std::uint32_t>(model.control_points.size());
-  model.control_points.insert(model.control_points.end(), points.begin(), points.end());
-  Face face;
-  face.surface = static_cast<std::uint32_t>(model.surfaces.size());
-  model.surfaces.push_back(surface);
-  model.faces.push_back(face);
-}
-
-void FinishPart(Model& model, const std::string& name) {
-  model.parts.push_back({name, {0, static_cast<std::uint32_t>(model.faces.size())}, {}});
-  model.instances.push_back({});
-}
-
 std::vector<Span> UnitSpans(int count) {
   std::vector<Span> spans(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
@@ -53,9 +25,16 @@ std::vector<Span> UnitSpans(int count) {
   return spans;
 }
 
+// The model of what was added, placed once. Our own scenes are valid.
+Model Placed(ModelBuilder builder) {
+  builder.AddInstance({});
+  return std::move(builder).Finish().value();
+}
+
 // A uniform bicubic B-spline whose control point (i, j), i < columns + 3, j < rows + 3, is net(i, j), cut into its
 // columns × rows Bézier patches.
-void AddUniformBspline(Model& model, int columns, int rows, const std::function<Vec4(int, int)>& net) {
+void AddUniformBspline(ModelBuilder& builder, int columns, int rows,
+                       const std::function<Vec4(int, int)>& net) {
   // The control points of one span from its four B-spline ones, times 6.
   constexpr double kToBezier[4][4] = {{1, 4, 1, 0}, {0, 4, 2, 0}, {0, 2, 4, 0}, {0, 1, 4, 1}};
   std::vector<Vec4> points;
@@ -72,16 +51,16 @@ void AddUniformBspline(Model& model, int columns, int rows, const std::function<
             }
           points.push_back(sum);
         }
-  AddFace(model, SurfaceKind::kBspline, 3, 3, UnitSpans(columns), UnitSpans(rows), points);
+  builder.AddFace({SurfaceKind::kBspline, 3, 3, UnitSpans(columns), UnitSpans(rows), points});
 }
 
 // A closed tube around z whose radius and middle follow from (angle, share of the height), with weights that differ.
-void AddTube(Model& model, int around, int along, double height,
+void AddTube(ModelBuilder& builder, int around, int along, double height,
              const std::function<Vec3(double, double)>& at, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::vector<double> weights(static_cast<std::size_t>(around * (along + 3)));
   for (double& weight : weights) weight = 0.75 + 0.5 * static_cast<double>(engine() >> 11) * 0x1p-53;
-  AddUniformBspline(model, around, along, [&](int i, int j) {
+  AddUniformBspline(builder, around, along, [&](int i, int j) {
     const double angle = 2 * kPi * (i % around) / around, share = (j - 1.0) / along;
     const Vec3 p = at(angle, share);
     return Weighted({p.x, p.y, p.z + height * share}, weights[(i % around) * (along + 3) + j]);
@@ -89,10 +68,11 @@ void AddTube(Model& model, int around, int along, double height,
 }
 
 // One free-form body, about 60 mm high.
-Model Bird() {
-  Model model;
+ModelBuilder Bird() {
+  ModelBuilder builder;
+  builder.AddPart("bird");
   AddTube(
-      model, 12, 8, 60,
+      builder, 12, 8, 60,
       [](double angle, double share) {
         const double belly = 22 * std::sin(kPi * std::fmin(1.0, std::fmax(0.02, 0.9 * share + 0.05))) + 3;
         const double wave = 1 + 0.18 * std::cos(3 * angle + 4 * share);
@@ -102,54 +82,46 @@ Model Bird() {
       1);
   // A beak.
   AddTube(
-      model, 8, 3, 22,
+      builder, 8, 3, 22,
       [](double angle, double share) {
         const double radius = 7 * (1.05 - share) + 0.5;
         return Vec3{20 + 14 * share + radius * std::cos(angle), radius * std::sin(angle), 40};
       },
       2);
-  FinishPart(model, "bird");
-  return model;
+  return builder;
 }
 
 Model Birds() {
-  Model model = Bird();
-  const Box3 one = model.bounds;
-  const std::uint32_t faces = model.parts[0].faces.count;
-  model.instances.clear();
-  model.bounds = {};
+  ModelBuilder builder = Bird();
   for (int k = 0; k < 27; ++k) {
+    const int column = k % 3, row = k / 3 % 3, layer = k / 9;
     Instance instance;
-    const int row = k / 3 % 3, layer = k / 9;
-    const Vec3 offset{90.0 * (k % 3), 80.0 * row, 90.0 * layer};
-    instance.placement.m[0][3] = offset.x;
-    instance.placement.m[1][3] = offset.y;
-    instance.placement.m[2][3] = offset.z;
-    instance.first_placed_face = static_cast<std::uint32_t>(k) * faces;
-    model.bounds.Add(one.low + offset);
-    model.bounds.Add(one.high + offset);
-    model.instances.push_back(instance);
+    instance.placement.m[0][3] = 90.0 * column;
+    instance.placement.m[1][3] = 80.0 * row;
+    instance.placement.m[2][3] = 90.0 * layer;
+    builder.AddInstance(instance);
   }
-  return model;
+  return std::move(builder).Finish().value();
 }
 
-// A dome over a square of the plane z = height.
-void AddDome(Model& model, Vec3 middle, double half, double rise, int degree) {
+// A dome over a square of the plane y = middle.y, towards −y.
+void AddDome(ModelBuilder& builder, Vec3 middle, double half, double rise, int degree) {
   std::vector<Vec4> points;
   for (int i = 0; i <= degree; ++i)
     for (int j = 0; j <= degree; ++j) {
-      const double x = 2.0 * i / degree - 1, y = 2.0 * j / degree - 1;
+      const double x = 2.0 * i / degree - 1, z = 2.0 * j / degree - 1;
       const bool border = i == 0 || j == 0 || i == degree || j == degree;
-      points.push_back(Weighted({middle.x + half * x, middle.y + half * y, middle.z + (border ? 0 : rise)},
+      points.push_back(Weighted({middle.x + half * x, middle.y - (border ? 0 : rise), middle.z + half * z},
                                 border ? 1 : 0.9));
     }
-  AddFace(model, SurfaceKind::kBezier, degree, degree, UnitSpans(1), UnitSpans(1), points);
+  builder.AddFace({SurfaceKind::kBezier, degree, degree, UnitSpans(1), UnitSpans(1), points});
 }
 
 Model Handset() {
-  Model model;
+  ModelBuilder builder;
+  builder.AddPart("handset");
   AddTube(
-      model, 16, 4, 110,
+      builder, 16, 4, 110,
       [](double angle, double) {
         // A rounded rectangle.
         const double c = std::cos(angle), s = std::sin(angle);
@@ -157,26 +129,16 @@ Model Handset() {
         return Vec3{24 * rounded(c), 7 * rounded(s), 0};
       },
       3);
-  // Keys on its front, in the plane y = −8: a dome's z becomes −y.
-  Model keys;
+  // Keys on its front.
   for (int row = 0; row < 5; ++row)
     for (int column = 0; column < 3; ++column)
-      AddDome(keys, {14.0 * (column - 1), 14 + 12.0 * row, 8}, 4.5, 5, row % 2 == 0 ? 3 : 2);
-  for (std::size_t f = 0; f < keys.faces.size(); ++f) {
-    const Surface& surface = keys.surfaces[f];
-    std::vector<Vec4> points;
-    for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k) {
-      const Vec4 p = keys.control_points[surface.first_control_point + k];
-      points.push_back({p.x, -p.z, p.y, p.w});
-    }
-    AddFace(model, surface.kind, surface.degree_u, surface.degree_v, UnitSpans(1), UnitSpans(1), points);
-  }
-  FinishPart(model, "handset");
-  return model;
+      AddDome(builder, {14.0 * (column - 1), -8, 14 + 12.0 * row}, 4.5, 5, row % 2 == 0 ? 3 : 2);
+  return Placed(std::move(builder));
 }
 
 // Profile points (radius, height, weight) turned about z; u is the angle, in four exact arcs.
-void AddRevolution(Model& model, SurfaceKind kind, Vec3 base, const std::vector<std::vector<Vec3>>& profile) {
+void AddRevolution(ModelBuilder& builder, SurfaceKind kind, Vec3 base,
+                   const std::vector<std::vector<Vec3>>& profile) {
   const double half = kPi / 4, weight = std::cos(half);
   std::vector<Span> u_spans(4);
   for (int i = 0; i < 4; ++i)
@@ -193,7 +155,7 @@ void AddRevolution(Model& model, SurfaceKind kind, Vec3 base, const std::vector<
               {base.x + reach * p.x * std::cos(angle), base.y + reach * p.x * std::sin(angle), base.z + p.y},
               w * p.z));
       }
-  AddFace(model, kind, 2, degree_v, u_spans, UnitSpans(static_cast<int>(profile.size())), points);
+  builder.AddFace({kind, 2, degree_v, u_spans, UnitSpans(static_cast<int>(profile.size())), points});
 }
 
 // A quarter of the tube of a torus: radius, height, weight.
@@ -208,15 +170,16 @@ std::vector<Vec3> ArcPiece(double major, double minor, int quarter) {
 }
 
 Model Flange() {
-  Model model;
+  ModelBuilder builder;
+  builder.AddPart("flange");
   const auto cylinder = [&](Vec3 base, double bottom, double top, double height) {
-    AddRevolution(model, bottom == top ? SurfaceKind::kCylinder : SurfaceKind::kCone, base,
+    AddRevolution(builder, bottom == top ? SurfaceKind::kCylinder : SurfaceKind::kCone, base,
                   {{{bottom, 0, 1}, {top, height, 1}}});
   };
   cylinder({0, 0, 0}, 60, 60, 12);
   cylinder({0, 0, 12}, 60, 32, 0.001);
   cylinder({0, 0, 12}, 32, 24, 40);
-  AddRevolution(model, SurfaceKind::kTorus, {0, 0, 56},
+  AddRevolution(builder, SurfaceKind::kTorus, {0, 0, 56},
                 {ArcPiece(26, 6, 0), ArcPiece(26, 6, 1), ArcPiece(26, 6, 2), ArcPiece(26, 6, 3)});
   for (int i = 0; i < 8; ++i) {
     const double angle = 2 * kPi * i / 8;
@@ -224,14 +187,13 @@ Model Flange() {
     cylinder(at, 6, 6, 6);
     cylinder({at.x, at.y, 18}, 6, 1, 2);
   }
-  FinishPart(model, "flange");
-  return model;
+  return Placed(std::move(builder));
 }
 
 }  // namespace
 
 std::vector<NamedScene> PatchScenes() {
-  return {{"bird", Bird()}, {"27 birds", Birds()}, {"handset", Handset()}, {"flange", Flange()}};
+  return {{"bird", Placed(Bird())}, {"27 birds", Birds()}, {"handset", Handset()}, {"flange", Flange()}};
 }
 
 Model FieldOfFaces(int faces) {
@@ -241,7 +203,8 @@ Model FieldOfFaces(int faces) {
   const auto ground = [](double x, double y) {
     return kWave * std::sin(2 * kPi * x / kSize) * std::cos(3 * kPi * y / kSize);
   };
-  Model model;
+  ModelBuilder builder;
+  builder.AddPart("field");
   const double step = kSize / side;
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) {
@@ -253,26 +216,22 @@ Model FieldOfFaces(int faces) {
           const double x = step * (i + k / 3.0), y = step * (j + l / 3.0);
           points.push_back({x, y, ground(x, y) + (inner ? kRise * step : 0), 1});
         }
-      AddFace(model, SurfaceKind::kBezier, 3, 3, UnitSpans(1), UnitSpans(1), points);
+      builder.AddFace({SurfaceKind::kBezier, 3, 3, UnitSpans(1), UnitSpans(1), points});
     }
-  FinishPart(model, "field");
-  return model;
+  return Placed(std::move(builder));
 }
 
 std::vector<ScenePatch> PatchesOf(const Model& model) {
   std::vector<ScenePatch> patches;
   for (const Instance& instance : model.instances) {
-    const Range faces = model.parts[instance.part].faces;
-    for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
-      const Surface& surface = model.surfaces[model.faces[face].surface];
+    for (const PlacedFace face : PlacedFacesOf(model, instance)) {
+      const Surface& surface = model.surfaces[model.faces[face.face].surface];
       for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
         ScenePatch out;
         out.degree_u = surface.degree_u;
         out.degree_v = surface.degree_v;
-        out.placed_face = instance.first_placed_face + (face - faces.first);
-        for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k) {
-          const Vec4 p =
-              model.control_points[surface.first_control_point + patch * surface.PointsPerPatch() + k];
+        out.placed_face = face.id;
+        for (const Vec4& p : PatchPoints(model, surface, patch)) {
           const Vec3 placed = instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w});
           out.points.push_back({p.w * placed.x, p.w * placed.y, p.w * placed.z, p.w});
         }

@@ -9,6 +9,7 @@
 
 #include "import/bounds.h"
 #include "import/part_converter.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -24,8 +25,7 @@ Placement ToPlacement(const gp_Trsf& transformation) {
   return placement;
 }
 
-void AddInstances(const CadDocument& document, Model& model) {
-  std::uint32_t next = 0;
+void AddInstances(const CadDocument& document, ModelBuilder& builder) {
   for (const Occurrence& occurrence : document.occurrences) {
     Instance instance;
     instance.part = static_cast<std::uint32_t>(occurrence.prototype);
@@ -33,31 +33,24 @@ void AddInstances(const CadDocument& document, Model& model) {
     instance.has_color = occurrence.has_color;
     instance.color = occurrence.color;
     instance.name = occurrence.name;
-    instance.first_placed_face = next;
     instance.hidden = occurrence.hidden;
-    next += model.parts[instance.part].faces.count;
-    model.instances.push_back(std::move(instance));
+    builder.AddInstance(std::move(instance));
   }
 }
 
-void FindLargestGap(Model& model) {
+void FindLargestGap(const Model& model, ImportInfo& info) {
   for (const Face& face : model.faces) {
-    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-      const Range coedges = model.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-        if (model.coedges[c].gap_mm <= model.info.max_edge_gap_mm) continue;
-        model.info.max_edge_gap_mm = model.coedges[c].gap_mm;
-        model.info.max_edge_gap_entity = face.entity;
-      }
-    }
+    const double gap = LargestGap(model, face);
+    if (gap <= info.max_edge_gap_mm) continue;
+    info.max_edge_gap_mm = gap;
+    info.max_edge_gap_entity = face.entity;
   }
 }
 
 // Makes what the file declares, what is shown and what is lost add up: faces_declared = faces_imported + faces_lost. A face counts once,
 // however many pieces OpenCASCADE makes of it and however many parts hold it; it is shown if nothing of it is lost. What is lost and is
 // no face (a body of another kind, an occurrence) counts as one that was declared.
-void Balance(const std::vector<DeclaredFace>& declared, Model& model) {
-  ImportInfo& info = model.info;
+void Balance(const std::vector<DeclaredFace>& declared, const Model& model, ImportInfo& info) {
   std::unordered_set<std::string> lost, shown;
   std::erase_if(info.faces_lost,
                 [&](const Loss& loss) { return !loss.entity.empty() && !lost.insert(loss.entity).second; });
@@ -114,23 +107,29 @@ Error NothingUsable(const ImportInfo& info, bool declares_faces) {
 }  // namespace
 
 Result<Conversion> Convert(CadDocument document, const Progress& progress) {
-  Conversion result;
-  Model& model = result.model;
-  model.info = std::move(document.info);
+  ModelBuilder builder;
+  builder.info() = std::move(document.info);
+  std::vector<TopoDS_Face> faces;
   for (std::size_t p = 0; p < document.prototypes.size(); ++p) {
     std::size_t done = 0;
-    PartConverter part(document, document.prototypes[p], model, result.faces);
+    PartConverter part(document, document.prototypes[p], builder, faces);
     part.Run([&] {
       const double share = static_cast<double>(++done) / static_cast<double>(part.face_count());
       progress((static_cast<double>(p) + share) / static_cast<double>(document.prototypes.size()));
     });
   }
-  AddInstances(document, model);
+  AddInstances(document, builder);
+  Balance(document.declared, builder.model(), builder.info());
+  const bool shows_none = std::ranges::all_of(builder.model().instances, [&](const Instance& instance) {
+    return FacesOf(builder.model(), instance).count == 0;
+  });
+  if (shows_none) return NothingUsable(builder.info(), !document.declared.empty());
+  FindLargestGap(builder.model(), builder.info());
+  builder.SetBounds(PlacedBounds(builder.model()));
+  Result<Model> model = std::move(builder).Finish();
+  if (!model.ok()) return model.error();
+  Conversion result{std::move(model).value(), std::move(faces), {}};
   for (const Occurrence& occurrence : document.occurrences) result.placements.push_back(occurrence.placement);
-  Balance(document.declared, model);
-  if (model.PlacedFaceCount() == 0) return NothingUsable(model.info, !document.declared.empty());
-  FindLargestGap(model);
-  model.bounds = PlacedBounds(model);
   return result;
 }
 
@@ -139,9 +138,8 @@ std::vector<TopoDS_Face> PlacedFaces(const Conversion& conversion) {
   faces.reserve(conversion.model.PlacedFaceCount());
   for (std::size_t i = 0; i < conversion.model.instances.size(); ++i) {
     const TopLoc_Location location(conversion.placements[i]);
-    const Range range = conversion.model.parts[conversion.model.instances[i].part].faces;
     // Placements of files may scale or mirror, which a location must be told to allow.
-    for (std::uint32_t face = range.first; face < range.end(); ++face)
+    for (const std::uint32_t face : Indices(FacesOf(conversion.model, conversion.model.instances[i])))
       faces.push_back(TopoDS::Face(conversion.faces[face].Moved(location, false)));
   }
   return faces;

@@ -22,7 +22,7 @@ struct Conversion {
 using Progress = std::function<void(double)>;
 
 // Faces that cannot be converted are listed in info.faces_lost; loops and edges that are missing in loops_lost and
-// edges_lost. Error: kNothingUsable (no face is left).
+// edges_lost. Errors: kNothingUsable (no face is left); those of Validate.
 Result<Conversion> Convert(CadDocument document, const Progress& progress);
 
 // The shapes of all placed faces, by placed-face id. They share their geometry.

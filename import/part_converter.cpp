@@ -23,6 +23,7 @@
 #include "import/curve_pieces.h"
 #include "import/loop_crossings.h"
 #include "import/mend_face.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -40,15 +41,11 @@ constexpr double kOpenSaid = 1e-3, kOpenLost = 1e-2;
 // Indices into the model's vectors are 32 bits wide; stop well before they run out.
 constexpr std::size_t kMaxElements = std::size_t{1} << 31;
 
-std::uint32_t Size(std::size_t size) {
-  return static_cast<std::uint32_t>(size);
-}
-
 }  // namespace
 
 void PartConverter::Begin() {
-  first_face_ = Size(model_.faces.size());
-  first_edge_ = Size(model_.edges.size());
+  builder_.AddPart(prototype_.name);
+  first_face_ = model().parts.back().faces.first;
   Gather(prototype_.shape, -1);
   stored_.assign(members_.size(), false);
 }
@@ -86,37 +83,18 @@ const FaceOrigin* PartConverter::OriginOf(const TopoDS_Face& face) const {
 
 void PartConverter::LoseFace(const TopoDS_Face& face, const std::string& reason) {
   const FaceOrigin* origin = OriginOf(face);
-  model_.info.faces_lost.push_back(
+  builder_.info().faces_lost.push_back(
       {kNoIndex, origin ? origin->name : "", origin ? origin->entity : "", reason});
-}
-
-std::uint32_t PartConverter::StoreSurface(PatchGrid grid) {
-  Surface surface;
-  surface.kind = grid.kind;
-  surface.degree_u = static_cast<std::uint8_t>(grid.degree_u);
-  surface.degree_v = static_cast<std::uint8_t>(grid.degree_v);
-  surface.rational = grid.rational;
-  surface.extendable_u = grid.extendable_u;
-  surface.extendable_v = grid.extendable_v;
-  surface.period_u = grid.period_u;
-  surface.period_v = grid.period_v;
-  surface.u_spans = {Size(model_.spans.size()), Size(grid.u_spans.size())};
-  model_.spans.insert(model_.spans.end(), grid.u_spans.begin(), grid.u_spans.end());
-  surface.v_spans = {Size(model_.spans.size()), Size(grid.v_spans.size())};
-  model_.spans.insert(model_.spans.end(), grid.v_spans.begin(), grid.v_spans.end());
-  surface.first_control_point = Size(model_.control_points.size());
-  model_.control_points.insert(model_.control_points.end(), grid.points.begin(), grid.points.end());
-  model_.surfaces.push_back(surface);
-  return Size(model_.surfaces.size()) - 1;
 }
 
 std::uint32_t PartConverter::VertexIndex(const TopoDS_Shape& shape) {
   if (shape.IsNull()) return kNoIndex;
   if (const int* known = vertex_index_.Seek(shape)) return static_cast<std::uint32_t>(*known);
   const TopoDS_Vertex& vertex = TopoDS::Vertex(shape);
-  model_.vertices.push_back({ToVec3(BRep_Tool::Pnt(vertex).XYZ()), BRep_Tool::Tolerance(vertex)});
-  vertex_index_.Bind(shape, static_cast<int>(model_.vertices.size()) - 1);
-  return Size(model_.vertices.size()) - 1;
+  const std::uint32_t index =
+      builder_.AddVertex(ToVec3(BRep_Tool::Pnt(vertex).XYZ()), BRep_Tool::Tolerance(vertex));
+  vertex_index_.Bind(shape, static_cast<int>(index));
+  return index;
 }
 
 // The edge that `oriented` is a use of, made when it is first met.
@@ -127,49 +105,52 @@ std::uint32_t PartConverter::EdgeIndex(const TopoDS_Edge& oriented) {
   edge.tolerance_mm = BRep_Tool::Tolerance(shape);
   edge.vertices[0] = VertexIndex(TopExp::FirstVertex(shape));
   edge.vertices[1] = VertexIndex(TopExp::LastVertex(shape));
-  edge.segments.first = Size(model_.edge_segments.size());
+  // Its curve; an edge without one is degenerate.
   TopLoc_Location location;
   double first = 0, last = 1;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(shape, location, first, last);
+  std::vector<CurvePiece> pieces;
   if (!curve.IsNull() && !BRep_Tool::Degenerated(shape)) {
-    Result<CurvePieces> pieces = PiecesOf(curve, first, last, kMaxArc, Parametrization::kEndsOnly);
-    if (pieces.ok()) {
-      Transform(location.Transformation(), pieces.value().pieces);
-      for (const CurvePiece& piece : pieces.value().pieces) {
-        model_.edge_segments.push_back({static_cast<std::uint8_t>(piece.degree()),
-                                        Size(model_.edge_points.size()), piece.begin, piece.end});
-        model_.edge_points.insert(model_.edge_points.end(), piece.points.begin(), piece.points.end());
+    Result<CurvePieces> found = PiecesOf(curve, first, last, kMaxArc, Parametrization::kEndsOnly);
+    if (found.ok()) pieces = std::move(found.value().pieces);
+    Transform(location.Transformation(), pieces);
+  }
+  edge.degenerate = pieces.empty();
+  const std::uint32_t index = builder_.AddEdge(edge);
+  for (const CurvePiece& piece : pieces) builder_.AddEdgeSegment(piece.points, piece.begin, piece.end);
+  edge_index_.Bind(shape, static_cast<int>(index));
+  return index;
+}
+
+// The edge of each coedge, in order. OpenCASCADE may fail on one, so it comes before anything of the face is stored.
+std::vector<std::uint32_t> PartConverter::EdgesOf(const FaceLoops& loops) {
+  std::vector<std::uint32_t> edges;
+  for (const FaceLoop& loop : loops.loops) {
+    for (const LoopCoedge& use : loop.coedges)
+      edges.push_back(use.edge.IsNull() ? kNoIndex : EdgeIndex(use.edge));
+  }
+  return edges;
+}
+
+void PartConverter::StoreLoops(const FaceLoops& loops, const std::vector<std::uint32_t>& edges) {
+  auto edge = edges.begin();
+  std::vector<Vec3> points;
+  for (const FaceLoop& loop : loops.loops) {
+    builder_.AddLoop();
+    for (const LoopCoedge& use : loop.coedges) {
+      Coedge coedge;
+      coedge.edge = *edge++;
+      coedge.reversed = use.reversed;
+      coedge.from_file = use.from_file;
+      coedge.gap_mm = use.gap_mm;
+      builder_.AddCoedge(coedge);
+      for (const LoopSegment& segment : use.segments) {
+        points.clear();
+        for (const Vec4& p : segment.points) points.push_back({p.x, p.y, p.w});
+        builder_.AddTrimSegment(points, segment.edge_begin, segment.edge_end);
       }
     }
   }
-  edge.segments.count = Size(model_.edge_segments.size()) - edge.segments.first;
-  edge.degenerate = edge.segments.count == 0;
-  model_.edges.push_back(edge);
-  edge_index_.Bind(shape, static_cast<int>(model_.edges.size()) - 1);
-  return Size(model_.edges.size()) - 1;
-}
-
-void PartConverter::StoreLoop(const FaceLoop& loop) {
-  Loop stored;
-  stored.coedges = {Size(model_.coedges.size()), Size(loop.coedges.size())};
-  for (const LoopCoedge& use : loop.coedges) {
-    Coedge coedge;
-    if (!use.edge.IsNull()) {
-      coedge.edge = EdgeIndex(use.edge);
-      ++model_.edges[coedge.edge].coedge_count;
-    }
-    coedge.reversed = use.reversed;
-    coedge.from_file = use.from_file;
-    coedge.gap_mm = use.gap_mm;
-    coedge.segments = {Size(model_.trim_segments.size()), Size(use.segments.size())};
-    for (const LoopSegment& segment : use.segments) {
-      model_.trim_segments.push_back({static_cast<std::uint8_t>(segment.points.size() - 1),
-                                      Size(model_.trim_points.size()), segment.edge_begin, segment.edge_end});
-      for (const Vec4& p : segment.points) model_.trim_points.push_back({p.x, p.y, p.w});
-    }
-    model_.coedges.push_back(coedge);
-  }
-  model_.loops.push_back(stored);
 }
 
 void PartConverter::AddFace(std::size_t index) {
@@ -187,8 +168,8 @@ void PartConverter::AddFace(std::size_t index) {
     const TopoDS_Face mended = Mended(index);
     if (!mended.IsNull() && TryFace(member, mended).empty()) {
       const FaceOrigin* origin = OriginOf(member.face);
-      model_.info.warnings.push_back("Face " + FaceName(Size(model_.faces.size()) - 1) +
-                                     ": edges along which it runs there and back were left out.");
+      Warn("Face " + FaceName(first_face_ + static_cast<std::uint32_t>(face_groups_.size()) - 1) +
+           ": edges along which it runs there and back were left out.");
       for (std::size_t i = 0; i < members_.size(); ++i)
         stored_[i] = stored_[i] || i == index || (origin != nullptr && SameOrigin(members_[i].face, *origin));
       return;
@@ -216,18 +197,10 @@ std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shap
   if (whole) surface->Bounds(box.u0, box.u1, box.v0, box.v1);
   Result<PatchGrid> grid = PatchesOf(surface, box, whole, location.Transformation());
   if (!grid.ok()) return grid.error().message;
-  if (model_.control_points.size() + grid.value().points.size() > kMaxElements)
+  if (model().control_points.size() + grid.value().points.size() > kMaxElements)
     return "the model would have more than 2^31 control points";
   // Store.
-  const std::uint32_t index = Size(model_.faces.size());
   Face face;
-  const double deviation = grid.value().deviation;
-  if (grid.value().approximated || !(deviation <= kExact * grid.value().size))
-    model_.info.approximated.push_back({index, deviation});
-  face.surface = StoreSurface(std::move(grid.value()));
-  face.loops.first = Size(model_.loops.size());
-  for (const FaceLoop& loop : loops.value().loops) StoreLoop(loop);
-  face.loops.count = Size(model_.loops.size()) - face.loops.first;
   face.reversed = shape.Orientation() == TopAbs_REVERSED;
   face.tolerance_mm = BRep_Tool::Tolerance(shape);
   if (const auto color = prototype_.colors.find(member.face.TShape().get());
@@ -240,7 +213,12 @@ std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shap
     face.name = origin->name;
     face.entity = origin->entity;
   }
-  model_.faces.push_back(std::move(face));
+  const std::vector<std::uint32_t> edges = EdgesOf(loops.value());
+  const std::uint32_t index = builder_.AddFace(grid.value(), std::move(face));
+  StoreLoops(loops.value(), edges);
+  const double deviation = grid.value().deviation;
+  if (grid.value().approximated || !(deviation <= kExact * grid.value().size))
+    builder_.info().approximated.push_back({index, deviation});
   faces_.push_back(shape);
   face_groups_.push_back(member.group);
   WarnOfGaps(index);
@@ -266,36 +244,22 @@ TopoDS_Face PartConverter::Mended(std::size_t index) {
   return mended.face;
 }
 
-double PartConverter::PolygonLength(const Edge& edge) const {
-  double length = 0;
-  for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
-    const EdgeSegment& segment = model_.edge_segments[s];
-    for (std::uint32_t i = segment.first_point; i < segment.first_point + segment.degree; ++i)
-      length += Length(Cartesian(model_.edge_points[i + 1]) - Cartesian(model_.edge_points[i]));
-  }
-  return length;
-}
-
 void PartConverter::WarnOfGaps(std::uint32_t index) {
-  const Face& face = model_.faces[index];
+  const Face& face = model().faces[index];
   double worst = 0;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    const Range coedges = model_.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      const Coedge& coedge = model_.coedges[c];
-      if (coedge.edge != kNoIndex && coedge.gap_mm > kOffSurface * PolygonLength(model_.edges[coedge.edge]))
-        worst = std::fmax(worst, coedge.gap_mm);
-    }
+  for (const Coedge& coedge : CoedgesOf(model(), face)) {
+    if (coedge.edge != kNoIndex &&
+        coedge.gap_mm > kOffSurface * PolygonLength(model(), model().edges[coedge.edge]))
+      worst = std::fmax(worst, coedge.gap_mm);
   }
   if (worst == 0) return;
   char distance[32];
   std::snprintf(distance, sizeof(distance), "%.3g", worst);
-  model_.info.warnings.push_back("Face " + FaceName(index) + ": an edge lies " + distance +
-                                 " mm off its surface.");
+  Warn("Face " + FaceName(index) + ": an edge lies " + distance + " mm off its surface.");
 }
 
 std::string PartConverter::FaceName(std::uint32_t index) const {
-  const Face& face = model_.faces[index];
+  const Face& face = model().faces[index];
   return face.entity.empty() ? std::to_string(index) : face.entity;
 }
 
@@ -304,14 +268,14 @@ void PartConverter::WarnOfOpening(std::uint32_t index, const FaceLoops& loops) {
   if (!(loops.open_share > kOpenSaid)) return;
   char distance[32];
   std::snprintf(distance, sizeof(distance), "%.3g", loops.open_mm);
-  const Face& face = model_.faces[index];
+  const Face& face = model().faces[index];
   const std::string what = "its loop " + std::to_string(loops.open_loop + 1) + " of " +
                            std::to_string(loops.loops.size()) + " does not close: a gap of " + distance +
                            " mm was bridged by a straight line";
   if (loops.open_share > kOpenLost) {
-    model_.info.edges_lost.push_back({index, face.name, face.entity, what});
+    builder_.info().edges_lost.push_back({index, face.name, face.entity, what});
   } else {
-    model_.info.warnings.push_back("Face " + FaceName(index) + ": " + what + ".");
+    Warn("Face " + FaceName(index) + ": " + what + ".");
   }
 }
 
@@ -324,23 +288,21 @@ void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops,
     char place[128];
     std::snprintf(place, sizeof(place), "(%.6g, %.6g, %.6g) mm", p.X(), p.Y(), p.Z());
     const std::string first = std::to_string(crossing.first_loop + 1);
-    model_.info.warnings.push_back(
-        "Face " + FaceName(index) +
-        (crossing.first_loop == crossing.second_loop
-             ? ": its loop " + first + " crosses itself"
-             : ": its loops " + first + " and " + std::to_string(crossing.second_loop + 1) +
-                   " cross each other") +
-        " at " + place + "; what is enclosed twice counts as outside (even-odd rule).");
+    Warn("Face " + FaceName(index) +
+         (crossing.first_loop == crossing.second_loop
+              ? ": its loop " + first + " crosses itself"
+              : ": its loops " + first + " and " + std::to_string(crossing.second_loop + 1) +
+                    " cross each other") +
+         " at " + place + "; what is enclosed twice counts as outside (even-odd rule).");
   }
 }
 
 // Notes what has arrived of the face that the file declares, and what had to be done.
 void PartConverter::NoteLoops(std::uint32_t index, const FaceOrigin* origin, const FaceLoops& loops) {
-  const Face& face = model_.faces[index];
-  for (const std::string& repair : loops.repairs)
-    model_.info.warnings.push_back("Face " + FaceName(index) + ": " + repair + ".");
+  const Face& face = model().faces[index];
+  for (const std::string& repair : loops.repairs) Warn("Face " + FaceName(index) + ": " + repair + ".");
   for (std::size_t i = 0; i < loops.lost_edges.size(); ++i)
-    model_.info.edges_lost.push_back(
+    builder_.info().edges_lost.push_back(
         {index, face.name, face.entity, "an edge has no curve on the surface and none can be computed"});
   if (origin == nullptr || origin->bounds == 0) return;
   // Pieces of one face carry copies of one origin.
@@ -369,10 +331,10 @@ void PartConverter::CheckAgainstFile() {
     // shares the bounds out among the pieces.
     if (origin.edges > 0 && missing_edges == 0) continue;
     for (int i = 0; i < missing_edges; ++i)
-      model_.info.edges_lost.push_back(
+      builder_.info().edges_lost.push_back(
           {index, origin.name, origin.entity, "OpenCASCADE dropped one of its edges"});
     for (int i = 0; i < missing_bounds; ++i)
-      model_.info.loops_lost.push_back(
+      builder_.info().loops_lost.push_back(
           {index, origin.name, origin.entity, "OpenCASCADE dropped one of its bounds"});
   }
 }
@@ -380,7 +342,7 @@ void PartConverter::CheckAgainstFile() {
 // True if a bound or an edge that the file gives the face is missing.
 bool PartConverter::HasLosses(std::uint32_t face) const {
   const auto of_face = [&](const Loss& loss) { return loss.face == face; };
-  const ImportInfo& info = model_.info;
+  const ImportInfo& info = model().info;
   return std::any_of(info.loops_lost.begin(), info.loops_lost.end(), of_face) ||
          std::any_of(info.edges_lost.begin(), info.edges_lost.end(), of_face);
 }
@@ -392,15 +354,11 @@ bool PartConverter::IsClosed(int group) const {
   for (std::size_t i = 0; i < face_groups_.size(); ++i) {
     if (face_groups_[i] != group) continue;
     if (HasLosses(first_face_ + static_cast<std::uint32_t>(i))) return false;
-    const Face& face = model_.faces[first_face_ + i];
-    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-      const Range coedges = model_.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-        const Coedge& coedge = model_.coedges[c];
-        if (coedge.edge == kNoIndex || model_.edges[coedge.edge].degenerate) continue;
-        auto& [along, against] = uses[coedge.edge];
-        ++(coedge.reversed != face.reversed ? against : along);
-      }
+    const Face& face = model().faces[first_face_ + i];
+    for (const Coedge& coedge : CoedgesOf(model(), face)) {
+      if (coedge.edge == kNoIndex || model().edges[coedge.edge].degenerate) continue;
+      auto& [along, against] = uses[coedge.edge];
+      ++(coedge.reversed != face.reversed ? against : along);
     }
   }
   if (uses.empty()) return false;
@@ -423,7 +381,7 @@ void PartConverter::WarnOfTurning(int group) {
     builder.Add(faces, faces_[index]);
     if (origin == nullptr || origin->sense == 0) continue;
     ++known;
-    if ((origin->sense < 0) != model_.faces[index].reversed) ++turned;
+    if ((origin->sense < 0) != model().faces[index].reversed) ++turned;
   }
   double volume = 0;
   if (known == 0) {
@@ -433,18 +391,13 @@ void PartConverter::WarnOfTurning(int group) {
   }
   const bool by_senses = known == all && turned == all;
   if (!by_senses && !(known == 0 && volume < 0)) return;
-  model_.info.warnings.push_back("The solid with face " + FaceName(example) +
-                                 " is inside out: its faces look inwards" +
-                                 (by_senses ? ", and were turned." : "."));
+  Warn("The solid with face " + FaceName(example) + " is inside out: its faces look inwards" +
+       (by_senses ? ", and were turned." : "."));
 }
 
 void PartConverter::End() {
   CheckAgainstFile();
   // Make solids of the groups: those that the file calls solids, and shells that turn out closed.
-  Part part;
-  part.name = prototype_.name;
-  part.faces = {first_face_, Size(model_.faces.size()) - first_face_};
-  part.solids.first = Size(model_.solids.size());
   std::vector<std::uint32_t> solid_of_group(groups_.size(), kNoIndex);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (std::find(face_groups_.begin(), face_groups_.end(), static_cast<int>(g)) == face_groups_.end())
@@ -452,14 +405,12 @@ void PartConverter::End() {
     const bool closed = IsClosed(static_cast<int>(g));
     if (!groups_[g].solid && !closed) continue;
     if (closed) WarnOfTurning(static_cast<int>(g));
-    solid_of_group[g] = Size(model_.solids.size());
-    model_.solids.push_back({Size(model_.parts.size()), closed, groups_[g].name});
+    solid_of_group[g] = builder_.AddSolid(closed, groups_[g].name);
   }
-  part.solids.count = Size(model_.solids.size()) - part.solids.first;
   for (std::size_t i = 0; i < face_groups_.size(); ++i) {
-    if (face_groups_[i] >= 0) model_.faces[first_face_ + i].solid = solid_of_group[face_groups_[i]];
+    if (face_groups_[i] >= 0)
+      builder_.SetSolid(first_face_ + static_cast<std::uint32_t>(i), solid_of_group[face_groups_[i]]);
   }
-  model_.parts.push_back(std::move(part));
 }
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// Appends the faces of one prototype to a model.
+// Adds one prototype to a model: its part, faces, edges and solids.
 #pragma once
 
 #include <TopTools_DataMapOfShapeInteger.hxx>
@@ -6,19 +6,20 @@
 #include <TopoDS_Face.hxx>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "import/document.h"
 #include "import/face_loops.h"
-#include "render/model/model.h"
+#include "render/model/builder.h"
 
 namespace facetless {
 
 class PartConverter {
  public:
-  PartConverter(const CadDocument& document, const Prototype& prototype, Model& model,
+  PartConverter(const CadDocument& document, const Prototype& prototype, ModelBuilder& builder,
                 std::vector<TopoDS_Face>& faces)
-      : document_(document), prototype_(prototype), model_(model), faces_(faces) {}
+      : document_(document), prototype_(prototype), builder_(builder), faces_(faces) {}
 
   // Appends the part, its faces, loops, edges, vertices and solids. `done` is called after each face.
   template <typename Done>
@@ -62,11 +63,10 @@ class PartConverter {
   // The face without edges that are walked there and back, in one piece; null if it has none of those, or is nothing without them.
   TopoDS_Face Mended(std::size_t index);
   void LoseFace(const TopoDS_Face& face, const std::string& reason);
-  std::uint32_t StoreSurface(PatchGrid grid);
-  void StoreLoop(const FaceLoop& loop);
+  void StoreLoops(const FaceLoops& loops, const std::vector<std::uint32_t>& edges);
+  std::vector<std::uint32_t> EdgesOf(const FaceLoops& loops);
   std::uint32_t EdgeIndex(const TopoDS_Edge& edge);
   std::uint32_t VertexIndex(const TopoDS_Shape& vertex);
-  double PolygonLength(const Edge& edge) const;
   std::string FaceName(std::uint32_t index) const;
   void WarnOfGaps(std::uint32_t face);
   void WarnOfCrossings(std::uint32_t face, const FaceLoops& loops, const TopoDS_Face& shape);
@@ -79,9 +79,12 @@ class PartConverter {
   bool IsClosed(int group) const;
   void WarnOfTurning(int group);
 
+  const Model& model() const { return builder_.model(); }
+  void Warn(std::string sentence) { builder_.info().warnings.push_back(std::move(sentence)); }
+
   const CadDocument& document_;
   const Prototype& prototype_;
-  Model& model_;
+  ModelBuilder& builder_;
   std::vector<TopoDS_Face>& faces_;
   std::vector<Member> members_;
   std::vector<bool> stored_;  // of members: converted, or a piece of a face that was mended
@@ -90,7 +93,7 @@ class PartConverter {
   std::unordered_map<std::string, std::size_t> arrived_of_;  // by entity
   int mended_edges_ = 0;                                     // left out of the face that is being mended
   std::vector<int> face_groups_;                             // of the part's converted faces
-  std::uint32_t first_face_ = 0, first_edge_ = 0;
+  std::uint32_t first_face_ = 0;
   TopTools_DataMapOfShapeInteger edge_index_, vertex_index_;
 };
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/base/result.h"
-#include "render/model/model.h"
+#include "render/model/builder.h"
 
 namespace facetless {
 
@@ -14,15 +14,8 @@ struct ParameterBox {
   double u0 = 0, u1 = 1, v0 = 0, v1 = 1;
 };
 
-// A surface of model.h before it is stored: same laws, own vectors.
-struct PatchGrid {
-  SurfaceKind kind = SurfaceKind::kBspline;
-  int degree_u = 1, degree_v = 1;
-  bool rational = false;
-  bool extendable_u = false, extendable_v = false;
-  double period_u = 0, period_v = 0;
-  std::vector<Span> u_spans, v_spans;
-  std::vector<Vec4> points;
+// A surface to be stored, and how well it stands for OpenCASCADE's.
+struct PatchGrid : SurfaceGrid {
   bool approximated = false;  // the surface has no exact rational form
   double deviation = 0;  // largest distance to the surface at the checked points, in the surface's own units
   double size = 0;       // largest absolute Cartesian coordinate of a control point, likewise

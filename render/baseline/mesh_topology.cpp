@@ -5,6 +5,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -91,9 +93,9 @@ WeldedPart Weld(const MeshPart& part, const std::vector<std::uint32_t>& solid_of
 }
 
 std::vector<std::uint32_t> SolidsOfFaces(const MeshNode& node, const Model& model) {
-  const Range faces = model.parts[model.instances[model.InstanceOf(node.first_placed_face)].part].faces;
+  const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
   std::vector<std::uint32_t> solids;
-  for (std::uint32_t f = faces.first; f < faces.end(); ++f) solids.push_back(model.faces[f].solid);
+  for (const Face& face : FacesOf(model, model.parts[instance.part])) solids.push_back(face.solid);
   return solids;
 }
 

@@ -9,6 +9,7 @@
 
 #include "render/base/parallel.h"
 #include "render/compare/distance_transform.h"
+#include "render/model/walk.h"
 #include "render/shade/features.h"
 
 namespace facetless {
@@ -229,11 +230,9 @@ Result<Difference> ComputeDifference(const DifferenceInput& input) {
   // Only a closed solid says which side is its outside.
   std::vector<bool> closed(input.model.PlacedFaceCount(), false);
   for (const Instance& instance : input.model.instances) {
-    const Range of_part = input.model.parts[instance.part].faces;
-    for (std::uint32_t f = of_part.first; f < of_part.end(); ++f) {
-      const std::uint32_t solid = input.model.faces[f].solid;
-      closed[instance.first_placed_face + (f - of_part.first)] =
-          solid != kNoIndex && input.model.solids[solid].closed;
+    for (const PlacedFace placed : PlacedFacesOf(input.model, instance)) {
+      const std::uint32_t solid = input.model.faces[placed.face].solid;
+      closed[placed.id] = solid != kNoIndex && input.model.solids[solid].closed;
     }
   }
   for (std::size_t i = 0; i < direct.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "render/model/walk.h"
 #include "render/nurbs/open_edges.h"
 
 namespace facetless {
@@ -102,11 +103,11 @@ std::uint64_t PlacedFilesFaces(const Model& model) {
   for (const Part& part : model.parts) {
     std::unordered_set<std::string_view> entities;
     std::uint64_t unnamed = 0;
-    for (std::uint32_t f = part.faces.first; f < part.faces.end(); ++f) {
-      if (model.faces[f].entity.empty()) {
+    for (const Face& face : FacesOf(model, part)) {
+      if (face.entity.empty()) {
         ++unnamed;
       } else {
-        entities.insert(model.faces[f].entity);
+        entities.insert(face.entity);
       }
     }
     of_part.push_back(entities.size() + unnamed);

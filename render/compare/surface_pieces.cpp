@@ -7,6 +7,7 @@
 #include <queue>
 
 #include "render/kernels/dispatch.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -111,8 +112,7 @@ SurfacePieces::Box SurfacePieces::BoxOf(const BezierNet& net) {
 
 void SurfacePieces::Load(std::uint32_t patch, OwnedNet* net) const {
   net->SetDegrees(surface_.degree_u, surface_.degree_v);
-  const Vec4* points = model_.control_points.data() + surface_.first_control_point +
-                       std::size_t(patch) * surface_.PointsPerPatch();
+  const Vec4* points = PatchPoints(model_, surface_, patch).data();
   std::fill_n(net->net.error, int{kNetComponents}, 0.0);
   for (int i = 0; i < net->net.points(); ++i) {
     net->net.at(i, kX) = points[i].x;
@@ -129,10 +129,8 @@ void SurfacePieces::SetMiddle(Piece* piece) const {
 
 SurfacePieces::SurfacePieces(const Model& model, std::uint32_t surface)
     : model_(model), surface_(model.surfaces[surface]), nets_(*ActiveKernels().value().nets) {
-  for (std::uint32_t s = surface_.u_spans.first; s < surface_.u_spans.end(); ++s)
-    u_maps_.emplace_back(model.spans[s]);
-  for (std::uint32_t s = surface_.v_spans.first; s < surface_.v_spans.end(); ++s)
-    v_maps_.emplace_back(model.spans[s]);
+  for (const Span& span : USpansOf(model, surface_)) u_maps_.emplace_back(span);
+  for (const Span& span : VSpansOf(model, surface_)) v_maps_.emplace_back(span);
   pieces_.resize(surface_.PatchCount());
   struct Open {
     std::unique_ptr<OwnedNet> net;

@@ -7,6 +7,7 @@
 #include "render/base/parallel.h"
 #include "render/inspect/angle.h"
 #include "render/inspect/curvature.h"
+#include "render/model/walk.h"
 #include "render/nurbs/edge_points.h"
 #include "render/nurbs/surface_eval.h"
 
@@ -15,10 +16,6 @@ namespace {
 
 // Newton for a foot begins within a gap of it; it doubles its digits each time.
 constexpr int kMostSteps = 6;
-
-struct Use {
-  std::uint32_t face, coedge;
-};
 
 // The foot of `target` on the surface, within its grid, from (u, v): Gauss and Newton.
 Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
@@ -58,7 +55,7 @@ class EdgeMeter {
       : model_(model), surfaces_(surfaces) {}
 
   // None: no place can be measured.
-  std::optional<EdgeContinuity> Measure(std::uint32_t index, const Use (&uses)[2]) const {
+  std::optional<EdgeContinuity> Measure(std::uint32_t index, const EdgeUse (&uses)[2]) const {
     const Edge& edge = model_.edges[index];
     EdgeContinuity result;
     result.edge = index;
@@ -66,8 +63,8 @@ class EdgeMeter {
     result.tolerance_mm = std::max(2 * edge.tolerance_mm, kPositionShare * model_.Diagonal());
     const double turn = Turn(uses);
     for (int side = 0; side < 2; ++side) result.faces[side] = uses[side].face;
-    const double begin = model_.edge_segments[edge.segments.first].begin,
-                 end = model_.edge_segments[edge.segments.end() - 1].end;
+    const std::span<const EdgeSegment> segments = SegmentsOf(model_, edge);
+    const double begin = segments.front().begin, end = segments.back().end;
     bool measured = false;
     Vec3 before;
     for (int k = 0; k <= kPlaces; ++k) {
@@ -88,14 +85,14 @@ class EdgeMeter {
 
  private:
   // −1 where both faces run along the edge in the same sense: they are oriented against each other.
-  double Turn(const Use (&uses)[2]) const {
+  double Turn(const EdgeUse (&uses)[2]) const {
     bool forward[2];
     for (int side = 0; side < 2; ++side)
       forward[side] = model_.coedges[uses[side].coedge].reversed == model_.faces[uses[side].face].reversed;
     return forward[0] == forward[1] ? -1 : 1;
   }
 
-  std::optional<Side> SideAt(const Use& use, const EdgePoint& place, double parameter) const {
+  std::optional<Side> SideAt(const EdgeUse& use, const EdgePoint& place, double parameter) const {
     const SurfaceEval& surface = surfaces_[use.face];
     const Vec2 foot =
         FootOf(surface, place.position, PointOfCoedge(model_, model_.coedges[use.coedge], parameter));
@@ -157,16 +154,7 @@ double MeasureOf(const EdgeContinuity& edge) {
 }  // namespace
 
 Continuity MeasureContinuity(const Model& model, int threads) {
-  // Who uses each edge.
-  std::vector<std::vector<Use>> uses(model.edges.size());
-  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
-    const Face& face = model.faces[f];
-    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-      const Range coedges = model.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-        if (const std::uint32_t e = model.coedges[c].edge; e != kNoIndex) uses[e].push_back({f, c});
-    }
-  }
+  const EdgeUses uses(model);
   std::vector<SurfaceEval> surfaces;
   surfaces.reserve(model.faces.size());
   for (const Face& face : model.faces) surfaces.emplace_back(model, face.surface);
@@ -184,7 +172,7 @@ Continuity MeasureContinuity(const Model& model, int threads) {
   std::vector<std::optional<EdgeContinuity>> found(shared.size());
   RunWithThreads(threads, [&] {
     ParallelFor(std::size_t{0}, shared.size(), [&](std::size_t i) {
-      const std::vector<Use>& both = uses[shared[i]];
+      const std::span<const EdgeUse> both = uses[shared[i]];
       found[i] = meter.Measure(shared[i], {both[0], both[1]});
     });
   });

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/base/parallel.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -32,8 +33,7 @@ Thickness::Thickness(const Scene& scene, const std::vector<SurfaceEval>& surface
   std::vector<std::vector<std::uint32_t>> groups;
   for (std::uint32_t part = 0; part < model.parts.size(); ++part) {
     std::map<std::uint32_t, std::vector<std::uint32_t>> solids;
-    const Range faces = model.parts[part].faces;
-    for (std::uint32_t face = faces.first; face < faces.end(); ++face)
+    for (const std::uint32_t face : Indices(model.parts[part].faces))
       solids[model.faces[face].solid].push_back(face);
     for (auto& [solid, members] : solids) {
       bool wanted = false;

@@ -9,6 +9,7 @@
 #include "render/inspect/angle.h"
 #include "render/inspect/curvature.h"
 #include "render/inspect/thickness.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -42,8 +43,7 @@ class Evaluator {
         frame_(frame),
         pull_(Resolved(inspection.direction, frame)) {
     for (std::uint32_t i = 0; i < model_.instances.size(); ++i) {
-      const Range faces = model_.parts[model_.instances[i].part].faces;
-      for (std::uint32_t face = faces.first; face < faces.end(); ++face)
+      for (const std::uint32_t face : Indices(FacesOf(model_, model_.instances[i])))
         placed_.push_back({face, i, OutwardSign(model_.faces[face], model_.instances[i].placement)});
     }
     if (samples.uv.empty()) return;

@@ -8,6 +8,7 @@
 
 #include "render/base/parallel.h"
 #include "render/base/trigonometry.h"
+#include "render/model/walk.h"
 #include "render/nurbs/monotone_curve.h"
 #include "render/nurbs/surface_eval.h"
 
@@ -19,34 +20,15 @@ constexpr int kPlaces = 5;         // along an edge, at which its angle is measu
 
 constexpr double kSmallest = 0.1;  // pixels: what is smaller is no line, its neighbours' ends cover it
 
-struct Use {
-  std::uint32_t face, coedge;
-};
-
-// By edge.
-std::vector<std::vector<Use>> UsesOf(const Model& model) {
-  std::vector<std::vector<Use>> uses(model.edges.size());
-  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
-    const Range loops = model.faces[f].loops;
-    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-      const Range coedges = model.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-        if (model.coedges[c].edge != kNoIndex) uses[model.coedges[c].edge].push_back({f, c});
-    }
-  }
-  return uses;
-}
-
 // The face's outward normal beside the place at `share` of the edge, if there is one.
-std::optional<Vec3> NormalBeside(const Model& model, const Use& use, double parameter) {
+std::optional<Vec3> NormalBeside(const Model& model, const EdgeUse& use, double parameter) {
   const Coedge& coedge = model.coedges[use.coedge];
-  for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
-    const TrimSegment& segment = model.trim_segments[s];
+  for (const TrimSegment& segment : SegmentsOf(model, coedge)) {
     const double low = std::min(segment.edge_begin, segment.edge_end),
                  high = std::max(segment.edge_begin, segment.edge_end);
     if (!(parameter >= low && parameter <= high && high > low)) continue;
     const double t = (parameter - segment.edge_begin) / (segment.edge_end - segment.edge_begin);
-    const Vec2 uv = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, t);
+    const Vec2 uv = PointOn({PointsOf(model, segment).data(), segment.degree}, t);
     const SurfaceEval surface(model, model.faces[use.face].surface);
     const SurfacePoint point = surface.First(uv.x, uv.y);
     const Vec3 normal = Normalized(Cross(point.du, point.dv));
@@ -56,12 +38,12 @@ std::optional<Vec3> NormalBeside(const Model& model, const Use& use, double para
   return {};
 }
 
-LineClass ClassOf(const Model& model, const Edge& edge, const std::vector<Use>& uses, double cos_edge) {
+LineClass ClassOf(const Model& model, const Edge& edge, std::span<const EdgeUse> uses, double cos_edge) {
   if (uses.size() == 1) return LineClass::kBoundary;
   if (uses.size() != 2) return LineClass::kFeature;
   if (uses[0].face == uses[1].face) return LineClass::kSeam;
-  const double begin = model.edge_segments[edge.segments.first].begin,
-               end = model.edge_segments[edge.segments.end() - 1].end;
+  const std::span<const EdgeSegment> segments = SegmentsOf(model, edge);
+  const double begin = segments.front().begin, end = segments.back().end;
   double least_cosine = 1;
   for (int i = 0; i < kPlaces; ++i) {
     const double parameter = begin + (end - begin) * (i + 0.5) / kPlaces;
@@ -77,19 +59,17 @@ class Projector {
   Projector(const Model& model, const Instance& instance, const Camera& camera, const CameraFrame& frame)
       : model_(model),
         placement_(instance.placement),
-        to_placed_face_(instance.first_placed_face - model.parts[instance.part].faces.first),
+        to_placed_face_(PlacedFaceOf(model, instance, 0)),
         camera_(camera),
         frame_(frame) {}
 
-  void Add(const Edge& edge, const std::vector<Use>& uses, LineClass kind, std::vector<ViewLine>* lines) {
+  void Add(const Edge& edge, std::span<const EdgeUse> uses, LineClass kind, std::vector<ViewLine>* lines) {
     line_ = {kind, true, {}};
     for (std::size_t k = 0; k < std::min(uses.size(), line_.faces.size()); ++k)
       line_.faces[k] = to_placed_face_ + uses[k].face;
-    for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
-      const EdgeSegment& segment = model_.edge_segments[s];
+    for (const EdgeSegment& segment : SegmentsOf(model_, edge)) {
       std::vector<Vec4> points;
-      for (int i = 0; i <= segment.degree; ++i) {
-        const Vec4& p = model_.edge_points[segment.first_point + i];
+      for (const Vec4& p : PointsOf(model_, segment)) {
         const Vec3 placed = placement_.Point({p.x / p.w, p.y / p.w, p.z / p.w});
         points.push_back({p.w * placed.x, p.w * placed.y, p.w * placed.z, p.w});
       }
@@ -180,7 +160,7 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) 
   // cos from the tangent of the half: no libm.
   const double t = edge_angle_deg < 180 ? PolyTan(edge_angle_deg * (std::numbers::pi / 360)) : INFINITY;
   const double cos_edge = std::isfinite(t) ? (1 - t * t) / (1 + t * t) : -1;
-  const std::vector<std::vector<Use>> uses = UsesOf(model);
+  const EdgeUses uses(model);
   std::vector<LineClass> classes(model.edges.size(), LineClass::kFeature);
   ParallelFor(std::size_t{0}, model.edges.size(), [&](std::size_t e) {
     const Edge& edge = model.edges[e];
@@ -193,16 +173,14 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
                                 const Camera& camera, const CameraFrame& frame,
                                 const std::atomic<bool>* cancel) {
-  const std::vector<std::vector<Use>> uses = UsesOf(model);
+  const EdgeUses uses(model);
   // The edges of each part, in the order of their numbers.
   std::vector<std::vector<std::uint32_t>> edges_of(model.parts.size());
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     std::vector<std::uint32_t>& edges = edges_of[p];
-    const Range faces = model.parts[p].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f)
-      for (std::uint32_t l = model.faces[f].loops.first; l < model.faces[f].loops.end(); ++l)
-        for (std::uint32_t c = model.loops[l].coedges.first; c < model.loops[l].coedges.end(); ++c)
-          if (model.coedges[c].edge != kNoIndex) edges.push_back(model.coedges[c].edge);
+    for (const Face& face : FacesOf(model, model.parts[p]))
+      for (const Coedge& coedge : CoedgesOf(model, face))
+        if (coedge.edge != kNoIndex) edges.push_back(coedge.edge);
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   }

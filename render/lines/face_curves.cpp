@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/base/parallel.h"
+#include "render/model/walk.h"
 #include "render/nurbs/bracketed_root.h"
 #include "render/nurbs/surface_eval.h"
 #include "render/trace/scene.h"
@@ -107,8 +108,7 @@ class FaceTracer {
   std::vector<double> Lines(Range spans) const {
     const int cells = std::clamp(kMostCells / std::max(1, int(spans.count)), 1, cells_);
     std::vector<double> lines;
-    for (std::uint32_t s = spans.first; s < spans.end(); ++s) {
-      const Span& span = scene_.model->spans[s];
+    for (const Span& span : Elements(scene_.model->spans, spans)) {
       for (int k = 0; k < cells; ++k) lines.push_back(span.begin + (span.end - span.begin) * k / cells);
     }
     lines.push_back(scene_.model->spans[spans.end() - 1].end);
@@ -313,8 +313,7 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
   };
   std::vector<Job> jobs;
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
-    const Range faces = model.parts[model.instances[i].part].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
+    for (const std::uint32_t f : Indices(FacesOf(model, model.instances[i]))) {
       // A plane turns away everywhere or nowhere.
       if (plane == nullptr && model.surfaces[model.faces[f].surface].kind == SurfaceKind::kPlane) continue;
       if (plane != nullptr) {
@@ -339,8 +338,7 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
   ParallelFor(std::size_t{0}, jobs.size(), [&](std::size_t k) {
     if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const Instance& instance = model.instances[jobs[k].instance];
-    const std::uint32_t placed_face =
-        instance.first_placed_face + (jobs[k].face - model.parts[instance.part].faces.first);
+    const std::uint32_t placed_face = PlacedFaceOf(model, instance, jobs[k].face);
     const FaceValue value(model, jobs[k].face, instance, frame, plane);
     FaceTracer(scene.data(), jobs[k].face, placed_face, value,
                plane ? LineClass::kCut : LineClass::kSilhouette, jobs[k].cells, camera, frame)

@@ -8,6 +8,7 @@
 #include "render/lines/edge_lines.h"
 #include "render/lines/face_curves.h"
 #include "render/lines/visibility.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -33,25 +34,17 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
 
 // By placed face, the placed faces that share an edge with it.
 std::vector<std::vector<std::uint32_t>> JoinedFaces(const Model& model) {
-  std::vector<std::vector<std::uint32_t>> of_edge(model.edges.size()), joined(model.PlacedFaceCount());
-  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
-    for (std::uint32_t l = model.faces[f].loops.first; l < model.faces[f].loops.end(); ++l) {
-      const Range coedges = model.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-        if (model.coedges[c].edge != kNoIndex) of_edge[model.coedges[c].edge].push_back(f);
-    }
-  }
-  std::vector<std::vector<std::uint32_t>> of_face(model.faces.size());
-  for (const std::vector<std::uint32_t>& faces : of_edge)
-    for (const std::uint32_t a : faces)
-      for (const std::uint32_t b : faces)
-        if (a != b) of_face[a].push_back(b);
+  const EdgeUses uses(model);
+  std::vector<std::vector<std::uint32_t>> of_face(model.faces.size()), joined(model.PlacedFaceCount());
+  for (std::size_t e = 0; e < model.edges.size(); ++e)
+    for (const EdgeUse& a : uses[e])
+      for (const EdgeUse& b : uses[e])
+        if (a.face != b.face) of_face[a.face].push_back(b.face);
   for (const Instance& instance : model.instances) {
-    const Range faces = model.parts[instance.part].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
-      std::vector<std::uint32_t>& own = joined[instance.first_placed_face + (f - faces.first)];
-      for (const std::uint32_t other : of_face[f])
-        own.push_back(instance.first_placed_face + (other - faces.first));
+    for (const PlacedFace placed : PlacedFacesOf(model, instance)) {
+      std::vector<std::uint32_t>& own = joined[placed.id];
+      for (const std::uint32_t other : of_face[placed.face])
+        own.push_back(PlacedFaceOf(model, instance, other));
       std::sort(own.begin(), own.end());
       own.erase(std::unique(own.begin(), own.end()), own.end());
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -42,7 +44,7 @@ void AppendCurveHull(std::span<const Vec4> points, int halvings, Hull& hull) {
 }
 
 // A patch as rows of points; Part cuts [t0, t1] of the rows' direction out of it.
-struct PatchPoints {
+struct PointGrid {
   int count_u, count_v;
   std::vector<Vec4> points;
 };
@@ -62,8 +64,8 @@ std::vector<Vec4> CutRow(std::span<const Vec4> row, double t0, double t1) {
   return points;
 }
 
-PatchPoints CutV(const PatchPoints& patch, double t0, double t1) {
-  PatchPoints out{patch.count_u, patch.count_v, {}};
+PointGrid CutV(const PointGrid& patch, double t0, double t1) {
+  PointGrid out{patch.count_u, patch.count_v, {}};
   for (int k = 0; k < patch.count_u; ++k) {
     const auto row = CutRow(
         {&patch.points[static_cast<std::size_t>(k) * patch.count_v], static_cast<std::size_t>(patch.count_v)},
@@ -73,8 +75,8 @@ PatchPoints CutV(const PatchPoints& patch, double t0, double t1) {
   return out;
 }
 
-PatchPoints Transposed(const PatchPoints& patch) {
-  PatchPoints out{patch.count_v, patch.count_u, std::vector<Vec4>(patch.points.size())};
+PointGrid Transposed(const PointGrid& patch) {
+  PointGrid out{patch.count_v, patch.count_u, std::vector<Vec4>(patch.points.size())};
   for (int k = 0; k < patch.count_u; ++k) {
     for (int l = 0; l < patch.count_v; ++l)
       out.points[l * patch.count_u + k] = patch.points[k * patch.count_v + l];
@@ -92,10 +94,10 @@ int HalvingsFor(int degree, std::size_t spans) {
   return halvings;
 }
 
-void AppendPatchHull(const PatchPoints& patch, int halvings_u, int halvings_v, Hull& hull) {
+void AppendPatchHull(const PointGrid& patch, int halvings_u, int halvings_v, Hull& hull) {
   const int nu = 1 << halvings_u, nv = 1 << halvings_v;
   for (int i = 0; i < nu; ++i) {
-    const PatchPoints strip =
+    const PointGrid strip =
         Transposed(CutV(Transposed(patch), static_cast<double>(i) / nu, static_cast<double>(i + 1) / nu));
     for (int j = 0; j < nv; ++j) {
       for (const Vec4& p : CutV(strip, static_cast<double>(j) / nv, static_cast<double>(j + 1) / nv).points)
@@ -110,17 +112,11 @@ struct UvBox {
 
 UvBox LoopBox(const Model& model, const Face& face) {
   UvBox box;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      const Range segments = model.coedges[c].segments;
-      for (std::uint32_t s = segments.first; s < segments.end(); ++s) {
-        const TrimSegment& segment = model.trim_segments[s];
-        for (std::uint32_t i = segment.first_point; i <= segment.first_point + segment.degree; ++i) {
-          const Vec3& p = model.trim_points[i];
-          box.low = {std::fmin(box.low.x, p.x / p.z), std::fmin(box.low.y, p.y / p.z)};
-          box.high = {std::fmax(box.high.x, p.x / p.z), std::fmax(box.high.y, p.y / p.z)};
-        }
+  for (const Coedge& coedge : CoedgesOf(model, face)) {
+    for (const TrimSegment& segment : SegmentsOf(model, coedge)) {
+      for (const Vec3& p : PointsOf(model, segment)) {
+        box.low = {std::fmin(box.low.x, p.x / p.z), std::fmin(box.low.y, p.y / p.z)};
+        box.high = {std::fmax(box.high.x, p.x / p.z), std::fmax(box.high.y, p.y / p.z)};
       }
     }
   }
@@ -147,13 +143,8 @@ void AppendSurfaceHull(const Model& model, const Face& face, SpanToBezier to_bez
     for (std::uint32_t j = 0; j < surface.v_spans.count; ++j) {
       const auto [v0, v1] = Reached(model.spans[surface.v_spans.first + j], box.low.y, box.high.y, to_bezier);
       if (!(u0 < u1) || !(v0 < v1)) continue;
-      const std::size_t first =
-          surface.first_control_point + std::size_t{i * surface.v_spans.count + j} * surface.PointsPerPatch();
-      PatchPoints patch{
-          surface.degree_u + 1,
-          surface.degree_v + 1,
-          {model.control_points.begin() + static_cast<std::ptrdiff_t>(first),
-           model.control_points.begin() + static_cast<std::ptrdiff_t>(first + surface.PointsPerPatch())}};
+      const std::span<const Vec4> points = PatchPoints(model, surface, i * surface.v_spans.count + j);
+      PointGrid patch{surface.degree_u + 1, surface.degree_v + 1, {points.begin(), points.end()}};
       patch = Transposed(CutV(Transposed(CutV(patch, v0, v1)), u0, u1));
       AppendPatchHull(patch, halvings_u, halvings_v, hull);
     }
@@ -170,18 +161,13 @@ bool IsDevelopable(SurfaceKind kind) {
 // The hull of all edges; false if one of the coedges has none (a border that was made for the face).
 bool AppendEdgeHull(const Model& model, const Face& face, Hull& hull) {
   if (face.loops.count == 0) return false;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      if (model.coedges[c].edge == kNoIndex) return false;
-      const Edge& edge = model.edges[model.coedges[c].edge];
-      for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
-        const EdgeSegment& segment = model.edge_segments[s];
-        AppendCurveHull({&model.edge_points[segment.first_point], segment.degree + 1u}, kHalvings, hull);
-      }
-      for (std::uint32_t vertex : edge.vertices) {
-        if (vertex != kNoIndex) hull.push_back(model.vertices[vertex].point);
-      }
+  for (const Coedge& coedge : CoedgesOf(model, face)) {
+    if (coedge.edge == kNoIndex) return false;
+    const Edge& edge = model.edges[coedge.edge];
+    for (const EdgeSegment& segment : SegmentsOf(model, edge))
+      AppendCurveHull(PointsOf(model, segment), kHalvings, hull);
+    for (std::uint32_t vertex : edge.vertices) {
+      if (vertex != kNoIndex) hull.push_back(model.vertices[vertex].point);
     }
   }
   return true;
@@ -194,16 +180,6 @@ Hull FaceHull(const Model& model, std::uint32_t index, SpanToBezier to_bezier) {
   hull.clear();
   AppendSurfaceHull(model, face, to_bezier, hull);
   return hull;
-}
-
-double LargestGap(const Model& model, const Face& face) {
-  double gap = 0;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-      gap = std::fmax(gap, model.coedges[c].gap_mm);
-  }
-  return gap;
 }
 
 Box3 Widened(Box3 box, double by) {
@@ -228,8 +204,7 @@ std::vector<Box3> InstanceBounds(const Model& model, SpanToBezier to_bezier) {
   for (const Instance& instance : model.instances) used[instance.part] = true;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     if (!used[p]) continue;
-    const Range faces = model.parts[p].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
+    for (const std::uint32_t f : Indices(model.parts[p].faces)) {
       const Hull hull = FaceHull(model, f, to_bezier);
       hulls[p].first.insert(hulls[p].first.end(), hull.begin(), hull.end());
       hulls[p].second = std::fmax(hulls[p].second, LargestGap(model, model.faces[f]));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 
 const char* SurfaceKindName(SurfaceKind kind) {
@@ -51,7 +53,7 @@ std::uint32_t Model::InstanceOf(std::uint32_t id) const {
 
 std::uint32_t Model::FaceOf(std::uint32_t id) const {
   const Instance& instance = instances[InstanceOf(id)];
-  return parts[instance.part].faces.first + (id - instance.first_placed_face);
+  return FacesOf(*this, instance).first + (id - instance.first_placed_face);
 }
 
 std::string Model::PlacedFaceName(std::uint32_t id) const {
@@ -76,7 +78,7 @@ std::string Model::PlacedFaceName(std::uint32_t id) const {
 
 Color Model::PlacedFaceColor(std::uint32_t id) const {
   const Instance& instance = instances[InstanceOf(id)];
-  const Face& face = faces[parts[instance.part].faces.first + (id - instance.first_placed_face)];
+  const Face& face = faces[FacesOf(*this, instance).first + (id - instance.first_placed_face)];
   if (face.has_color) return face.color;
   if (instance.has_color) return instance.color;
   return Color{};

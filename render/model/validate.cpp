@@ -7,6 +7,7 @@
 #include <string>
 
 #include "render/model/model.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -54,7 +55,7 @@ Violation CheckColor(const std::string& where, const Color& color) {
 
 Violation CheckSpans(const Model& model, const std::string& where, Range range) {
   if (range.count == 0 || !InRange(range, model.spans)) return Broken(where, "its spans are out of range");
-  for (std::uint32_t i = range.first; i < range.end(); ++i) {
+  for (const std::uint32_t i : Indices(range)) {
     const Span& span = model.spans[i];
     if (!std::isfinite(span.begin) || !std::isfinite(span.end))
       return NotFinite(where + " " + At("spans", i));
@@ -95,10 +96,9 @@ Violation CheckSurface(const Model& model, std::size_t index, const std::string&
       return Broken(where, At("control_points", i) + " has a weight on a polynomial surface");
   }
   for (std::uint64_t patch = 0; surface.rational && patch < patches; ++patch) {
-    const Vec4* points =
-        model.control_points.data() + surface.first_control_point + patch * surface.PointsPerPatch();
     double largest = 0;
-    for (std::uint32_t i = 0; i < surface.PointsPerPatch(); ++i) largest = std::fmax(largest, points[i].w);
+    for (const Vec4& point : PatchPoints(model, surface, static_cast<std::uint32_t>(patch)))
+      largest = std::fmax(largest, point.w);
     if (!(largest >= kLeastWeight && largest <= kGreatestWeight))
       return Broken(where, "all weights of a patch are below 1e-250, or one is above 1e250; scale them");
   }
@@ -137,7 +137,7 @@ Violation CheckLoop(const Model& model, std::size_t index, const std::string& ow
     return Broken(where, "its coedges are out of range");
   // Check each coedge and gather the loop's segments in order.
   std::vector<std::uint32_t> segments;
-  for (std::uint32_t i = loop.coedges.first; i < loop.coedges.end(); ++i) {
+  for (const std::uint32_t i : Indices(loop.coedges)) {
     const Coedge& coedge = model.coedges[i];
     const std::string coedge_where = At("coedges", i) + owner;
     if (coedge.edge != kNoIndex && coedge.edge >= model.edges.size())
@@ -145,7 +145,7 @@ Violation CheckLoop(const Model& model, std::size_t index, const std::string& ow
     if (coedge.segments.count == 0 || !InRange(coedge.segments, model.trim_segments))
       return Broken(coedge_where, "its segments are out of range");
     if (!(coedge.gap_mm >= 0) || !std::isfinite(coedge.gap_mm)) return NotFinite(coedge_where);
-    for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
+    for (const std::uint32_t s : Indices(coedge.segments)) {
       if (Violation bad = CheckTrimSegment(model, s, owner)) return bad;
       segments.push_back(s);
     }
@@ -178,7 +178,7 @@ Violation CheckEdge(const Model& model, std::size_t index) {
     if (vertex != kNoIndex && vertex >= model.vertices.size())
       return Broken(where, "a vertex is out of range");
   }
-  for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
+  for (const std::uint32_t s : Indices(edge.segments)) {
     const EdgeSegment& segment = model.edge_segments[s];
     const std::string segment_where = At("edge_segments", s);
     if (segment.degree < 1 || segment.degree > kMaxDegree)
@@ -207,7 +207,7 @@ Violation CheckFace(const Model& model, std::size_t index) {
   if (!(face.tolerance_mm >= 0) || !std::isfinite(face.tolerance_mm)) return NotFinite(where);
   if (Violation bad = CheckColor(where, face.color)) return bad;
   if (Violation bad = CheckSurface(model, face.surface, owner)) return bad;
-  for (std::uint32_t i = face.loops.first; i < face.loops.end(); ++i) {
+  for (const std::uint32_t i : Indices(face.loops)) {
     if (Violation bad = CheckLoop(model, i, owner)) return bad;
   }
   return {};

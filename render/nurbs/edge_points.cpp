@@ -4,17 +4,23 @@
 #include <cmath>
 #include <vector>
 
+#include "render/model/walk.h"
 #include "render/nurbs/monotone_curve.h"
 
 namespace facetless {
 
+const EdgeSegment& SegmentAt(const Model& model, const Edge& edge, double parameter) {
+  const std::span<const EdgeSegment> segments = SegmentsOf(model, edge);
+  std::size_t s = 0;
+  while (s + 1 < segments.size() && segments[s].end < parameter) ++s;
+  return segments[s];
+}
+
 EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter) {
-  std::uint32_t s = edge.segments.first;
-  while (s + 1 < edge.segments.end() && model.edge_segments[s].end < parameter) ++s;
-  const EdgeSegment& segment = model.edge_segments[s];
+  const EdgeSegment& segment = SegmentAt(model, edge, parameter);
   const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
-  const auto first = model.edge_points.begin() + segment.first_point;
-  std::vector<Vec4> p(first, first + segment.degree + 1);
+  const std::span<const Vec4> points = PointsOf(model, segment);
+  std::vector<Vec4> p(points.begin(), points.end());
   for (int last = segment.degree; last > 1; --last)
     for (int i = 0; i < last; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
   const Vec4 h = (1 - t) * p[0] + t * p[1], d = p[1] - p[0];
@@ -25,15 +31,15 @@ EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter) {
 Vec2 PointOfCoedge(const Model& model, const Coedge& coedge, double parameter) {
   double best = INFINITY;
   Vec2 point;
-  for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end() && best > 0; ++s) {
-    const TrimSegment& segment = model.trim_segments[s];
+  for (const TrimSegment& segment : SegmentsOf(model, coedge)) {
+    if (!(best > 0)) break;
     // Real p-curves have segments of no length, which stand for their own parameter only.
     const double width = segment.edge_end - segment.edge_begin;
     const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
     const double off = std::fabs(parameter - (segment.edge_begin + inside * width));
     if (!(off < best)) continue;
     best = off;
-    point = PointOn({model.trim_points.data() + segment.first_point, segment.degree}, inside);
+    point = PointOn({PointsOf(model, segment).data(), segment.degree}, inside);
   }
   return point;
 }

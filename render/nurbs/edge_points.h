@@ -10,6 +10,11 @@ struct EdgePoint {
   Vec3 position;  // part coordinates, mm
   Vec3 tangent;   // unit; 0 where the curve stands still
 };
+
+// The segment of the edge that holds the parameter, at a joint the first of the two; beyond the edge's ends the segment there.
+// Requires an edge that is not degenerate.
+const EdgeSegment& SegmentAt(const Model& model, const Edge& edge, double parameter);
+
 // Of the edge's 3D curve; beyond its ends the end.
 EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter);
 

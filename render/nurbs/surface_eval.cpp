@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -49,13 +51,13 @@ Vec3 Spatial(Vec4 h) {
 
 std::vector<double> Knots(const Model& model, Range spans) {
   std::vector<double> knots{model.spans[spans.first].begin};
-  for (std::uint32_t i = spans.first; i < spans.end(); ++i) knots.push_back(model.spans[i].end);
+  for (const Span& span : Elements(model.spans, spans)) knots.push_back(span.end);
   return knots;
 }
 
 std::vector<SpanParameter> Maps(const Model& model, Range spans) {
   std::vector<SpanParameter> maps;
-  for (std::uint32_t i = spans.first; i < spans.end(); ++i) maps.emplace_back(model.spans[i]);
+  for (const Span& span : Elements(model.spans, spans)) maps.emplace_back(span);
   return maps;
 }
 
@@ -74,9 +76,7 @@ SurfaceEval::SurfaceEval(const Model& model, std::uint32_t surface)
       v_knots_(Knots(model, surface_.v_spans)),
       u_maps_(Maps(model, surface_.u_spans)),
       v_maps_(Maps(model, surface_.v_spans)) {
-  const std::size_t count = std::size_t{surface_.PatchCount()} * surface_.PointsPerPatch();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec4 p = model.control_points[surface_.first_control_point + i];
+  for (const Vec4& p : PointsOf(model, surface_)) {
     magnitude_ = std::max({magnitude_, std::fabs(p.x / p.w), std::fabs(p.y / p.w), std::fabs(p.z / p.w)});
   }
 }
@@ -91,8 +91,8 @@ SurfacePoint SurfaceEval::Evaluate(double u, double v, int order) const {
   EvaluateBasis(q, t, order, bv);
 
   // Sum the homogeneous point and its derivatives, row by row.
-  const Vec4* row = model_->control_points.data() + surface_.first_control_point +
-                    (i * surface_.v_spans.count + j) * surface_.PointsPerPatch();
+  const Vec4* row =
+      PatchPoints(*model_, surface_, static_cast<std::uint32_t>(i * surface_.v_spans.count + j)).data();
   const Vec4 zero{0, 0, 0, 0};
   Vec4 h = zero, hu = zero, hv = zero, huu = zero, huv = zero, hvv = zero;
   for (int k = 0; k <= p; ++k, row += q + 1) {

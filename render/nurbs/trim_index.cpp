@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -188,23 +190,22 @@ FaceTrim FaceTrim::Build(const Model& model, std::uint32_t face) {
 void FaceTrim::FindNeighbours(const Model& model, const Face& face) {
   if (face.loops.count == 0) return;
   std::uint32_t low = kNoIndex, high = 0;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    low = std::min(low, model.loops[l].coedges.first);
-    high = std::max(high, model.loops[l].coedges.end());
+  for (const Loop& loop : LoopsOf(model, face)) {
+    low = std::min(low, loop.coedges.first);
+    high = std::max(high, loop.coedges.end());
   }
   first_coedge_ = low;
   ends_.resize(high - low);
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
+  for (const Loop& loop : LoopsOf(model, face)) {
     // A collapsed edge is a point: its neighbours meet there.
     std::vector<std::uint32_t> around;
-    const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
+    for (const std::uint32_t c : Indices(loop.coedges)) {
       const Coedge& coedge = model.coedges[c];
-      if (coedge.segments.count == 0 || (coedge.edge != kNoIndex && model.edges[coedge.edge].degenerate))
-        continue;
+      const std::span<const TrimSegment> segments = SegmentsOf(model, coedge);
+      if (segments.empty() || (coedge.edge != kNoIndex && model.edges[coedge.edge].degenerate)) continue;
       around.push_back(c);
-      ends_[c - low].begin = model.trim_segments[coedge.segments.first].edge_begin;
-      ends_[c - low].end = model.trim_segments[coedge.segments.end() - 1].edge_end;
+      ends_[c - low].begin = segments.front().edge_begin;
+      ends_[c - low].end = segments.back().edge_end;
     }
     const auto askable = [&](std::uint32_t c) { return model.coedges[c].edge == kNoIndex ? kNoIndex : c; };
     for (std::size_t i = 0, n = around.size(); i < n; ++i) {

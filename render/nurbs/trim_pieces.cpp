@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -47,7 +49,7 @@ class Maker {
         rounding_mm_(kPointUlps * kEpsilon * (surface.magnitude() + model.Diagonal())),
         grid_{surface.u_end() - surface.u_begin(), surface.v_end() - surface.v_begin()} {
     FindSlits(face);
-    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) AddLoop(model.loops[l]);
+    for (const Loop& loop : LoopsOf(model, face)) AddLoop(loop);
     if (out_.pieces.empty()) AddBorder();
     out_.loop_first.push_back(static_cast<std::uint32_t>(out_.pieces.size()));
   }
@@ -67,49 +69,40 @@ class Maker {
   };
 
   PlaneCurve CurveOf(const TrimSegment& segment) const {
-    return {model_.trim_points.data() + segment.first_point, segment.degree};
+    return {PointsOf(model_, segment).data(), segment.degree};
   }
 
   // The point of a coedge's p-curve at half of its edge's parameters.
   Vec2 MiddleOf(const Coedge& coedge) const {
-    const TrimSegment& first = model_.trim_segments[coedge.segments.first];
-    const TrimSegment& last = model_.trim_segments[coedge.segments.end() - 1];
-    const double middle = 0.5 * (first.edge_begin + last.edge_end);
-    for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
-      const TrimSegment& segment = model_.trim_segments[s];
+    const std::span<const TrimSegment> segments = SegmentsOf(model_, coedge);
+    const double middle = 0.5 * (segments.front().edge_begin + segments.back().edge_end);
+    for (const TrimSegment& segment : segments) {
       const double width = segment.edge_end - segment.edge_begin;
       const double t = (middle - segment.edge_begin) / width;
       if (t >= 0 && t <= 1) return PointOn(CurveOf(segment), t);
     }
-    return PointOn(CurveOf(first), 0.5);
+    return PointOn(CurveOf(segments.front()), 0.5);
   }
 
   // Law 3: opposite coedges of one edge whose begin, end and middle coincide on the surface's parameters.
   void FindSlits(const Face& face) {
     std::unordered_map<std::uint32_t, std::uint32_t> first_use;
-    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-      const Range coedges = model_.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-        const Coedge& coedge = model_.coedges[c];
-        if (coedge.edge == kNoIndex || coedge.segments.count == 0 || model_.edges[coedge.edge].degenerate)
-          continue;
-        const auto [use, is_first] = first_use.try_emplace(coedge.edge, c);
-        if (is_first || model_.coedges[use->second].reversed == coedge.reversed) continue;
-        if (RunToAndFro(model_.coedges[use->second], coedge)) {
-          twin_[c] = use->second;
-          twin_[use->second] = use->second;
-        }
+    for (const Coedge& coedge : CoedgesOf(model_, face)) {
+      if (coedge.edge == kNoIndex || coedge.segments.count == 0 || model_.edges[coedge.edge].degenerate)
+        continue;
+      const std::uint32_t c = IndexOf(model_.coedges, coedge);
+      const auto [use, is_first] = first_use.try_emplace(coedge.edge, c);
+      if (is_first || model_.coedges[use->second].reversed == coedge.reversed) continue;
+      if (RunToAndFro(model_.coedges[use->second], coedge)) {
+        twin_[c] = use->second;
+        twin_[use->second] = use->second;
       }
     }
   }
 
   bool RunToAndFro(const Coedge& a, const Coedge& b) const {
-    const auto begin = [&](const Coedge& c) {
-      return PointOn(CurveOf(model_.trim_segments[c.segments.first]), 0);
-    };
-    const auto end = [&](const Coedge& c) {
-      return PointOn(CurveOf(model_.trim_segments[c.segments.end() - 1]), 1);
-    };
+    const auto begin = [&](const Coedge& c) { return PointOn(CurveOf(SegmentsOf(model_, c).front()), 0); };
+    const auto end = [&](const Coedge& c) { return PointOn(CurveOf(SegmentsOf(model_, c).back()), 1); };
     const double reach = std::max(a.gap_mm, b.gap_mm) + rounding_mm_;
     const auto same = [&](Vec2 p, Vec2 q) { return Within(p, q, HalfWidths(p, reach)); };
     return same(begin(a), end(b)) && same(end(a), begin(b)) && same(MiddleOf(a), MiddleOf(b));
@@ -117,7 +110,7 @@ class Maker {
 
   void AddLoop(const Loop& loop) {
     std::uint32_t last = kNoIndex;
-    for (std::uint32_t c = loop.coedges.first; c < loop.coedges.end(); ++c)
+    for (const std::uint32_t c : Indices(loop.coedges))
       if (model_.coedges[c].segments.count > 0) last = c;
     if (last == kNoIndex) return;
     out_.loop_first.push_back(static_cast<std::uint32_t>(out_.pieces.size()));
@@ -138,7 +131,7 @@ class Maker {
     Source source;
     if (askable && !slit) source = {c, coedge.gap_mm, false};
     source.slit = slit;
-    for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
+    for (const std::uint32_t s : Indices(coedge.segments)) {
       const TrimSegment& segment = model_.trim_segments[s];
       AddCurve(CurveOf(segment), source, segment.edge_begin, segment.edge_end,
                last_of_loop && s + 1 == coedge.segments.end());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/model/walk.h"
 #include "render/nurbs/angle_map.h"
 #include "render/trace/scene.h"
 
@@ -118,9 +119,8 @@ void SolidTree::AddFace(std::uint32_t face) {
     if (data.patches[patch] == RectClass::kOutside) continue;
     const Span& u_span = model.spans[surface.u_spans.first + patch / surface.v_spans.count];
     const Span& v_span = model.spans[surface.v_spans.first + patch % surface.v_spans.count];
-    const Vec4* points = model.control_points.data() + surface.first_control_point +
-                         std::size_t{patch} * surface.PointsPerPatch();
-    stack.push_back({surface.degree_u, surface.degree_v, {points, points + surface.PointsPerPatch()}});
+    const std::span<const Vec4> points = PatchPoints(model, surface, patch);
+    stack.push_back({surface.degree_u, surface.degree_v, {points.begin(), points.end()}});
     while (!stack.empty()) {
       Net net = std::move(stack.back());
       stack.pop_back();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/base/parallel.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -99,11 +100,6 @@ double RoundingOf(const Surface& surface, double face_size, const Placement& pla
   return kEpsilon * (kPlacingUnits + 8 * (surface.degree_u + surface.degree_v)) * size;
 }
 
-const Vec4* PatchPoints(const Model& model, const Surface& surface, std::uint32_t patch) {
-  return model.control_points.data() + surface.first_control_point +
-         std::size_t{patch} * surface.PointsPerPatch();
-}
-
 }  // namespace
 
 struct CertificateCheck::Budget {
@@ -124,11 +120,8 @@ CertificateCheck::CertificateCheck(const Scene::Data& scene, const CameraFrame& 
   boxes_.resize(model.PlacedFaceCount());
   ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
     const Instance& instance = model.instances[i];
-    const Range faces = model.parts[instance.part].faces;
-    for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
-      boxes_[instance.first_placed_face + (face - faces.first)] =
-          BoxOf(scene.faces[face].bounds, instance.placement);
-    }
+    for (const PlacedFace placed : PlacedFacesOf(model, instance))
+      boxes_[placed.id] = BoxOf(scene.faces[placed.face].bounds, instance.placement);
   });
 }
 
@@ -152,10 +145,9 @@ CertificateCheck::FaceBox CertificateCheck::BoxOf(const Box3& box, const Placeme
 
 void CertificateCheck::AddBalls(const Surface& surface) {
   for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
-    const Vec4* points = PatchPoints(*scene_.model, surface, patch);
     Box3 box;
-    for (std::uint32_t k = 0; k < surface.PointsPerPatch(); ++k)
-      box.Add({points[k].x / points[k].w, points[k].y / points[k].w, points[k].z / points[k].w});
+    for (const Vec4& p : PatchPoints(*scene_.model, surface, patch))
+      box.Add({p.x / p.w, p.y / p.w, p.z / p.w});
     balls_.push_back({box.center(), 0.5 * box.diagonal()});
   }
 }
@@ -164,7 +156,7 @@ bool CertificateCheck::RootHolds(const StatedRoot& root) const {
   const Model& model = *scene_.model;
   const Surface& surface = model.surfaces[model.faces[root.face].surface];
   const Placement& placement = model.instances[root.instance].placement;
-  const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, root.patch), root.u, root.v);
+  const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, root.patch).data(), root.u, root.v);
   const PixelPoint seen = Project(frame_, placement.Point(at.point));
 
   // How far the surface moves within the root's own error, and the rounding of what was just computed.
@@ -191,10 +183,9 @@ RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double dep
   const Vec3 along = Normalized(ray.direction);
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
     const Instance& instance = model.instances[i];
-    const Range faces = model.parts[instance.part].faces;
     const double scale = ScaleOf(instance.placement);
-    for (std::uint32_t face = faces.first; face < faces.end(); ++face) {
-      const FaceBox& box = boxes_[instance.first_placed_face + (face - faces.first)];
+    for (const auto [placed_face, face] : PlacedFacesOf(model, instance)) {
+      const FaceBox& box = boxes_[placed_face];
       if (x < box.x_low || x > box.x_high || y < box.y_low || y > box.y_high) continue;
       const Surface& surface = model.surfaces[model.faces[face].surface];
       const double rounding = RoundingOf(surface, face_sizes_[face], instance.placement, frame_);
@@ -242,7 +233,7 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
   const Vec3 shift = TranslationOf(placement) - frame_.eye;
   std::vector<Piece> open(1);
   open[0].points.reserve(n);
-  const Vec4* points = PatchPoints(model, surface, patch);
+  const Vec4* points = PatchPoints(model, surface, patch).data();
   for (std::size_t k = 0; k < n; ++k) {
     const Vec3 p = placement.Vector({points[k].x, points[k].y, points[k].z}) + points[k].w * shift;
     const double depth = Dot(p, frame_.forward), scale = perspective ? depth : points[k].w;
@@ -331,7 +322,7 @@ bool CertificateCheck::IsCertainHit(std::uint32_t instance, std::uint32_t face, 
   // One step more after the residual is small: what is left then is rounding.
   bool converged = false;
   for (int step = 0; step < kNewtonSteps; ++step) {
-    const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, patch), u, v);
+    const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, patch).data(), u, v);
     const PixelPoint seen = Project(frame_, placement.Point(at.point));
     if (perspective && !(seen.depth > frame_.near_mm)) return false;
     // The images of the tangents, in pixels.

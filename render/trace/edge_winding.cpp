@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -61,15 +63,17 @@ std::optional<bool> CrossesHalfLine(const ProjectedEdges& edges, std::uint32_t i
   }
 
   // From vertex to vertex; joints of segments may differ by a rounding.
-  for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
-    const EdgeSegment& segment = model.edge_segments[s];
+  bool first = true;
+  for (const EdgeSegment& segment : SegmentsOf(model, edge)) {
+    const std::span<const Vec4> points = PointsOf(model, segment);
     Vec3 p[kMaxPoints];
-    for (int i = 0; i <= segment.degree; ++i) {
-      p[i] = edges.Relative(model.edge_points[segment.first_point + static_cast<std::uint32_t>(i)], x, y);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      p[i] = edges.Relative(points[i], x, y);
       in_front = in_front && p[i].z > 0;
     }
     if (!in_front) return std::nullopt;
-    if (has_vertices || s != edge.segments.first) odd ^= CrossesOdd(at, p[0]);
+    if (has_vertices || !first) odd ^= CrossesOdd(at, p[0]);
+    first = false;
     at = p[segment.degree];
     odd ^= CrossesOdd(p, segment.degree, 0);
   }

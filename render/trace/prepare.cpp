@@ -7,6 +7,7 @@
 
 #include "render/base/parallel.h"
 #include "render/kernels/dispatch.h"
+#include "render/model/walk.h"
 #include "render/view/projection.h"
 
 namespace facetless {
@@ -81,9 +82,9 @@ class Preparation {
 
   void VisitInstance(const Instance& instance) {
     const ViewProjection projection(frame_, instance.placement);
-    const Range faces = model_.parts[instance.part].faces;
+    const Range faces = FacesOf(model_, instance);
     ParallelFor(faces.first, faces.end(), [&](std::uint32_t face) {
-      if (!budget_.Stopped()) VisitFace(face, instance.first_placed_face + (face - faces.first), projection);
+      if (!budget_.Stopped()) VisitFace(face, PlacedFaceOf(model_, instance, face), projection);
     });
   }
 
@@ -145,8 +146,7 @@ class Preparation {
 
     Worker& worker = workers_.local();
     BezierNet& net = worker.splitter.Begin(surface.degree_u, surface.degree_v);
-    const Vec4* points = model_.control_points.data() + surface.first_control_point +
-                         std::size_t(patch) * surface.PointsPerPatch();
+    const Vec4* points = PatchPoints(model_, surface, patch).data();
     bool weight_varies = false, depth_varies = false;
     std::fill_n(net.error, int{kNetComponents}, 0.0);
     for (int k = 0; k < net.points(); ++k) {
@@ -186,8 +186,7 @@ class Preparation {
     const double* coefficients = nullptr;
     for (const SeamSample& sample : samples) {
       const Instance& instance = model_.instances[sample.instance];
-      const std::uint32_t placed_face =
-          instance.first_placed_face + (sample.face - model_.parts[instance.part].faces.first);
+      const std::uint32_t placed_face = PlacedFaceOf(model_, instance, sample.face);
       if (leave_out_ && (*leave_out_)[placed_face]) continue;
       const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
       Leaf leaf;
@@ -197,8 +196,7 @@ class Preparation {
       if (!before || before->instance != sample.instance || before->face != sample.face ||
           before->patch != sample.patch) {
         const ViewProjection projection(frame_, instance.placement);
-        const Vec4* points = model_.control_points.data() + surface.first_control_point +
-                             std::size_t(sample.patch) * surface.PointsPerPatch();
+        const Vec4* points = PatchPoints(model_, surface, sample.patch).data();
         const std::size_t n = surface.PointsPerPatch();
         double* net = worker.arena.Allocate(kNetComponents * n);
         for (std::size_t k = 0; k < n; ++k) {

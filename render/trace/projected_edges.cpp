@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -96,11 +98,11 @@ Side SideOfKink(Side in, Side out, double turn) {
 }
 
 // The segment that holds `parameter`; at a joint the later one.
-std::uint32_t SegmentOf(const Model& model, Range segments, double parameter) {
-  std::uint32_t low = 0, high = segments.count - 1;
+std::uint32_t SegmentOf(std::span<const EdgeSegment> segments, double parameter) {
+  std::uint32_t low = 0, high = static_cast<std::uint32_t>(segments.size()) - 1;
   while (low < high) {
     const std::uint32_t middle = (low + high + 1) / 2;
-    if (model.edge_segments[segments.first + middle].begin <= parameter) {
+    if (segments[middle].begin <= parameter) {
       low = middle;
     } else {
       high = middle - 1;
@@ -115,16 +117,14 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   EdgeSide result;
   const Edge& edge = model_->edges[edge_index];
   if (edge.segments.count == 0) return result;
+  const std::span<const EdgeSegment> spans = SegmentsOf(*model_, edge);
   const std::uint32_t count = edge.segments.count;
   const bool closed = edge.vertices[0] != kNoIndex && edge.vertices[0] == edge.vertices[1];
-  const auto span = [&](std::uint32_t k) -> const EdgeSegment& {
-    return model_->edge_segments[edge.segments.first + k];
-  };
 
   // Start at the guess.
   Segment segment(*this, edge.segments, x, y);
-  segment.Select(SegmentOf(*model_, edge.segments, guess));
-  const EdgeSegment& first = span(segment.index());
+  segment.Select(SegmentOf(spans, guess));
+  const EdgeSegment& first = spans[segment.index()];
   double t = std::clamp((guess - first.begin) / (first.end - first.begin), 0.0, 1.0);
   Vec2 point, tangent;
   if (!segment.At(t, point, tangent)) return result;
@@ -167,7 +167,7 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   // Inside the edge the distance is that of the tangent line, which the rounding of t doesn't touch.
   const bool clamped = (t == 0 || t == 1) && !joins_next && !joins_previous;
   result.distance_px = clamped ? Length(point) : std::fabs(Cross(point, tangent)) / Length(tangent);
-  const EdgeSegment& last = span(k);
+  const EdgeSegment& last = spans[k];
   const double width = last.end - last.begin;
   result.parameter = t <= 0.5 ? last.begin + t * width : last.end - (1 - t) * width;
   result.tangent = (1 / width) * tangent;
@@ -187,9 +187,10 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
 Vec2 ProjectedEdges::TangentAt(std::uint32_t edge_index, double parameter, bool ending) const {
   const Edge& edge = model_->edges[edge_index];
   if (edge.segments.count == 0) return {};
-  std::uint32_t k = SegmentOf(*model_, edge.segments, parameter);
-  if (ending && k > 0 && model_->edge_segments[edge.segments.first + k].begin == parameter) --k;
-  const EdgeSegment& span = model_->edge_segments[edge.segments.first + k];
+  const std::span<const EdgeSegment> spans = SegmentsOf(*model_, edge);
+  std::uint32_t k = SegmentOf(spans, parameter);
+  if (ending && k > 0 && spans[k].begin == parameter) --k;
+  const EdgeSegment& span = spans[k];
   Segment segment(*this, edge.segments, 0, 0);
   segment.Select(k);
   Vec2 point, tangent;
@@ -243,8 +244,8 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   // Which way the loop turns there, in the image.
   const Coedge& in = answer.other_is_next ? one : two;
   const Coedge& out = answer.other_is_next ? two : one;
-  const double in_end = model.trim_segments[in.segments.end() - 1].edge_end;
-  const double out_begin = model.trim_segments[out.segments.first].edge_begin;
+  const double in_end = SegmentsOf(model, in).back().edge_end;
+  const double out_begin = SegmentsOf(model, out).front().edge_begin;
   const Vec2 arriving = (in.reversed ? -1.0 : 1.0) * edges.TangentAt(in.edge, in_end, !in.reversed);
   const Vec2 leaving = (out.reversed ? -1.0 : 1.0) * edges.TangentAt(out.edge, out_begin, out.reversed);
   const double turn = Cross(arriving, leaving);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/base/parallel.h"
+#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
@@ -16,16 +17,6 @@ constexpr double kMaxContinued = 1.0 / 8;
 
 Vec3 Cartesian(const Vec4& p) {
   return {p.x / p.w, p.y / p.w, p.z / p.w};
-}
-
-double LargestGap(const Model& model, const Face& face) {
-  double gap = 0;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-      gap = std::max(gap, model.coedges[c].gap_mm);
-  }
-  return gap;
 }
 
 struct Border {
@@ -43,8 +34,7 @@ double ContinueBy(const Model& model, const Surface& surface, Border border, dou
   for (std::uint32_t n = 0; n < (border.across_u ? nv : nu); ++n) {
     const std::uint32_t edge = border.high ? (border.across_u ? nu : nv) - 1 : 0;
     const std::uint32_t patch = border.across_u ? edge * nv + n : n * nv + edge;
-    const Vec4* points = model.control_points.data() + surface.first_control_point +
-                         std::size_t{patch} * surface.PointsPerPatch();
+    const std::span<const Vec4> points = PatchPoints(model, surface, patch);
     for (int k = 0; k <= last; ++k) {
       const Vec4& on = points[border.across_u ? outer * stride + k : k * stride + outer];
       const Vec4& off = points[border.across_u ? inner * stride + k : k * stride + inner];
@@ -63,9 +53,7 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
   const Face& face = model.faces[index];
   const Surface& surface = model.surfaces[face.surface];
   FaceData data{FaceTrim::Build(model, index), {}, {}};
-  const std::size_t count = std::size_t(surface.PatchCount()) * surface.PointsPerPatch();
-  for (std::size_t i = 0; i < count; ++i)
-    data.bounds.Add(Cartesian(model.control_points[surface.first_control_point + i]));
+  for (const Vec4& p : PointsOf(model, surface)) data.bounds.Add(Cartesian(p));
 
   // Continue the grid where the face ends with it.
   const Span &u_first = model.spans[surface.u_spans.first], &u_last = model.spans[surface.u_spans.end() - 1];

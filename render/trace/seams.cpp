@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "render/base/parallel.h"
+#include "render/model/walk.h"
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/edge_points.h"
 #include "render/trace/edge_winding.h"
@@ -29,39 +30,25 @@ constexpr double kOffSurface = 2e-3;
 constexpr double kMostReachPx = 8;
 
 Vec3 EndOf(const Model& model, const Edge& edge, bool last) {
-  const EdgeSegment& segment = model.edge_segments[last ? edge.segments.end() - 1 : edge.segments.first];
-  const Vec4& p = model.edge_points[segment.first_point + (last ? segment.degree : 0u)];
+  const std::span<const EdgeSegment> segments = SegmentsOf(model, edge);
+  const std::span<const Vec4> points = PointsOf(model, last ? segments.back() : segments.front());
+  const Vec4& p = last ? points.back() : points.front();
   return {p.x / p.w, p.y / p.w, p.z / p.w};
-}
-
-double LengthOf(const Model& model, const Edge& edge) {
-  double length = 0;
-  for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
-    const EdgeSegment& segment = model.edge_segments[s];
-    for (std::uint32_t i = segment.first_point; i < segment.first_point + segment.degree; ++i) {
-      const Vec4 &a = model.edge_points[i], &b = model.edge_points[i + 1];
-      length += Length(Vec3{b.x / b.w, b.y / b.w, b.z / b.w} - Vec3{a.x / a.w, a.y / a.w, a.z / a.w});
-    }
-  }
-  return length;
 }
 
 // Edges that the face uses an odd number of times; none if they don't bound it (law 4).
 std::vector<std::uint32_t> BorderOf(const Model& model, const Face& face) {
   const bool closed_solid = face.solid != kNoIndex && model.solids[face.solid].closed;
   std::map<std::uint32_t, int> edges, ends;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    const Range coedges = model.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      const std::uint32_t edge = model.coedges[c].edge;
-      // In a closed solid what has no edge is a cut that runs to and fro.
-      if (edge == kNoIndex && !closed_solid) return {};
-      if (edge == kNoIndex || model.edges[edge].segments.count == 0) continue;
-      ++edges[edge];
-      for (const std::uint32_t vertex : model.edges[edge].vertices) {
-        if (vertex == kNoIndex) return {};
-        ++ends[vertex];
-      }
+  for (const Coedge& coedge : CoedgesOf(model, face)) {
+    const std::uint32_t edge = coedge.edge;
+    // In a closed solid what has no edge is a cut that runs to and fro.
+    if (edge == kNoIndex && !closed_solid) return {};
+    if (edge == kNoIndex || model.edges[edge].segments.count == 0) continue;
+    ++edges[edge];
+    for (const std::uint32_t vertex : model.edges[edge].vertices) {
+      if (vertex == kNoIndex) return {};
+      ++ends[vertex];
     }
   }
   for (const auto& [vertex, count] : ends)
@@ -91,25 +78,21 @@ SeamTable::SeamTable(const Model& model) {
       std::vector<Use> uses;
     };
     std::map<std::uint32_t, Missed> at_edge, at_vertex;
-    for (std::uint32_t f = part.faces.first; f < part.faces.end(); ++f) {
-      const Face& face = model.faces[f];
-      for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-        const Range coedges = model.loops[l].coedges;
-        for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-          const std::uint32_t e = model.coedges[c].edge;
-          if (e == kNoIndex || model.edges[e].segments.count == 0 || model.coedges[c].segments.count == 0)
-            continue;
-          Missed& missed = at_edge[e];
-          missed.reach_mm = std::max(missed.reach_mm, model.coedges[c].gap_mm);
-          missed.uses.push_back({f, c});
-          for (const std::uint32_t v : model.edges[e].vertices)
-            if (v != kNoIndex) at_vertex[v].uses.push_back({f, c});
-        }
+    for (const std::uint32_t f : Indices(part.faces)) {
+      for (const Coedge& coedge : CoedgesOf(model, model.faces[f])) {
+        const std::uint32_t e = coedge.edge;
+        if (e == kNoIndex || model.edges[e].segments.count == 0 || coedge.segments.count == 0) continue;
+        const Use use{f, IndexOf(model.coedges, coedge)};
+        Missed& missed = at_edge[e];
+        missed.reach_mm = std::max(missed.reach_mm, coedge.gap_mm);
+        missed.uses.push_back(use);
+        for (const std::uint32_t v : model.edges[e].vertices)
+          if (v != kNoIndex) at_vertex[v].uses.push_back(use);
       }
     }
     for (auto& [e, missed] : at_edge) {
       const Edge& edge = model.edges[e];
-      missed.most_mm = LengthOf(model, edge);
+      missed.most_mm = PolygonLength(model, edge);
       for (const bool last : {false, true}) {
         if (edge.vertices[last] == kNoIndex) continue;
         Missed& vertex = at_vertex[edge.vertices[last]];
@@ -167,8 +150,7 @@ class Finder {
       const Vec3 h = edges_.Relative({p.x, p.y, p.z, 1}, 0, 0);
       if (h.z > 0) VisitVertex({h.x / h.z, h.y / h.z}, ReachPx(h.z));
     } else {
-      const Range segments = model_.edges[source.edge].segments;
-      for (std::uint32_t s = segments.first; s < segments.end(); ++s) VisitSegment(model_.edge_segments[s]);
+      for (const EdgeSegment& segment : SegmentsOf(model_, model_.edges[source.edge])) VisitSegment(segment);
     }
     // A sample that two stretches of one edge pass is one sample.
     std::sort(candidates_.begin(), candidates_.end());
@@ -293,9 +275,8 @@ class Finder {
 
   void AddUses(const Candidate& candidate) {
     std::uint32_t before = kNoIndex;
-    for (std::uint32_t i = source_->uses.first; i < source_->uses.end(); ++i) {
+    for (const SeamTable::Use& use : Elements(table_.uses, source_->uses)) {
       // A face that comes twice, at a seam or a vertex, owes once.
-      const SeamTable::Use& use = table_.uses[i];
       if (use.face == before) continue;
       before = use.face;
       const std::optional<bool> odd = Winds(use.face, candidate.column + 0.5, candidate.row + 0.5);
@@ -308,8 +289,8 @@ class Finder {
     const Range border = table_.border_of[face];
     if (border.count == 0) return std::nullopt;
     bool odd = false;
-    for (std::uint32_t i = border.first; i < border.end(); ++i) {
-      const std::optional<bool> crosses = CrossesHalfLine(edges_, table_.edges[i], x, y);
+    for (const std::uint32_t edge : Elements(table_.edges, border)) {
+      const std::optional<bool> crosses = CrossesHalfLine(edges_, edge, x, y);
       if (!crosses) return std::nullopt;
       odd ^= *crosses;
     }
@@ -321,9 +302,8 @@ class Finder {
     const Edge& edge = model_.edges[coedge.edge];
     double parameter = candidate.parameter;
     if (source_->vertex != kNoIndex) {
-      const EdgeSegment& end = model_.edge_segments[edge.segments.end() - 1];
-      parameter =
-          edge.vertices[0] == source_->vertex ? model_.edge_segments[edge.segments.first].begin : end.end;
+      const std::span<const EdgeSegment> segments = SegmentsOf(model_, edge);
+      parameter = edge.vertices[0] == source_->vertex ? segments.front().begin : segments.back().end;
     }
     if (source_->vertex == kNoIndex) parameter = Settled(edge, parameter);
     SeamSample sample{instance_, use.face, candidate.column,      candidate.row, 0, 0, 0,
@@ -344,16 +324,15 @@ class Finder {
   // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest point
   // is known to half the digits only, and rays there and back are to meet the same one.
   double Settled(const Edge& edge, double parameter) const {
-    std::uint32_t s = edge.segments.first;
-    while (s + 1 < edge.segments.end() && model_.edge_segments[s].end < parameter) ++s;
-    const EdgeSegment& segment = model_.edge_segments[s];
+    const EdgeSegment& segment = SegmentAt(model_, edge, parameter);
     double length = 0, weight = INFINITY;
     Vec2 before;
-    for (std::uint32_t i = 0; i <= segment.degree; ++i) {
-      const Vec3 h = edges_.Relative(model_.edge_points[segment.first_point + i], 0, 0);
+    bool first = true;
+    for (const Vec4& point : PointsOf(model_, segment)) {
+      const Vec3 h = edges_.Relative(point, 0, 0);
       const Vec2 at{h.x / h.z, h.y / h.z};
-      if (i > 0) length += Length(at - before);
-      before = at;
+      if (!first) length += Length(at - before);
+      before = at, first = false;
       weight = std::min(weight, h.z);
     }
     constexpr double kShare = 1.0 / 16;  // of the reach, that a point may move

@@ -9,6 +9,7 @@
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
 #include "render/kernels/dispatch.h"
+#include "render/model/walk.h"
 #include "render/trace/section_contact.h"
 #include "render/trace/section_rows.h"
 
@@ -100,8 +101,7 @@ std::vector<std::pair<double, double>> ThinFaces(const Scene::Data& scene, const
   std::vector<std::pair<double, double>> thin;
   const double extent = scan.end - scan.begin;
   for (const Instance& instance : scene.model->instances) {
-    const Range faces = scene.model->parts[instance.part].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
+    for (const std::uint32_t f : Indices(FacesOf(*scene.model, instance))) {
       const auto range = scan.RangeOf(scene.faces[f].bounds, instance.placement);
       if (!range) continue;
       const double width = range->second - range->first;
@@ -124,17 +124,13 @@ bool HoldsThinFace(const std::vector<std::pair<double, double>>& thin, double be
 std::vector<std::uint32_t> FacesIn(const Model& model, const SectionPlane& plane, double tolerance) {
   std::vector<std::uint32_t> found;
   for (const Instance& instance : model.instances) {
-    const Range faces = model.parts[instance.part].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
-      const Surface& surface = model.surfaces[model.faces[f].surface];
-      const std::size_t count = std::size_t(surface.PatchCount()) * surface.PointsPerPatch();
-      bool in_plane = true;
-      for (std::size_t i = 0; in_plane && i < count; ++i) {
-        const Vec4& p = model.control_points[surface.first_control_point + i];
+    for (const PlacedFace face : PlacedFacesOf(model, instance)) {
+      const auto points = PointsOf(model, model.surfaces[model.faces[face.face].surface]);
+      const bool in_plane = std::all_of(points.begin(), points.end(), [&](const Vec4& p) {
         const Vec3 placed = instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w});
-        in_plane = std::fabs(Dot(plane.normal, placed - plane.point)) <= tolerance;
-      }
-      if (in_plane) found.push_back(instance.first_placed_face + (f - faces.first));
+        return std::fabs(Dot(plane.normal, placed - plane.point)) <= tolerance;
+      });
+      if (in_plane) found.push_back(face.id);
     }
   }
   return found;

@@ -8,6 +8,7 @@
 #include <queue>
 
 #include "render/kernels/dispatch.h"
+#include "render/model/walk.h"
 #include "render/nurbs/net_operations.h"
 
 namespace facetless {
@@ -127,18 +128,9 @@ class Subdivision {
         gaps_(model_.faces.size(), 0) {}
 
   SlabMeeting Run() {
-    for (std::size_t f = 0; f < model_.faces.size(); ++f) {
-      const Range loops = model_.faces[f].loops;
-      for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-        const Range coedges = model_.loops[l].coedges;
-        for (std::uint32_t c = coedges.first; c < coedges.end(); ++c)
-          gaps_[f] = std::max(gaps_[f], model_.coedges[c].gap_mm);
-      }
-    }
-    for (const Instance& instance : model_.instances) {
-      const Range faces = model_.parts[instance.part].faces;
-      for (std::uint32_t f = faces.first; f < faces.end(); ++f) Add(instance, f);
-    }
+    for (std::size_t f = 0; f < model_.faces.size(); ++f) gaps_[f] = LargestGap(model_, model_.faces[f]);
+    for (const Instance& instance : model_.instances)
+      for (const PlacedFace face : PlacedFacesOf(model_, instance)) Add(instance, face);
     // The largest first: that is what the budget is best spent on.
     for (std::size_t count = 0; !open_.empty(); ++count) {
       std::pop_heap(open_.begin(), open_.end(), Later);
@@ -165,20 +157,17 @@ class Subdivision {
     return a->key < b->key;
   }
 
-  void Add(const Instance& instance, std::uint32_t face) {
-    const FaceData& data = scene_.faces[face];
+  void Add(const Instance& instance, PlacedFace face) {
+    const FaceData& data = scene_.faces[face.face];
     if (data.bounds.empty() || !BoxMeets(data.bounds, instance.placement)) return;
-    const Surface& surface = model_.surfaces[model_.faces[face].surface];
-    const std::uint32_t placed_face =
-        instance.first_placed_face + (face - model_.parts[instance.part].faces.first);
-    if (std::binary_search(leave_out_.begin(), leave_out_.end(), placed_face)) return;
+    const Surface& surface = model_.surfaces[model_.faces[face.face].surface];
+    if (std::binary_search(leave_out_.begin(), leave_out_.end(), face.id)) return;
     for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
       if (data.patches[patch] == RectClass::kOutside) continue;
       auto cell = std::make_unique<Cell>();
       cell->net.SetDegrees(surface.degree_u, surface.degree_v);
       BezierNet& net = cell->net.net;
-      const Vec4* points = model_.control_points.data() + surface.first_control_point +
-                           std::size_t(patch) * surface.PointsPerPatch();
+      const Vec4* points = PatchPoints(model_, surface, patch).data();
       std::fill_n(net.error, int{kNetComponents}, 0.0);
       for (int i = 0; i < net.points(); ++i) {
         const Vec4 p = points[i];
@@ -193,9 +182,9 @@ class Subdivision {
       const CellBounds bounds = Measure(net, low_, high_);
       if (bounds.above || bounds.below) continue;
       const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
-      sources_.push_back(
-          {&data, &scene_.spans[surface.u_spans.first + i], &scene_.spans[surface.v_spans.first + j], face,
-           placed_face, data.patches[patch] == RectClass::kMixed, solids_.SolidOf(placed_face) != kNoIndex});
+      sources_.push_back({&data, &scene_.spans[surface.u_spans.first + i],
+                          &scene_.spans[surface.v_spans.first + j], face.face, face.id,
+                          data.patches[patch] == RectClass::kMixed, solids_.SolidOf(face.id) != kNoIndex});
       cell->source = static_cast<std::uint32_t>(sources_.size() - 1);
       Push(std::move(cell), bounds);
     }

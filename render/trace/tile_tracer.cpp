@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/model/walk.h"
 #include "render/trace/hit_geometry.h"
 
 namespace facetless {
@@ -55,8 +56,7 @@ TraceShared::PlacedFace TraceShared::Placed(std::uint32_t placed_face) const {
   const Model& model = *scene.model;
   const std::uint32_t index = instance_of_face_.empty() ? 0 : instance_of_face_[placed_face];
   const Instance& instance = model.instances[index];
-  const std::uint32_t face =
-      model.parts[instance.part].faces.first + placed_face - instance.first_placed_face;
+  const std::uint32_t face = FacesOf(model, instance).first + placed_face - instance.first_placed_face;
   return {index, face, model.faces[face].reversed != mirrored_[index] ? -1.0 : 1.0};
 }
 

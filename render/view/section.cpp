@@ -6,6 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "render/model/walk.h"
+
 namespace facetless {
 namespace {
 
@@ -36,11 +38,11 @@ SectionSolids::SectionSolids(const Model& model) : model_(&model) {
     const Instance& instance = model.instances[i];
     const Part& part = model.parts[instance.part];
     const std::uint32_t first = count();
-    for (std::uint32_t s = part.solids.first; s < part.solids.end(); ++s) solids_.push_back({i, s});
-    for (std::uint32_t f = 0; f < part.faces.count; ++f) {
-      const std::uint32_t solid = model.faces[part.faces.first + f].solid;
+    for (const std::uint32_t s : Indices(part.solids)) solids_.push_back({i, s});
+    for (const PlacedFace placed : PlacedFacesOf(model, instance)) {
+      const std::uint32_t solid = model.faces[placed.face].solid;
       if (solid != kNoIndex && model.solids[solid].closed)
-        solid_of_face_[instance.first_placed_face + f] = first + solid - part.solids.first;
+        solid_of_face_[placed.id] = first + solid - part.solids.first;
     }
   }
 }
@@ -61,13 +63,12 @@ std::string SectionSolids::Name(std::uint32_t solid) const {
 Color SectionSolids::ColorOf(std::uint32_t solid) const {
   if (solid >= solids_.size()) return {};
   const Instance& instance = model_->instances[solids_[solid].instance];
-  const Range faces = model_->parts[instance.part].faces;
   std::map<std::tuple<float, float, float>, std::size_t> uses;
   Color commonest;
   std::size_t most = 0;
-  for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
-    if (model_->faces[f].solid != solids_[solid].solid) continue;
-    const Color color = model_->PlacedFaceColor(instance.first_placed_face + f - faces.first);
+  for (const PlacedFace placed : PlacedFacesOf(*model_, instance)) {
+    if (model_->faces[placed.face].solid != solids_[solid].solid) continue;
+    const Color color = model_->PlacedFaceColor(placed.id);
     const std::size_t count = ++uses[{color.r, color.g, color.b}];
     if (count > most) {
       most = count;

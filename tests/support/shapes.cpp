@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 namespace facetless::testing {
@@ -59,33 +60,31 @@ PatchGrid Revolve(SurfaceKind kind, Vec3 center, const std::vector<std::vector<P
 
 }  // namespace
 
+Model Finished(ModelBuilder builder) {
+  Result<Model> model = std::move(builder).Finish();
+  if (!model.ok()) throw std::invalid_argument(model.error().message);
+  return std::move(model).value();
+}
+
 Model ModelOf(const std::vector<PatchGrid>& grids) {
-  Model model;
-  for (const PatchGrid& grid : grids) {
-    Surface surface;
-    surface.kind = grid.kind;
-    surface.degree_u = static_cast<std::uint8_t>(grid.degree_u);
-    surface.degree_v = static_cast<std::uint8_t>(grid.degree_v);
-    for (const Vec4& p : grid.points) {
-      surface.rational = surface.rational || p.w != 1;
-      model.bounds.Add({p.x / p.w, p.y / p.w, p.z / p.w});
-    }
-    surface.u_spans = {static_cast<std::uint32_t>(model.spans.size()),
-                       static_cast<std::uint32_t>(grid.u_spans.size())};
-    model.spans.insert(model.spans.end(), grid.u_spans.begin(), grid.u_spans.end());
-    surface.v_spans = {static_cast<std::uint32_t>(model.spans.size()),
-                       static_cast<std::uint32_t>(grid.v_spans.size())};
-    model.spans.insert(model.spans.end(), grid.v_spans.begin(), grid.v_spans.end());
-    surface.first_control_point = static_cast<std::uint32_t>(model.control_points.size());
-    model.control_points.insert(model.control_points.end(), grid.points.begin(), grid.points.end());
-    Face face;
-    face.surface = static_cast<std::uint32_t>(model.surfaces.size());
-    model.surfaces.push_back(surface);
-    model.faces.push_back(face);
-  }
-  model.parts.push_back({"part", {0, static_cast<std::uint32_t>(grids.size())}, {}});
-  model.instances.push_back({});
-  return model;
+  ModelBuilder builder;
+  builder.AddPart("part");
+  for (const PatchGrid& grid : grids) builder.AddFace(grid);
+  builder.AddInstance({});
+  return Finished(std::move(builder));
+}
+
+Model Squares(int faces) {
+  std::vector<PatchGrid> grids;
+  for (int i = 0; i < faces; ++i) grids.push_back(Rectangle({double(i), 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  return ModelOf(grids);
+}
+
+Model ClosedSolid(Model model, const std::string& name) {
+  ModelBuilder builder(std::move(model));
+  const std::uint32_t solid = builder.AddSolid(true, name);
+  for (std::uint32_t f = 0; f < builder.model().faces.size(); ++f) builder.SetSolid(f, solid);
+  return Finished(std::move(builder));
 }
 
 PatchGrid Sphere(Vec3 center, double radius) {
@@ -149,55 +148,47 @@ Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed) {
   // Corners in the order of the patch's own border: (0,0), (1,0), (1,1), (0,1); Su × Sv points outwards.
   constexpr int kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                 {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  std::vector<PatchGrid> grids;
-  for (const auto& f : kFaces)
-    grids.push_back(Rectangle(corner(f[0]), corner(f[1]) - corner(f[0]), corner(f[3]) - corner(f[0])));
-  Model model = ModelOf(grids);
-  for (int i = 0; i < 8; ++i) model.vertices.push_back({corner(i) + off(), gap_mm});
+  ModelBuilder builder;
+  builder.AddPart("part");
+  builder.AddSolid(true, "box");
+  for (int i = 0; i < 8; ++i) builder.AddVertex(corner(i) + off(), gap_mm);
 
   std::map<std::pair<int, int>, std::uint32_t> known;
   const auto edge_of = [&](int a, int b) {
-    const auto [place, is_new] =
-        known.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(known.size()));
+    const auto [place, is_new] = known.try_emplace(std::minmax(a, b), 0);
     if (!is_new) return place->second;
     const Vec3 begin = corner(std::min(a, b)), end = corner(std::max(a, b));
     Edge edge;
-    edge.segments = {static_cast<std::uint32_t>(model.edge_segments.size()), 1};
     edge.vertices[0] = static_cast<std::uint32_t>(std::min(a, b));
     edge.vertices[1] = static_cast<std::uint32_t>(std::max(a, b));
     edge.tolerance_mm = gap_mm;
-    edge.coedge_count = 2;
-    model.edge_segments.push_back({2, static_cast<std::uint32_t>(model.edge_points.size()), 0, 1});
+    place->second = builder.AddEdge(edge);
+    std::vector<Vec4> points;
     for (const Vec3 p : {begin, 0.5 * (begin + end), end}) {
       const Vec3 at = p + off();
-      model.edge_points.push_back({at.x, at.y, at.z, 1});
+      points.push_back({at.x, at.y, at.z, 1});
     }
-    model.edges.push_back(edge);
+    builder.AddEdgeSegment(points);
     return place->second;
   };
-  constexpr Vec2 kBorder[5] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
-  for (std::size_t f = 0; f < 6; ++f) {
-    model.faces[f].loops = {static_cast<std::uint32_t>(model.loops.size()), 1};
-    model.loops.push_back({{static_cast<std::uint32_t>(model.coedges.size()), 4}});
+  constexpr Vec3 kBorder[5] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}};
+  for (const auto& f : kFaces) {
+    Face face;
+    face.solid = 0;
+    builder.AddFace(Rectangle(corner(f[0]), corner(f[1]) - corner(f[0]), corner(f[3]) - corner(f[0])), face);
+    builder.AddLoop();
     for (int i = 0; i < 4; ++i) {
-      const int a = kFaces[f][i], b = kFaces[f][(i + 1) % 4];
+      const int a = f[i], b = f[(i + 1) % 4];
       Coedge coedge;
       coedge.edge = edge_of(a, b);
       coedge.reversed = a > b;
       coedge.gap_mm = gap_mm;
-      coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
-      model.trim_segments.push_back({1, static_cast<std::uint32_t>(model.trim_points.size()),
-                                     coedge.reversed ? 1.0 : 0.0, coedge.reversed ? 0.0 : 1.0});
-      for (const Vec2 p : {kBorder[i], kBorder[i + 1]}) model.trim_points.push_back({p.x, p.y, 1});
-      model.coedges.push_back(coedge);
+      builder.AddCoedge(coedge);
+      builder.AddTrimSegment({kBorder + i, 2}, coedge.reversed ? 1 : 0, coedge.reversed ? 0 : 1);
     }
-    model.faces[f].solid = 0;
   }
-  model.solids.push_back({0, true, "box"});
-  model.parts[0].solids = {0, 1};
-  const Vec3 margin{gap_mm, gap_mm, gap_mm};
-  model.bounds = {model.bounds.low - margin, model.bounds.high + margin};
-  return model;
+  builder.AddInstance({});
+  return Finished(std::move(builder));
 }
 
 MeshPart SphereMesh(double radius, int longitudes, int latitudes) {

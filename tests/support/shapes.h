@@ -2,22 +2,26 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "render/model/builder.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
 
 namespace facetless::testing {
 
-// One face without loops (the whole patch grid), one part, one instance; bounds from the control points.
-struct PatchGrid {
-  SurfaceKind kind = SurfaceKind::kBspline;
-  int degree_u = 1, degree_v = 1;
-  std::vector<Span> u_spans, v_spans;
-  std::vector<Vec4> points;  // in Model's order
-};
+using PatchGrid = SurfaceGrid;
 
+// The finished model; throws the builder's sentence if it is not valid.
+Model Finished(ModelBuilder builder);
+
+// For each grid a face without loops (the whole patch grid), one part, one instance; bounds from the control points.
 Model ModelOf(const std::vector<PatchGrid>& grids);
+// So many unit squares side by side, for tests that look at no geometry.
+Model Squares(int faces);
+// The same model, which has one part and no solids: all its faces are one closed solid.
+Model ClosedSolid(Model model, const std::string& name = "solid");
 
 // u is the longitude 0 … 2π, v the latitude −π/2 … π/2; outward Su × Sv.
 PatchGrid Sphere(Vec3 center, double radius);

@@ -53,8 +53,10 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "render/model/builder.h"
 #include "render/model/model_file.h"
 
 namespace {
@@ -63,30 +65,25 @@ using facetless::Model;
 
 // A 10 mm × 10 mm square in the plane z = 0: one bilinear patch, no loops.
 Model Square() {
-  Model model;
-  model.info.file = "square";
-  model.info.sha256 = std::string(64, '0');
-  model.info.format = "TEST";
-  model.info.unit = "millimetre";
-  model.info.faces_declared = model.info.faces_imported = 1;
-  model.spans = {{0, 10}, {0, 10}};
-  model.control_points = {{0, 0, 0, 1}, {0, 10, 0, 1}, {10, 0, 0, 1}, {10, 10, 0, 1}};
-  facetless::Surface surface;
-  surface.kind = facetless::SurfaceKind::kPlane;
-  surface.u_spans = {0, 1};
-  surface.v_spans = {1, 1};
-  model.surfaces = {surface};
+  facetless::ModelBuilder builder;
+  facetless::ImportInfo& info = builder.info();
+  info.file = "square";
+  info.sha256 = std::string(64, '0');
+  info.format = "TEST";
+  info.unit = "millimetre";
+  info.faces_declared = info.faces_imported = 1;
+  builder.AddPart("square");
   facetless::Face face;
   face.name = "square";
-  model.faces = {face};
-  facetless::Part part;
-  part.name = "square";
-  part.faces = {0, 1};
-  model.parts = {part};
-  model.instances.emplace_back();
-  model.bounds.Add({0, 0, 0});
-  model.bounds.Add({10, 10, 0});
-  return model;
+  builder.AddFace({facetless::SurfaceKind::kPlane,
+                   1,
+                   1,
+                   {{0, 10}},
+                   {{0, 10}},
+                   {{0, 0, 0, 1}, {0, 10, 0, 1}, {10, 0, 0, 1}, {10, 10, 0, 1}}},
+                  face);
+  builder.AddInstance({});
+  return std::move(builder).Finish().value();
 }
 
 int Answer(const std::string& text) {

@@ -16,6 +16,7 @@
 
 #include "render/model/model.h"
 #include "render/model/model_file.h"
+#include "render/model/walk.h"
 #include "tests/support/files.h"
 #include "tests/system/samples/program.h"
 #include "tests/system/samples/samples.h"
@@ -62,12 +63,11 @@ TEST_P(SampleFile, ImportMakesWhatTheFileWasMadeOf) {
   std::map<std::string, int> surfaces;
   for (const Instance& instance : model.instances) {
     const Part& part = model.parts[instance.part];
-    for (std::uint32_t face = part.faces.first; face < part.faces.end(); ++face) {
-      ++surfaces[SurfaceKindName(model.surfaces[model.faces[face].surface].kind)];
-    }
-    for (std::uint32_t solid = part.solids.first; solid < part.solids.end(); ++solid) {
+    for (const Face& face : FacesOf(model, part))
+      ++surfaces[SurfaceKindName(model.surfaces[face.surface].kind)];
+    for (const Solid& solid : SolidsOf(model, part)) {
       ++solids;
-      closed += model.solids[solid].closed ? 1 : 0;
+      closed += solid.closed ? 1 : 0;
     }
   }
   EXPECT_EQ(solids, expected["solids"].get<int>());

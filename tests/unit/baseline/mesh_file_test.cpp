@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "tests/support/files.h"
+#include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/baseline/meshes.h"
 
@@ -117,10 +118,7 @@ TEST(Gltf, AMeshOfAnotherModelIsForeign) {
   file.json["asset"]["extras"] = {{"from_model", true}};
   file.json["meshes"][0]["primitives"][0]["extras"] = {{"face", 3}};
   file.json["nodes"][0]["extras"] = {{"first_placed_face", 0}};
-  Model model;
-  model.faces.resize(2);
-  model.parts.push_back({"part", {0, 2}, {}});
-  model.instances.emplace_back();
+  const Model model = testing::Squares(2);
   const Result<Mesh> other = Load(file.Bytes(), {}, &model);
   ASSERT_TRUE(other.ok());
   EXPECT_FALSE(other.value().from_model) << "face 3 of a part of two faces";

@@ -14,6 +14,7 @@
 
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/mesh_topology.h"
+#include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/baseline/meshes.h"
 
@@ -28,29 +29,37 @@ struct Boxes {
   Model model;
   Mesh mesh;
 
+  // So many faces in one solid, placed twice.
+  Model Placed(int faces) const {
+    ModelBuilder builder;
+    builder.info().file = "boxes.step";
+    builder.AddPart(mesh.parts[0].name);
+    builder.AddSolid(false);
+    for (int f = 0; f < faces; ++f) {
+      Face face;
+      face.solid = 0;
+      face.has_color = f == 2;
+      if (face.has_color) face.color = {1, 0, 0};
+      builder.AddFace(testing::Rectangle({double(f), 0, 0}, {1, 0, 0}, {0, 1, 0}), face);
+    }
+    Instance instance;
+    instance.name = "first box";
+    builder.AddInstance(instance);
+    instance.name = "mirrored";
+    instance.placement = {{{-2, 0, 0, 100}, {0, 2, 0, 0.1}, {0, 0, 2, -7}}};
+    instance.has_color = true;
+    instance.color = {0, 0.5f, 0};
+    builder.AddInstance(instance);
+    return testing::Finished(std::move(builder));
+  }
+
   Boxes() {
     mesh.parts.push_back(BoxMesh({1, 2, 3}));
     mesh.parts[0].name = "box <\"&\"> \x1b";
     mesh.from_model = true;
     mesh.deflection_mm = 0.5;
     for (std::uint32_t& face : mesh.parts[0].face_of_triangle) face = std::min(face, 5u);
-    model.info.file = "boxes.step";
-    model.faces.resize(6);
-    for (Face& face : model.faces) face.solid = 0;
-    model.faces[2].has_color = true;
-    model.faces[2].color = {1, 0, 0};
-    Part part;
-    part.name = mesh.parts[0].name;
-    part.faces = {0, 6};
-    model.parts = {part};
-    model.solids.resize(1);
-    model.instances.resize(2);
-    model.instances[0].name = "first box";
-    model.instances[1].name = "mirrored";
-    model.instances[1].first_placed_face = 6;
-    model.instances[1].placement = {{{-2, 0, 0, 100}, {0, 2, 0, 0.1}, {0, 0, 2, -7}}};
-    model.instances[1].has_color = true;
-    model.instances[1].color = {0, 0.5f, 0};
+    model = Placed(6);
     mesh.nodes = {{0, model.instances[0].placement, 0}, {0, model.instances[1].placement, 6}};
     model.bounds = MeshBounds(mesh);
   }
@@ -418,10 +427,11 @@ TEST(MeshTopology, SolidsThatTouchStayTwo) {
     part.triangles.push_back({triangle[0] + base, triangle[1] + base, triangle[2] + base});
     part.face_of_triangle.push_back(6 + second.face_of_triangle[t]);
   }
-  boxes.model.faces.resize(12);
-  boxes.model.parts[0].faces = {0, 12};
-  boxes.model.instances[1].first_placed_face = boxes.mesh.nodes[1].first_placed_face = 12;
-  for (std::size_t f = 6; f < 12; ++f) boxes.model.faces[f].solid = 1;
+  ModelBuilder builder(boxes.Placed(12));
+  const std::uint32_t other = builder.AddSolid(false);
+  for (std::uint32_t f = 6; f < 12; ++f) builder.SetSolid(f, other);
+  boxes.model = testing::Finished(std::move(builder));
+  boxes.mesh.nodes[1].first_placed_face = 12;
   EXPECT_TRUE(MeasureTopology(boxes.mesh, boxes.model).IsWatertight());
   for (Face& face : boxes.model.faces) face.solid = 0;
   EXPECT_GT(MeasureTopology(boxes.mesh, boxes.model).non_manifold_edges, 0u);

@@ -39,10 +39,7 @@ TEST(MeshSection, OfABallShowsACapWhereTheBallIsCut) {
   Mesh mesh = OneNode(SphereMesh(5, 96, 48));
   mesh.from_model = true;
   // The model that the mesh is of: one closed solid with one face.
-  Model model = testing::ModelOf({testing::Sphere({0, 0, 0}, 5)});
-  model.solids.push_back({0, true, "ball"});
-  model.parts[0].solids = {0, 1};
-  model.faces[0].solid = 0;
+  const Model model = testing::ClosedSolid(testing::ModelOf({testing::Sphere({0, 0, 0}, 5)}), "ball");
   const SectionSolids solids(model);
   const SectionPlane plane{{0, 0, 2}, {0, 0, 1}};
   const auto scene = BaselineScene::Build(mesh, 0, /*to_be_cut=*/true);

@@ -9,6 +9,7 @@
 #include "render/compare/difference_picture.h"
 #include "render/compare/report.h"
 #include "render/image/color_map.h"
+#include "tests/support/shapes.h"
 
 namespace facetless {
 namespace {
@@ -44,13 +45,10 @@ SampleBuffer Plate() {
 }
 
 Model TwoFaces() {
-  Model model;
-  model.faces.resize(3);
+  Model model = testing::Squares(3);
   model.faces[0].name = "plate";
   model.faces[1].name = "rib";
   model.faces[2].name = "floor";
-  model.parts.push_back({"part", {0, 3}, {}});
-  model.instances.emplace_back();
   return model;
 }
 

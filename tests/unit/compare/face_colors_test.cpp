@@ -50,17 +50,17 @@ double Distance(Color a, Color b) {
 
 // Three instances of two parts.
 Model Assembly() {
-  Model model = ModelOf({Sphere({0, 0, 0}, 1), Sphere({5, 0, 0}, 1)});
-  Part second;
-  second.faces = {1, 1};
-  model.parts[0].faces = {0, 1};
-  model.parts.push_back(second);
-  Instance instance = model.instances[0];
-  model.instances = {instance, instance, instance};
-  model.instances[1].part = 1;
-  model.instances[1].first_placed_face = 1;
-  model.instances[2].first_placed_face = 2;
-  return model;
+  ModelBuilder builder;
+  builder.AddPart("part");
+  builder.AddFace(Sphere({0, 0, 0}, 1));
+  builder.AddPart("");
+  builder.AddFace(Sphere({5, 0, 0}, 1));
+  for (const std::uint32_t part : {0u, 1u, 0u}) {
+    Instance instance;
+    instance.part = part;
+    builder.AddInstance(instance);
+  }
+  return testing::Finished(std::move(builder));
 }
 
 TEST(PartColor, TwelveCanBeToldApartWithAnyKindOfSight) {

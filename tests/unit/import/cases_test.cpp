@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "render/model/walk.h"
 #include "tests/support/files.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/import/shapes.h"
@@ -92,10 +93,8 @@ TEST_P(Cases, AreShownOrNamed) {
   }
   if (expected.area > 0) {
     double area = 0;
-    for (const Instance& instance : model.instances) {
-      const Range faces = model.parts[instance.part].faces;
-      for (std::uint32_t f = faces.first; f < faces.end(); ++f) area += TrimmedArea(model, f);
-    }
+    for (const Instance& instance : model.instances)
+      for (const std::uint32_t f : Indices(FacesOf(model, instance))) area += TrimmedArea(model, f);
     EXPECT_NEAR(area, expected.area, 1e-3 * expected.area);
   }
   if (expected.closed) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "render/model/walk.h"
 #include "tests/support/files.h"
 #include "tests/support/sanitized.h"
 #include "tests/unit/import/shapes.h"
@@ -53,22 +54,17 @@ TEST_P(Parts, ArriveWhole) {
   // A p-curve is no farther from its edge than the edge's tolerance, doubled: that is measured at other points. Tolerances of edges
   // that touch nothing are nominal, 1e-7 mm, whatever their p-curves do: up to 1e-5 mm is let pass.
   for (const Face& face : model.faces) {
-    for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-      for (std::uint32_t c = model.loops[l].coedges.first; c < model.loops[l].coedges.end(); ++c) {
-        const Coedge& coedge = model.coedges[c];
-        if (coedge.edge == kNoIndex || model.edges[coedge.edge].degenerate) continue;
-        EXPECT_LE(coedge.gap_mm, std::fmax(2 * model.edges[coedge.edge].tolerance_mm, 1e-5)) << face.entity;
-      }
+    for (const Coedge& coedge : CoedgesOf(model, face)) {
+      if (coedge.edge == kNoIndex || model.edges[coedge.edge].degenerate) continue;
+      EXPECT_LE(coedge.gap_mm, std::fmax(2 * model.edges[coedge.edge].tolerance_mm, 1e-5)) << face.entity;
     }
   }
   if (part.area == 0) return;
   std::vector<double> areas(model.faces.size());
   for (std::uint32_t f = 0; f < model.faces.size(); ++f) areas[f] = TrimmedArea(model, f);
   double area = 0;
-  for (const Instance& instance : model.instances) {
-    const Range faces = model.parts[instance.part].faces;
-    for (std::uint32_t f = faces.first; f < faces.end(); ++f) area += areas[f];
-  }
+  for (const Instance& instance : model.instances)
+    for (const std::uint32_t f : Indices(FacesOf(model, instance))) area += areas[f];
   EXPECT_NEAR(area, part.area, 1e-3 * part.area);
 }
 

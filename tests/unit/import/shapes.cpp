@@ -7,6 +7,7 @@
 #include "import/bezier_pieces.h"
 #include "import/readers.h"
 #include "import/source_file.h"
+#include "render/model/walk.h"
 #include "tests/support/temporary_folder.h"
 
 namespace facetless {
@@ -26,23 +27,16 @@ struct Segment {
 
 std::vector<Segment> Polygon(const Model& model, const Face& face) {
   std::vector<Segment> polygon;
-  for (std::uint32_t l = face.loops.first; l < face.loops.end(); ++l) {
-    for (std::uint32_t c = model.loops[l].coedges.first; c < model.loops[l].coedges.end(); ++c) {
-      const Range segments = model.coedges[c].segments;
-      for (std::uint32_t s = segments.first; s < segments.end(); ++s) {
-        const TrimSegment& segment = model.trim_segments[s];
-        std::vector<Vec4> points;
-        for (std::uint32_t i = 0; i <= segment.degree; ++i) {
-          const Vec3& p = model.trim_points[segment.first_point + i];
-          points.push_back({p.x, p.y, 0, p.z});
-        }
-        const int steps = segment.degree == 1 ? 1 : kSteps;
-        Vec3 before = Cartesian(points.front());
-        for (int i = 1; i <= steps; ++i) {
-          const Vec3 at = Cartesian(EvaluateBezier(points, static_cast<double>(i) / steps));
-          polygon.push_back({{before.x, before.y}, {at.x, at.y}});
-          before = at;
-        }
+  for (const Coedge& coedge : CoedgesOf(model, face)) {
+    for (const TrimSegment& segment : SegmentsOf(model, coedge)) {
+      std::vector<Vec4> points;
+      for (const Vec3& p : PointsOf(model, segment)) points.push_back({p.x, p.y, 0, p.z});
+      const int steps = segment.degree == 1 ? 1 : kSteps;
+      Vec3 before = Cartesian(points.front());
+      for (int i = 1; i <= steps; ++i) {
+        const Vec3 at = Cartesian(EvaluateBezier(points, static_cast<double>(i) / steps));
+        polygon.push_back({{before.x, before.y}, {at.x, at.y}});
+        before = at;
       }
     }
   }
@@ -51,7 +45,7 @@ std::vector<Segment> Polygon(const Model& model, const Face& face) {
 
 std::vector<double> Borders(const Model& model, Range spans) {
   std::vector<double> borders{model.spans[spans.first].begin};
-  for (std::uint32_t i = spans.first; i < spans.end(); ++i) borders.push_back(model.spans[i].end);
+  for (const Span& span : Elements(model.spans, spans)) borders.push_back(span.end);
   return borders;
 }
 
@@ -63,9 +57,7 @@ class Evaluator {
     const std::uint32_t i = Find(surface_.u_spans, u), j = Find(surface_.v_spans, v);
     const Span &a = model_.spans[surface_.u_spans.first + i], &b = model_.spans[surface_.v_spans.first + j];
     const std::size_t row = surface_.degree_v + 1u;
-    const Vec4* patch =
-        &model_.control_points[surface_.first_control_point +
-                               std::size_t{i * surface_.v_spans.count + j} * surface_.PointsPerPatch()];
+    const Vec4* patch = PatchPoints(model_, surface_, i * surface_.v_spans.count + j).data();
     std::vector<Vec4> column(surface_.degree_u + 1u);
     const double t = PieceParameter(b.begin, b.end, b.map, v);
     for (std::size_t k = 0; k < column.size(); ++k) column[k] = EvaluateBezier({patch + k * row, row}, t);

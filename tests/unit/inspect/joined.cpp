@@ -1,5 +1,6 @@
 #include "tests/unit/inspect/joined.h"
 
+#include <array>
 #include <utility>
 
 #include "tests/support/shapes.h"
@@ -19,49 +20,42 @@ PatchGrid Parabola(double x0, double x1, double square, double slope, double ste
 }
 
 // The four sides of the parameter square; side `shared` belongs to edge 0, which runs along v.
-void AddBorder(Model* model, std::uint32_t face, int shared) {
-  constexpr Vec2 kCorners[5] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
-  model->faces[face].loops = {static_cast<std::uint32_t>(model->loops.size()), 1};
-  model->loops.push_back({{static_cast<std::uint32_t>(model->coedges.size()), 4}});
+void AddBorder(ModelBuilder* builder, int shared) {
+  constexpr Vec3 kCorners[5] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}};
+  builder->AddLoop();
   for (int side = 0; side < 4; ++side) {
     Coedge coedge;
     const bool down = side == 3;
     if (side == shared) coedge.edge = 0, coedge.reversed = down;
-    coedge.segments = {static_cast<std::uint32_t>(model->trim_segments.size()), 1};
-    model->trim_segments.push_back(
-        {1, static_cast<std::uint32_t>(model->trim_points.size()), down ? 1.0 : 0.0, down ? 0.0 : 1.0});
-    for (const Vec2 p : {kCorners[side], kCorners[side + 1]}) model->trim_points.push_back({p.x, p.y, 1});
-    model->coedges.push_back(coedge);
+    builder->AddCoedge(coedge);
+    builder->AddTrimSegment({kCorners + side, 2}, down ? 1 : 0, down ? 0 : 1);
   }
 }
 
 }  // namespace
 
 Model Joined(const Join& join, double width) {
-  Model model = ModelOf({Parabola(-1, 0, join.bend, 0, 0, width),
-                         Parabola(0, 1, join.other_bend, join.slope, join.step, width)});
+  ModelBuilder builder;
+  builder.AddPart("part");
+  builder.AddInstance({});
   Edge edge;
-  edge.segments = {0, 1};
-  edge.vertices[0] = 0;
-  edge.vertices[1] = 1;
-  edge.coedge_count = 2;
-  model.edge_segments.push_back({1, 0, 0, 1});
-  model.edge_points = {{0, 0, 0, 1}, {0, width, 0, 1}};
-  model.vertices = {{{0, 0, 0}, 0}, {{0, width, 0}, 0}};
-  model.edges.push_back(edge);
-  AddBorder(&model, 0, 1);
-  AddBorder(&model, 1, 3);
-  model.faces[1].reversed = join.against;
-  return model;
+  edge.vertices[0] = builder.AddVertex({0, 0, 0});
+  edge.vertices[1] = builder.AddVertex({0, width, 0});
+  builder.AddEdge(edge);
+  builder.AddEdgeSegment(std::array{Vec4{0, 0, 0, 1}, Vec4{0, width, 0, 1}});
+  builder.AddFace(Parabola(-1, 0, join.bend, 0, 0, width));
+  AddBorder(&builder, 1);
+  Face other;
+  other.reversed = join.against;
+  builder.AddFace(Parabola(0, 1, join.other_bend, join.slope, join.step, width), other);
+  AddBorder(&builder, 3);
+  return Finished(std::move(builder));
 }
 
 Model HollowBall(Vec3 center, double outer, double inner) {
   Model model = ModelOf({Sphere(center, outer), Sphere(center, inner)});
   model.faces[1].reversed = true;
-  for (Face& face : model.faces) face.solid = 0;
-  model.solids.push_back({0, true, "shell"});
-  model.parts[0].solids = {0, 1};
-  return model;
+  return ClosedSolid(std::move(model), "shell");
 }
 
 }  // namespace facetless::testing

@@ -234,10 +234,7 @@ TEST(ViewLines, AreAsMuchHiddenInALargePictureAsInASmallOne) {
 }
 
 TEST(ViewLines, OfACutAreItsOutline) {
-  Model model = ModelOf({Sphere({0, 0, 0}, 10)});
-  model.solids.push_back({0, true, "ball"});
-  model.parts[0].solids = {0, 1};
-  model.faces[0].solid = 0;
+  const Model model = testing::ClosedSolid(ModelOf({Sphere({0, 0, 0}, 10)}), "ball");
   const Camera camera = ViewOf(model, "top", Projection::kOrthographic);
   const auto lines = LinesOf(model, camera, {{{0, 0, 6}, {0, 0, 1}}});
   ExpectCircle(lines, LineClass::kCut, 150, 150, 8 * 300 / camera.height);

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <random>
+#include <utility>
 
+#include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace facetless {
@@ -15,76 +18,89 @@ namespace {
 
 // A unit square face in the plane z = 0, bounded by four edges, and a quarter of a cylinder without loops.
 Model TwoFaces() {
-  Model model;
-  model.info.file = "two.step";
-  model.info.sha256 = std::string(64, 'a');
-  model.info.format = "STEP AP214";
-  model.info.unit = "inch";
-  model.info.unit_mm = 25.4;
-  model.info.faces_declared = 3;
-  model.info.faces_imported = 2;
-  model.info.faces_lost = {{kNoIndex, "lost", "#7", "no surface"}};
-  model.info.loops_lost = {{0, "", "#8", "dropped"}};
-  model.info.approximated = {{1, 1e-9}};
-  model.info.warnings = {"Grüße", ""};
-  model.info.read_ms = 1.5;
-  model.info.peak_bytes = 1ull << 33;
-  model.info.max_edge_gap_mm = 0.25;
-  model.info.max_edge_gap_entity = "#8";
-  model.bounds.Add({0, 0, -1});
-  model.bounds.Add({1, 1, 1});
+  ModelBuilder builder;
+  ImportInfo& info = builder.info();
+  info.file = "two.step";
+  info.sha256 = std::string(64, 'a');
+  info.format = "STEP AP214";
+  info.unit = "inch";
+  info.unit_mm = 25.4;
+  info.faces_declared = 3;
+  info.faces_imported = 2;
+  info.faces_lost = {{kNoIndex, "lost", "#7", "no surface"}};
+  info.loops_lost = {{0, "", "#8", "dropped"}};
+  info.approximated = {{1, 1e-9}};
+  info.warnings = {"Grüße", ""};
+  info.read_ms = 1.5;
+  info.peak_bytes = 1ull << 33;
+  info.max_edge_gap_mm = 0.25;
+  info.max_edge_gap_entity = "#8";
+  builder.AddPart("part");
+  builder.AddSolid(true, "body");
   // The square: one bilinear patch, four straight coedges.
-  model.control_points = {{0, 0, 0, 1}, {0, 1, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}};
-  model.spans = {{0, 1, SpanMap::kLinear}, {0, 1, SpanMap::kLinear}};
-  Surface square;
-  square.kind = SurfaceKind::kPlane;
-  square.u_spans = {0, 1};
-  square.v_spans = {1, 1};
-  model.surfaces.push_back(square);
+  Face top;
+  top.reversed = true;
+  top.solid = 0;
+  top.has_color = true;
+  top.color = {1, 0.5f, 0};
+  top.tolerance_mm = 1e-5;
+  top.name = "top";
+  top.entity = "#8";
+  builder.AddFace({SurfaceKind::kPlane,
+                   1,
+                   1,
+                   {{0, 1}},
+                   {{0, 1}},
+                   {{0, 0, 0, 1}, {0, 1, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}}},
+                  top);
+  builder.AddLoop();
   const Vec2 corners[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   for (std::uint32_t i = 0; i < 4; ++i) {
     const Vec2 a = corners[i], b = corners[(i + 1) % 4];
-    model.vertices.push_back({{a.x, a.y, 0}, 1e-7});
-    model.trim_points.push_back({a.x, a.y, 1});
-    model.trim_points.push_back({b.x, b.y, 1});
-    model.trim_segments.push_back({1, 2 * i, 0, 1});
-    model.edge_points.push_back({a.x, a.y, 0, 1});
-    model.edge_points.push_back({b.x, b.y, 0, 1});
-    model.edge_segments.push_back({1, 2 * i, 0, 1});
-    model.edges.push_back({{i, 1}, {i, (i + 1) % 4}, 1e-7, false, 1, "#" + std::to_string(20 + i)});
-    model.coedges.push_back({i, false, true, {i, 1}, 0.125 * i});
+    builder.AddVertex({a.x, a.y, 0}, 1e-7);
+    Edge edge;
+    edge.vertices[0] = i;
+    edge.vertices[1] = (i + 1) % 4;
+    edge.tolerance_mm = 1e-7;
+    edge.entity = "#" + std::to_string(20 + i);
+    Coedge coedge;
+    coedge.edge = builder.AddEdge(edge);
+    coedge.from_file = true;
+    coedge.gap_mm = 0.125 * i;
+    builder.AddEdgeSegment(std::array{Vec4{a.x, a.y, 0, 1}, Vec4{b.x, b.y, 0, 1}});
+    builder.AddCoedge(coedge);
+    builder.AddTrimSegment(std::array{Vec3{a.x, a.y, 1}, Vec3{b.x, b.y, 1}});
   }
-  model.loops.push_back({{0, 4}});
   // The cylinder: a rational quarter arc times a line.
   const double half = std::sqrt(0.5);
-  model.control_points.insert(model.control_points.end(), {{1, 0, -1, 1},
-                                                           {1, 0, 1, 1},
-                                                           {half, half, -half, half},
-                                                           {half, half, half, half},
-                                                           {0, 1, -1, 1},
-                                                           {0, 1, 1, 1}});
-  model.spans.push_back({0, std::numbers::pi / 2, SpanMap::kHalfAngle});
-  model.spans.push_back({-1, 1, SpanMap::kLinear});
-  Surface cylinder;
-  cylinder.kind = SurfaceKind::kCylinder;
-  cylinder.degree_u = 2;
-  cylinder.rational = true;
+  SurfaceGrid cylinder{SurfaceKind::kCylinder,
+                       2,
+                       1,
+                       {{0, std::numbers::pi / 2, SpanMap::kHalfAngle}},
+                       {{-1, 1}},
+                       {{1, 0, -1, 1},
+                        {1, 0, 1, 1},
+                        {half, half, -half, half},
+                        {half, half, half, half},
+                        {0, 1, -1, 1},
+                        {0, 1, 1, 1}}};
   cylinder.extendable_u = true;
   cylinder.period_u = 2 * std::numbers::pi;
-  cylinder.u_spans = {2, 1};
-  cylinder.v_spans = {3, 1};
-  cylinder.first_control_point = 4;
-  model.surfaces.push_back(cylinder);
-  Face first{0, {0, 1}, true, 0, true, {1, 0.5f, 0}, 1e-5, "top", "#8"};
-  Face second{1, {1, 0}, false, kNoIndex, false, {}, 0, "", ""};
-  model.faces = {first, second};
-  model.solids = {{0, true, "body"}};
-  model.parts = {{"part", {0, 2}, {0, 1}}, {"empty", {2, 0}, {1, 0}}};
-  Placement shifted;
-  shifted.m[1][3] = 5;
-  model.instances = {
-      {0, {}, false, {}, "a", 0}, {1, {}, false, {}, "nothing", 2}, {0, shifted, true, {0, 1, 0}, "", 2}};
-  return model;
+  builder.AddFace(cylinder);
+  builder.AddPart("empty");
+  Instance instance;
+  instance.name = "a";
+  builder.AddInstance(instance);
+  Instance nothing;
+  nothing.part = 1;
+  nothing.name = "nothing";
+  builder.AddInstance(nothing);
+  Instance shifted;
+  shifted.placement.m[1][3] = 5;
+  shifted.has_color = true;
+  shifted.color = {0, 1, 0};
+  builder.AddInstance(shifted);
+  return testing::Finished(std::move(builder));
 }
 
 TEST(ModelFile, WhatIsWrittenIsRead) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/support/shapes.h"
 #include "tests/unit/nurbs/trim_models.h"
 
 namespace facetless {
@@ -66,21 +67,14 @@ TEST(SurfaceEval, DegreesWithNoSecondDerivative) {
 
 TEST(SurfaceEval, DerivativesOfAHighDegreeMatchDifferences) {
   // One rational patch of bidegree 7 × 4 with random points.
-  Model model;
-  Surface description;
-  description.degree_u = 7;
-  description.degree_v = 4;
-  description.rational = true;
-  description.u_spans = {0, 1};
-  description.v_spans = {1, 1};
-  model.surfaces.push_back(description);
-  model.spans = {{2, 5, SpanMap::kLinear}, {0.2, 1.7, SpanMap::kHalfAngle}};
+  SurfaceGrid grid{SurfaceKind::kBspline, 7, 4, {{2, 5}}, {{0.2, 1.7, SpanMap::kHalfAngle}}, {}};
   trim_models::Random random(5);
-  for (std::uint32_t i = 0; i < description.PointsPerPatch(); ++i) {
+  for (int i = 0; i < 8 * 5; ++i) {
     const double w = random.Uniform(0.5, 2);
-    model.control_points.push_back(
+    grid.points.push_back(
         {w * random.Uniform(-1, 1), w * random.Uniform(-1, 1), w * random.Uniform(-1, 1), w});
   }
+  const Model model = testing::ModelOf({grid});
   const SurfaceEval surface(model, 0);
   const double h = 1e-5;
   for (double u = 2.1; u < 5; u += 0.4)

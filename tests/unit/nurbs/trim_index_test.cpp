@@ -242,7 +242,9 @@ TEST(TrimIndex, GapsBetweenSegmentsAreClosed) {
                   {Line({1, 0}, {1, 1})},
                   {Line({1 + 1e-6, 1}, {0, 1})},
                   {Line({0, 1}, {1e-5, 0})}};
-  const FaceTrim trim = TrimOf({outline});
+  Model model = PlaneModel(-2, 2, -2, 2);
+  AddOpenLoop(model, outline);
+  const FaceTrim trim = FaceTrim::Build(model, 0);
   for (double v : {1e-7, 2e-6, 0.5e-5, 0.999999, 1.0}) {
     EXPECT_FALSE(Inside(trim, -0.5, v)) << v;
     EXPECT_FALSE(Inside(trim, 1.5, v)) << v;

@@ -2,24 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/nurbs/monotone_curve.h"
+#include "tests/support/shapes.h"
 
 namespace facetless::trim_models {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-Model OneFace(Surface surface) {
-  Model model;
-  model.surfaces.push_back(surface);
-  model.faces.emplace_back();
-  Part part;
-  part.faces = {0, 1};
-  model.parts.push_back(part);
-  model.instances.emplace_back();
-  return model;
-}
 
 Curve ReversedCurve(Curve curve) {
   std::reverse(curve.begin(), curve.end());
@@ -61,46 +52,30 @@ Outline Reversed(const Outline& outline) {
 }
 
 Model PlaneModel(double u0, double u1, double v0, double v1) {
-  Surface surface;
-  surface.kind = SurfaceKind::kPlane;
-  surface.u_spans = {0, 1};
-  surface.v_spans = {1, 1};
-  Model model = OneFace(surface);
-  model.spans = {{u0, u1, SpanMap::kLinear}, {v0, v1, SpanMap::kLinear}};
-  model.control_points = {{u0, v0, 0, 1}, {u0, v1, 0, 1}, {u1, v0, 0, 1}, {u1, v1, 0, 1}};
-  return model;
+  return testing::ModelOf({{SurfaceKind::kPlane,
+                            1,
+                            1,
+                            {{u0, u1}},
+                            {{v0, v1}},
+                            {{u0, v0, 0, 1}, {u0, v1, 0, 1}, {u1, v0, 0, 1}, {u1, v1, 0, 1}}}});
 }
 
 Model HalfCylinderModel(double radius, double height) {
-  Surface surface;
-  surface.kind = SurfaceKind::kCylinder;
-  surface.degree_u = 2;
-  surface.rational = true;
-  surface.u_spans = {0, 2};
-  surface.v_spans = {2, 1};
-  Model model = OneFace(surface);
-  model.spans = {
-      {0, kPi / 2, SpanMap::kHalfAngle}, {kPi / 2, kPi, SpanMap::kHalfAngle}, {0, height, SpanMap::kLinear}};
+  SurfaceGrid grid{SurfaceKind::kCylinder, 2, 1, {}, {{0, height}}, {}};
+  grid.u_spans = {{0, kPi / 2, SpanMap::kHalfAngle}, {kPi / 2, kPi, SpanMap::kHalfAngle}};
   const double w = std::sqrt(0.5);
   const Vec3 arcs[2][3] = {{{1, 0, 1}, {w, w, w}, {0, 1, 1}}, {{0, 1, 1}, {-w, w, w}, {-1, 0, 1}}};
   for (const auto& arc : arcs)
     for (const Vec3& p : arc)
-      for (double z : {0.0, height})
-        model.control_points.push_back({radius * p.x, radius * p.y, p.z * z, p.z});
-  return model;
+      for (double z : {0.0, height}) grid.points.push_back({radius * p.x, radius * p.y, p.z * z, p.z});
+  return testing::ModelOf({grid});
 }
 
 Model SphereModel() {
-  Surface surface;
-  surface.kind = SurfaceKind::kSphere;
-  surface.degree_u = surface.degree_v = 2;
-  surface.rational = true;
-  surface.u_spans = {0, 4};
-  surface.v_spans = {4, 2};
-  surface.period_u = 2 * kPi;
-  Model model = OneFace(surface);
-  for (int i = 0; i < 4; ++i) model.spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
-  for (int i = -1; i < 1; ++i) model.spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
+  SurfaceGrid grid{SurfaceKind::kSphere, 2, 2, {}, {}, {}};
+  grid.period_u = 2 * kPi;
+  for (int i = 0; i < 4; ++i) grid.u_spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
+  for (int i = -1; i < 1; ++i) grid.v_spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
   // A quarter of a circle in the plane, turned four times; a meridian in two quarters.
   const double w = std::sqrt(0.5);
   const Vec3 turns[4][3] = {{{1, 0, 1}, {w, w, w}, {0, 1, 1}},
@@ -111,78 +86,85 @@ Model SphereModel() {
   for (const auto& turn : turns)
     for (const auto& quarter : meridian)
       for (const Vec3& t : turn)
-        for (const Vec3& m : quarter)
-          model.control_points.push_back({t.x * m.x, t.y * m.x, t.z * m.y, t.z * m.z});
+        for (const Vec3& m : quarter) grid.points.push_back({t.x * m.x, t.y * m.x, t.z * m.y, t.z * m.z});
+  ModelBuilder builder;
+  builder.AddPart("part");
+  builder.AddFace(grid);
+  builder.AddInstance({});
 
   // The seam, twice, and the two poles.
-  Edge seam, pole;
-  seam.segments = {0, 2};
+  Edge pole;
   pole.degenerate = true;
-  model.edges = {seam, pole, pole};
+  const std::uint32_t seam = builder.AddEdge({});
   for (int q = 0; q < 2; ++q) {
-    model.edge_segments.push_back({2, static_cast<std::uint32_t>(3 * q), double(q), double(q + 1)});
-    for (const Vec3& m : meridian[q]) model.edge_points.push_back({m.x, 0, m.y, m.z});
+    std::vector<Vec4> points;
+    for (const Vec3& m : meridian[q]) points.push_back({m.x, 0, m.y, m.z});
+    builder.AddEdgeSegment(points, q, q + 1);
   }
+  const std::uint32_t south = builder.AddEdge(pole), north = builder.AddEdge(pole);
   const Vec2 corners[5] = {
       {0, -kPi / 2}, {2 * kPi, -kPi / 2}, {2 * kPi, kPi / 2}, {0, kPi / 2}, {0, -kPi / 2}};
-  const std::uint32_t edges[4] = {1, 0, 2, 0};
-  for (std::uint32_t i = 0; i < 4; ++i) {
+  const std::uint32_t edges[4] = {south, seam, north, seam};
+  builder.AddLoop();
+  for (int i = 0; i < 4; ++i) {
     // Edge and p-curve agree at the ends and in the middle: each coedge of the seam has the edge's two
     // segments.
     Coedge coedge;
     coedge.edge = edges[i];
     coedge.reversed = i == 3;
-    coedge.segments.first = static_cast<std::uint32_t>(model.trim_segments.size());
-    const bool on_seam = edges[i] == 0;
+    builder.AddCoedge(coedge);
+    const bool on_seam = edges[i] == seam;
     const int pieces = on_seam ? 2 : 1;
     for (int k = 0; k < pieces; ++k) {
       const Vec2 a = corners[i] + (double(k) / pieces) * (corners[i + 1] - corners[i]);
       const Vec2 b = corners[i] + (double(k + 1) / pieces) * (corners[i + 1] - corners[i]);
       const double from = on_seam ? (i == 3 ? 2 - k : k) : 0, to = on_seam ? (i == 3 ? 1 - k : k + 1) : 0;
-      model.trim_segments.push_back({1, static_cast<std::uint32_t>(model.trim_points.size()), from, to});
-      for (Vec3 p : Line(a, b)) model.trim_points.push_back(p);
+      builder.AddTrimSegment(Line(a, b), from, to);
     }
-    coedge.segments.count = static_cast<std::uint32_t>(pieces);
-    model.coedges.push_back(coedge);
   }
-  model.loops.push_back({{0, 4}});
-  model.faces[0].loops = {0, 1};
-  return model;
+  return testing::Finished(std::move(builder));
 }
 
 void AddLoop(Model& model, const Outline& outline, double gap_mm) {
-  Loop loop;
-  loop.coedges = {static_cast<std::uint32_t>(model.coedges.size()),
-                  static_cast<std::uint32_t>(outline.size())};
+  ModelBuilder builder(std::move(model));
+  builder.AddLoop();
   for (const Chain& chain : outline) {
     Coedge coedge;
-    coedge.edge = static_cast<std::uint32_t>(model.edges.size());
+    coedge.edge = builder.AddEdge({});
     coedge.gap_mm = gap_mm;
-    coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()),
-                       static_cast<std::uint32_t>(chain.size())};
-    Edge edge;
-    edge.segments = {static_cast<std::uint32_t>(model.edge_segments.size()),
-                     static_cast<std::uint32_t>(chain.size())};
+    builder.AddCoedge(coedge);
     double parameter = 0;
     for (const Curve& curve : chain) {
-      const auto degree = static_cast<std::uint8_t>(curve.size() - 1);
-      model.trim_segments.push_back(
-          {degree, static_cast<std::uint32_t>(model.trim_points.size()), parameter, parameter + 1});
-      model.edge_segments.push_back(
-          {degree, static_cast<std::uint32_t>(model.edge_points.size()), parameter, parameter + 1});
-      for (Vec3 p : curve) {
-        model.trim_points.push_back(p);
-        model.edge_points.push_back({p.x, p.y, 0, p.z});
-      }
+      std::vector<Vec4> points;
+      for (const Vec3& p : curve) points.push_back({p.x, p.y, 0, p.z});
+      builder.AddTrimSegment(curve, parameter, parameter + 1);
+      builder.AddEdgeSegment(points, parameter, parameter + 1);
       parameter += 1;
     }
-    model.coedges.push_back(coedge);
-    model.edges.push_back(edge);
   }
-  if (model.faces[0].loops.count == 0)
-    model.faces[0].loops.first = static_cast<std::uint32_t>(model.loops.size());
-  ++model.faces[0].loops.count;
-  model.loops.push_back(loop);
+  model = testing::Finished(std::move(builder));
+}
+
+void AddOpenLoop(Model& model, const Outline& outline, double gap_mm) {
+  // Add it with every curve drawn to the end of the one before, then put its own beginnings in their places.
+  Outline closed = outline;
+  Vec3 before = outline.back().back().back();
+  for (Chain& chain : closed) {
+    for (Curve& curve : chain) {
+      curve.front() = before;
+      before = curve.back();
+    }
+  }
+  std::size_t trim_point = model.trim_points.size(), edge_point = model.edge_points.size();
+  AddLoop(model, closed, gap_mm);
+  for (const Chain& chain : outline) {
+    for (const Curve& curve : chain) {
+      for (const Vec3& p : curve) {
+        model.trim_points[trim_point++] = p;
+        model.edge_points[edge_point++] = {p.x, p.y, 0, p.z};
+      }
+    }
+  }
 }
 
 Sampled::Sampled(const std::vector<Outline>& loops, int points_per_segment) {

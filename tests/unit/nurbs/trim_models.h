@@ -45,6 +45,8 @@ Model SphereModel();
 // Adds a loop to the only face. Each coedge gets an edge of its own with the image of its curve on the plane
 // z = 0, and edge parameters 0 … number of segments.
 void AddLoop(Model& model, const Outline& outline, double gap_mm = 0);
+// The same for curves that need not meet. The model is not valid then.
+void AddOpenLoop(Model& model, const Outline& outline, double gap_mm = 0);
 
 // Even-odd by brute force: loops as polygons through points at equal parameters of every segment.
 class Sampled {

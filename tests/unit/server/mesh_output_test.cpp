@@ -8,6 +8,7 @@
 
 #include "render/baseline/mesh_file.h"
 #include "tests/support/files.h"
+#include "tests/support/shapes.h"
 #include "tests/unit/server/support.h"
 
 namespace facetless {
@@ -30,12 +31,11 @@ struct Triangles {
     mesh.from_model = true;
     mesh.deflection_mm = 0.1;
     mesh.nodes = {{0, {}, 0}, {0, {}, 1}};
-    model.faces.resize(1);
-    model.parts.resize(1);
-    model.parts[0].faces = {0, 1};
-    model.instances.resize(2);
-    model.instances[1].first_placed_face = 1;
-    model.instances[1].hidden = true;
+    ModelBuilder builder(testing::Squares(1));
+    Instance hidden;
+    hidden.hidden = true;
+    builder.AddInstance(hidden);
+    model = testing::Finished(std::move(builder));
   }
 };
 

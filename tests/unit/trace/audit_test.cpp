@@ -8,15 +8,8 @@
 namespace facetless {
 namespace {
 
+using testing::ClosedSolid;
 using testing::ModelOf;
-
-// Declares all faces of a hand-made model to be one closed solid.
-Model ClosedSolid(Model model) {
-  model.solids.push_back({0, true, "solid"});
-  model.parts[0].solids = {0, 1};
-  for (Face& face : model.faces) face.solid = 0;
-  return model;
-}
 
 DirectStats AuditOf(const Model& model, const char* view, Projection projection, int size) {
   DirectOptions options;
@@ -55,11 +48,12 @@ TEST(Audit, WithoutAClosedSolidThereIsNothingToCount) {
 
 TEST(Audit, PlacementsAreSolidsOfTheirOwn) {
   // Two placements of one sphere that overlap: each is crossed twice, the rays through both four times.
-  Model model = ClosedSolid(ModelOf({testing::Sphere({0, 0, 0}, 5)}));
-  model.instances.push_back(model.instances[0]);
-  model.instances[1].placement.m[0][3] = 3;
-  model.instances[1].first_placed_face = 1;
-  model.bounds.Add({8, 5, 5});
+  ModelBuilder builder(ClosedSolid(ModelOf({testing::Sphere({0, 0, 0}, 5)})));
+  Instance other;
+  other.placement.m[0][3] = 3;
+  builder.AddInstance(other);
+  builder.SetBounds({{-5, -5, -5}, {8, 5, 5}});
+  const Model model = testing::Finished(std::move(builder));
   const DirectStats stats = AuditOf(model, "iso", Projection::kPerspective, 200);
   EXPECT_EQ(stats.odd_rays, 0u);
   EXPECT_EQ(stats.reverse_mismatches, 0u);

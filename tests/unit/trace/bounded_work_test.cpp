@@ -47,8 +47,11 @@ testing::PatchGrid DamagedSphere(std::uint64_t seed, std::size_t first, std::siz
 }
 
 Model ModelOfSpheres(const std::vector<testing::PatchGrid>& spheres) {
-  Model model = testing::ModelOf(spheres);
-  model.bounds = {{-10, -10, -10}, {10, 10, 10}};
+  // No builder takes their numbers: they replace those of sound spheres.
+  Model model =
+      testing::ModelOf(std::vector<testing::PatchGrid>(spheres.size(), testing::Sphere({0, 0, 0}, 10)));
+  auto point = model.control_points.begin();
+  for (const testing::PatchGrid& sphere : spheres) point = std::ranges::copy(sphere.points, point).out;
   return model;
 }
 

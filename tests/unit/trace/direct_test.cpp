@@ -258,15 +258,14 @@ TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
 TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
   // A broken file claimed a gap of a fifth of the model's size; every leaf at the border then held half the
   // image.
-  Model model = ModelOf({Sphere({0, 0, 0}, 10)});
-  model.trim_points = {{0, -1.5, 1}, {6.25, -1.5, 1}, {6.25, 1.5, 1}, {0, 1.5, 1}, {0, -1.5, 1}};
-  for (std::uint32_t i = 0; i < 4; ++i) model.trim_segments.push_back({1, i, 0, 1});
+  ModelBuilder builder(ModelOf({Sphere({0, 0, 0}, 10)}));
+  const Vec3 corners[] = {{0, -1.5, 1}, {6.25, -1.5, 1}, {6.25, 1.5, 1}, {0, 1.5, 1}, {0, -1.5, 1}};
+  builder.AddLoop();
   Coedge coedge;
-  coedge.segments = {0, 4};
   coedge.gap_mm = 4;
-  model.coedges = {coedge};
-  model.loops = {{{0, 1}}};
-  model.faces[0].loops = {0, 1};
+  builder.AddCoedge(coedge);
+  for (int i = 0; i < 4; ++i) builder.AddTrimSegment({corners + i, 2});
+  const Model model = testing::Finished(std::move(builder));
   const DirectStats stats =
       TraceDirect(Scene(model), ViewOf(model, "iso", Projection::kOrthographic), {}).value().stats;
   EXPECT_GT(stats.hits, 1000u);

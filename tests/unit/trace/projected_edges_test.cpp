@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "render/nurbs/surface_eval.h"
+#include "tests/support/shapes.h"
 #include "tests/unit/nurbs/trim_models.h"
 
 namespace facetless {
@@ -83,7 +84,7 @@ TEST(ProjectedEdges, KinksAreDecidedByBothTangents) {
     Outline bent{{Line({-1, 0}, {0, 0}), Line({0, 0}, {0, 1})}};
     if (back) bent = Reversed(bent);
     Model model = PlaneModel(-2, 2, -2, 2);
-    AddLoop(model, bent);
+    AddOpenLoop(model, bent);
     const ProjectedEdges edges(model, Placement(), FromAbove());
     for (double x : {-1.0, 1.0})
       for (double y : {-1.0, 1.0}) {
@@ -172,45 +173,44 @@ void ExpectFanTiles(Random& random, int spokes) {
   for (int i = 0; i < spokes; ++i) angles.push_back(2 * kPi * (i + random.Uniform(0.05, 0.95)) / spokes);
   angles.push_back(angles[0] + 2 * kPi);
   const auto at = [](double angle) { return Vec2{std::cos(angle), std::sin(angle)}; };
-  Model model = PlaneModel(-2, 2, -2, 2);
-  model.faces.clear();
+  ModelBuilder builder;
+  builder.AddPart("fan");
+  builder.AddInstance({});
   const auto add_edge = [&](Vec2 a, Vec2 b) {
-    Edge edge;
-    edge.segments = {static_cast<std::uint32_t>(model.edge_segments.size()), 1};
-    model.edge_segments.push_back({1, static_cast<std::uint32_t>(model.edge_points.size()), 0, 1});
-    model.edge_points.push_back({a.x, a.y, 0, 1});
-    model.edge_points.push_back({b.x, b.y, 0, 1});
-    model.edges.push_back(edge);
-    return static_cast<std::uint32_t>(model.edges.size() - 1);
+    const std::uint32_t edge = builder.AddEdge({});
+    builder.AddEdgeSegment(std::array{Vec4{a.x, a.y, 0, 1}, Vec4{b.x, b.y, 0, 1}});
+    return edge;
   };
   const auto add_coedge = [&](std::uint32_t edge, bool reversed, Vec2 a, Vec2 b) {
     Coedge coedge;
     coedge.edge = edge;
     coedge.reversed = reversed;
     coedge.gap_mm = 1e-3;
-    coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
-    model.trim_segments.push_back({1, static_cast<std::uint32_t>(model.trim_points.size()),
-                                   reversed ? 1.0 : 0.0, reversed ? 0.0 : 1.0});
-    for (Vec3 p : Line(a, b)) model.trim_points.push_back(p);
-    model.coedges.push_back(coedge);
+    builder.AddCoedge(coedge);
+    builder.AddTrimSegment(Line(a, b), reversed ? 1.0 : 0.0, reversed ? 0.0 : 1.0);
   };
   for (int i = 0; i < spokes; ++i) add_edge({0, 0}, at(angles[i]));
   for (int i = 0; i < spokes; ++i) {
     // P-curves beside the true edges, differently for each face; the rim goes around so that reflex corners
     // are possible.
     const Vec2 shift{random.Uniform(-5e-4, 5e-4), random.Uniform(-5e-4, 5e-4)};
+    const auto shifted = [&](double angle) { return at(angle) + shift; };
     const double turn = (angles[i + 1] - angles[i]) / 3;
-    Face face;
-    face.loops = {static_cast<std::uint32_t>(model.loops.size()), 1};
-    model.loops.push_back({{static_cast<std::uint32_t>(model.coedges.size()), 5}});
-    add_coedge(static_cast<std::uint32_t>(i), false, shift, at(angles[i]) + shift);
+    builder.AddFace({SurfaceKind::kPlane,
+                     1,
+                     1,
+                     {{-2, 2}},
+                     {{-2, 2}},
+                     {{-2, -2, 0, 1}, {-2, 2, 0, 1}, {2, -2, 0, 1}, {2, 2, 0, 1}}});
+    builder.AddLoop();
+    add_coedge(static_cast<std::uint32_t>(i), false, shift, shifted(angles[i]));
     for (int k = 0; k < 3; ++k) {
-      const Vec2 a = at(angles[i] + k * turn), b = at(angles[i] + (k + 1) * turn);
-      add_coedge(add_edge(a, b), false, a + shift, b + shift);
+      const double begin = angles[i] + k * turn, end = k < 2 ? angles[i] + (k + 1) * turn : angles[i + 1];
+      add_coedge(add_edge(at(begin), at(end)), false, shifted(begin), shifted(end));
     }
-    add_coedge(static_cast<std::uint32_t>((i + 1) % spokes), true, at(angles[i + 1]) + shift, shift);
-    model.faces.push_back(face);
+    add_coedge(static_cast<std::uint32_t>((i + 1) % spokes), true, shifted(angles[i + 1]), shift);
   }
+  const Model model = testing::Finished(std::move(builder));
   std::vector<FaceTrim> trims;
   for (int i = 0; i < spokes; ++i) trims.push_back(FaceTrim::Build(model, static_cast<std::uint32_t>(i)));
 
@@ -255,10 +255,11 @@ RC_GTEST_PROP(ProjectedEdges, NeighboursAreComplementaryAlongACurve, (std::uint3
               lower = shifted(arc, random.Uniform(-0.7, 0.7) * gap);
   // The upper face runs along the arc, the lower one against it.
   Model above = PlaneModel(-2, 2, -2, 2), below = above;
-  AddLoop(above, {{upper}, {Line({1, 0}, {1, 1.5})}, {Line({1, 1.5}, {-1, 1.5})}, {Line({-1, 1.5}, {-1, 0})}},
-          gap);
+  AddOpenLoop(above,
+              {{upper}, {Line({1, 0}, {1, 1.5})}, {Line({1, 1.5}, {-1, 1.5})}, {Line({-1, 1.5}, {-1, 0})}},
+              gap);
   Curve backwards(lower.rbegin(), lower.rend());
-  AddLoop(
+  AddOpenLoop(
       below,
       {{backwards}, {Line({-1, 0}, {-1, -1.5})}, {Line({-1, -1.5}, {1, -1.5})}, {Line({1, -1.5}, {1, 0})}},
       gap);

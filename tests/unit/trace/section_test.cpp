@@ -17,19 +17,12 @@ namespace facetless {
 namespace {
 
 using std::numbers::pi;
+using testing::ClosedSolid;
 using testing::Frustum;
 using testing::LooseBox;
 using testing::ModelOf;
 using testing::Sphere;
 using testing::Torus;
-
-// Models made by hand name no solids: all faces of `model` are one that is closed.
-Model Closed(Model model) {
-  model.solids.push_back({0, true, "body"});
-  model.parts[0].solids = {0, 1};
-  for (Face& face : model.faces) face.solid = 0;
-  return model;
-}
 
 SectionPlane Plane(Vec3 point, Vec3 normal) {
   return {point, Normalized(normal)};
@@ -54,7 +47,7 @@ void ExpectArea(const SectionArea& area, double expected, double share) {
 }
 
 TEST(SectionArea, OfASphereIsThatOfItsCircle) {
-  const Model model = Closed(ModelOf({Sphere({1, 2, 3}, 25)}));
+  const Model model = ClosedSolid(ModelOf({Sphere({1, 2, 3}, 25)}));
   // Through the middle, where patches meet; off the middle; obliquely.
   ExpectArea(Measure(model, {Plane({1, 2, 3}, {0, 0, 1})}), pi * 625, 1e-9);
   ExpectArea(Measure(model, {Plane({1, 2, 10}, {0, 0, 1})}), pi * (625 - 49), 1e-9);
@@ -63,7 +56,7 @@ TEST(SectionArea, OfASphereIsThatOfItsCircle) {
 }
 
 TEST(SectionArea, OfATorus) {
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6)}));
   // Across: two circles. Along: a ring.
   ExpectArea(Measure(model, {Plane({0, 0, 0}, {1, 0, 0})}), 2 * pi * 36, 1e-9);
   ExpectArea(Measure(model, {Plane({0, 0, 0}, {0, 0, -1})}), pi * (26 * 26 - 14 * 14), 1e-9);
@@ -72,7 +65,7 @@ TEST(SectionArea, OfATorus) {
 }
 
 TEST(SectionArea, OfACylinderCutObliquelyIsAnEllipse) {
-  const Model model = Closed(ModelOf({Frustum({0, 0, -50}, 10, 10, 100)}));
+  const Model model = ClosedSolid(ModelOf({Frustum({0, 0, -50}, 10, 10, 100)}));
   const Vec3 normal = Normalized({1, 0, 2});
   ExpectArea(Measure(model, {Plane({0, 0, 0}, normal)}), pi * 100 / normal.z, 1e-9);
 }
@@ -85,22 +78,21 @@ TEST(SectionArea, OfABox) {
 }
 
 TEST(SectionArea, OfAHollowBallIsARing) {
-  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, 25), Sphere({0, 0, 0}, 20)}));
+  const Model model = ClosedSolid(ModelOf({Sphere({0, 0, 0}, 25), Sphere({0, 0, 0}, 20)}));
   ExpectArea(Measure(model, {Plane({0, 0, 5}, {0, 0, 1})}), pi * (625 - 400), 1e-9);
 }
 
 TEST(SectionArea, CountsWhatSeveralPlanesLeave) {
-  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, 10)}));
+  const Model model = ClosedSolid(ModelOf({Sphere({0, 0, 0}, 10)}));
   const std::vector<SectionPlane> planes = {Plane({0, 0, 0}, {0, 0, 1}), Plane({0, 0, 0}, {1, 0, 0})};
   ExpectArea(Measure(model, planes, 0), pi * 50, 1e-9);
   ExpectArea(Measure(model, planes, 1), pi * 50, 1e-9);
 }
 
 TEST(SectionArea, OfOverlappingSolidsCountsOnceAndForEach) {
-  Model model = Closed(ModelOf({Sphere({0, 0, 0}, 10), Sphere({10, 0, 0}, 10)}));
-  model.solids.push_back({0, true, "other"});
-  model.parts[0].solids.count = 2;
-  model.faces[1].solid = 1;
+  ModelBuilder builder(ClosedSolid(ModelOf({Sphere({0, 0, 0}, 10), Sphere({10, 0, 0}, 10)})));
+  builder.SetSolid(1, builder.AddSolid(true, "other"));
+  const Model model = testing::Finished(std::move(builder));
   const SectionArea area = Measure(model, {Plane({0, 0, 0}, {0, 0, 1})});
   // Two circles whose centres are one radius apart share 2r²·(π/3 − √3/4).
   const double circle = 100 * pi, lens = 200 * (pi / 3 - std::sqrt(3.0) / 4);
@@ -156,7 +148,7 @@ std::vector<double> Offsets() {
 
 TEST(SectionArea, TangentToACylinderAlongAGeneratorOrNearlySo) {
   const double r = 5, h = 20;
-  const Model model = Closed(ModelOf({Frustum({0, 0, 0}, r, r, h), Ring(0, r, 0), Ring(h, r, 0)}));
+  const Model model = ClosedSolid(ModelOf({Frustum({0, 0, 0}, r, r, h), Ring(0, r, 0), Ring(h, r, 0)}));
   for (const double offset : Offsets()) {
     for (const double sign : {1.0, -1.0}) {
       const double inside = -offset;  // how deep the plane lies within the cylinder
@@ -172,7 +164,7 @@ TEST(SectionArea, TangentToACylinderAlongAGeneratorOrNearlySo) {
 
 TEST(SectionArea, TangentToASphereOrNearlySo) {
   const double r = 10;
-  const Model model = Closed(ModelOf({Sphere({1, 2, 3}, r)}));
+  const Model model = ClosedSolid(ModelOf({Sphere({1, 2, 3}, r)}));
   for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Normalized({1, -2, 0.7})}) {
     for (const double offset : Offsets()) {
       const double inside = -offset, expected = inside > 0 ? pi * inside * (2 * r - inside) : 0;
@@ -185,7 +177,7 @@ TEST(SectionArea, TangentToASphereOrNearlySo) {
 
 TEST(SectionArea, TangentToATorusAlongItsTopOrNearlySo) {
   const double major = 20, minor = 6;
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, major, minor)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, major, minor)}));
   for (const double offset : Offsets()) {
     const double inside = -offset;
     const double expected = inside > 0 ? 4 * pi * major * std::sqrt(inside * (2 * minor - inside)) : 0;
@@ -199,7 +191,7 @@ TEST(SectionArea, BitangentToATorusIsTwoCirclesOfVillarceau) {
   // The plane through the centre at the angle asin(r/R): two circles of radius R that overlap between the tangent points. The
   // solid's cut is what lies in exactly one of them.
   const double major = 20, minor = 6;
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, major, minor)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, major, minor)}));
   const double sine = minor / major, cosine = std::sqrt(1 - sine * sine);
   const double lens = 2 * Segment(major, minor);
   const double expected = 2 * (pi * major * major - lens);
@@ -213,8 +205,8 @@ TEST(SectionArea, TangentToAHoleKeepsTheWholePlate) {
   // Two coaxial cylinders: the plane touches the inner one, and cuts the outer one.
   const double inner = 3, outer = 8, h = 4;
   const Model model =
-      Closed(ModelOf({Frustum({0, 0, 0}, inner, inner, h), Frustum({0, 0, 0}, outer, outer, h),
-                      Ring(0, outer, inner), Ring(h, outer, inner)}));
+      ClosedSolid(ModelOf({Frustum({0, 0, 0}, inner, inner, h), Frustum({0, 0, 0}, outer, outer, h),
+                           Ring(0, outer, inner), Ring(h, outer, inner)}));
   for (const double offset : Offsets()) {
     const double d = inner + offset;
     const double hole = d < inner ? 2 * std::sqrt((inner - d) * (inner + d)) : 0;
@@ -225,7 +217,7 @@ TEST(SectionArea, TangentToAHoleKeepsTheWholePlate) {
 }
 
 TEST(SectionArea, TouchingASolidIsNamed) {
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6)}));
   const SectionArea area = Measure(model, {Plane({0, 0, 6}, {0, 0, 1})});
   EXPECT_EQ(area.touching_faces, (std::vector<std::uint32_t>{0}));
   EXPECT_LT(area.moved_mm, 0) << "to the removed side, where nothing changes";
@@ -234,10 +226,10 @@ TEST(SectionArea, TouchingASolidIsNamed) {
 }
 
 TEST(SectionArea, OfARandomPlaneIsWithinItsError) {
-  const Model sphere = Closed(ModelOf({Sphere({1, 2, 3}, 10)}));
+  const Model sphere = ClosedSolid(ModelOf({Sphere({1, 2, 3}, 10)}));
   const Model box = LooseBox({10, 20, 30}, 0, 1);
-  const Model torus = Closed(ModelOf({Torus({0, 0, 0}, 20, 6)}));
-  const Model cylinder = Closed(ModelOf({Frustum({0, 0, -500}, 10, 10, 1000)}));
+  const Model torus = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6)}));
+  const Model cylinder = ClosedSolid(ModelOf({Frustum({0, 0, -500}, 10, 10, 1000)}));
   std::mt19937 random(20261122);
   std::uniform_real_distribution<double> even(-1, 1);
   for (int i = 0; i < 25; ++i) {
@@ -270,7 +262,7 @@ TEST(SectionArea, OfARandomPlaneIsWithinItsError) {
 
 TEST(SectionArea, OfAThinPinFarBelowTheSpacingOfTheFirstRows) {
   // Two balls a metre apart fix the extent; the pin between them is 0.05 mm thick.
-  const Model model = Closed(
+  const Model model = ClosedSolid(
       ModelOf({Sphere({-500, -500, 0}, 1), Sphere({500, 500, 0}, 1), Frustum({3, 5, -10}, 0.05, 0.05, 20)}));
   const SectionArea area = Measure(model, {Plane({0, 0, 0}, {0, 0, 1})});
   ExpectArea(area, pi * (1 + 1 + 0.0025), 1e-7);
@@ -284,12 +276,12 @@ TEST(SectionArea, OfAnOpenShellIsNothingAndSaysSo) {
 }
 
 TEST(SectionArea, BesideTheModelIsNothing) {
-  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, 10)}));
+  const Model model = ClosedSolid(ModelOf({Sphere({0, 0, 0}, 10)}));
   EXPECT_EQ(Measure(model, {Plane({0, 0, 11}, {0, 0, 1})}).area_mm2, 0);
 }
 
 TEST(SectionArea, IsTheSameForAnyNumberOfThreads) {
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({40, 1, 2}, 5)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({40, 1, 2}, 5)}));
   const Scene scene(model);
   const std::vector<SectionPlane> planes = {Plane({1, 2, 0.5}, {0.1, 0.2, 1})};
   const SectionArea one = MeasureSection(scene, planes, 0, {.threads = 1}).value();
@@ -343,7 +335,7 @@ BallCut CutBall(const Ray& ray, double radius, double h) {
 
 TEST(SectionView, OfACutBallShowsItsCapAndWhatIsKept) {
   const double radius = 10, h = 3;
-  const Model model = Closed(ModelOf({Sphere({0, 0, 0}, radius)}));
+  const Model model = ClosedSolid(ModelOf({Sphere({0, 0, 0}, radius)}));
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     for (const char* name : {"iso", "top", "iso-below"}) {
       const Camera camera = NamedView(name, model.bounds, projection, 160, 160).value();
@@ -411,7 +403,7 @@ TEST(SectionView, InAFaceShowsTheCapOrNothing) {
 }
 
 TEST(SectionView, BesideTheModelChangesNoDepth) {
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6)}));
   const Camera camera = NamedView("iso", model.bounds, Projection::kPerspective, 100, 100).value();
   const DirectResult whole = View(model, camera, {});
   const DirectResult cut = View(model, camera, {Plane({0, 0, 50}, {0, 0, 1})});
@@ -423,7 +415,7 @@ TEST(SectionView, BesideTheModelChangesNoDepth) {
 }
 
 TEST(SectionView, HasTheSameBytesForAnyNumberOfThreads) {
-  const Model model = Closed(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({0, 1, 2}, 5)}));
+  const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({0, 1, 2}, 5)}));
   const Camera camera = NamedView("iso", model.bounds, Projection::kOrthographic, 150, 150).value();
   const std::vector<SectionPlane> planes = {Plane({0, 0, 1}, {0.3, 0.2, 1}), Plane({1, 0, 0}, {1, 0, 0})};
   const DirectResult one = View(model, camera, planes, 1), many = View(model, camera, planes, 4);

@@ -26,16 +26,16 @@ Placement At(Vec3 p) {
 
 // Balls of radius 1 (a part of two faces) at the given places.
 Model Balls(const std::vector<std::pair<std::string, Vec3>>& places) {
-  Model model = ModelOf({Sphere({0, 0, 0}, 1), Sphere({0, 0, 0}, 0.5)});
-  Instance ball = model.instances[0];
-  model.instances.clear();
+  ModelBuilder builder;
+  builder.AddPart("part");
+  for (const double radius : {1.0, 0.5}) builder.AddFace(Sphere({0, 0, 0}, radius));
   for (const auto& [name, at] : places) {
+    Instance ball;
     ball.name = name;
     ball.placement = At(at);
-    ball.first_placed_face = 2 * static_cast<std::uint32_t>(model.instances.size());
-    model.instances.push_back(ball);
+    builder.AddInstance(ball);
   }
-  return model;
+  return testing::Finished(std::move(builder));
 }
 
 // Its mesh: a node for each instance, the triangles don't matter.

@@ -16,8 +16,6 @@ namespace {
 Model Square() {
   Model model = PlaneModel(0, 10, 0, 10);
   AddLoop(model, Polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}));
-  model.bounds.Add({0, 0, 0});
-  model.bounds.Add({10, 10, 0});
   return model;
 }
 

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <set>
 
+#include "render/model/walk.h"
+
 namespace facetless::oracle {
 namespace {
 
@@ -27,13 +29,13 @@ Vec3 Divided(Vec4 p) {
 Vec3 FeatureOf(const Model& model, const Instance& instance, const Face& face, Random& random) {
   const Surface& surface = model.surfaces[face.surface];
   if (face.loops.count > 0 && random.Below(3) > 0) {
-    const Range coedges = model.loops[face.loops.first + random.Below(face.loops.count)].coedges;
-    const Coedge& coedge = model.coedges[coedges.first + random.Below(coedges.count)];
+    const auto any_of = [&](auto range) -> const auto& {
+      return range[random.Below(static_cast<std::uint32_t>(range.size()))];
+    };
+    const Coedge& coedge = any_of(CoedgesOf(model, any_of(LoopsOf(model, face))));
     if (coedge.edge != kNoIndex && model.edges[coedge.edge].segments.count > 0) {
-      const Range segments = model.edges[coedge.edge].segments;
-      const EdgeSegment& segment = model.edge_segments[segments.first + random.Below(segments.count)];
-      std::vector<Vec4> p(model.edge_points.begin() + segment.first_point,
-                          model.edge_points.begin() + segment.first_point + segment.degree + 1);
+      const auto points = PointsOf(model, any_of(SegmentsOf(model, model.edges[coedge.edge])));
+      std::vector<Vec4> p(points.begin(), points.end());
       const double t = random.Below(2) == 0 ? 0 : random.Uniform(0, 1);
       for (std::size_t last = p.size() - 1; last > 0; --last)
         for (std::size_t i = 0; i < last; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
@@ -43,8 +45,7 @@ Vec3 FeatureOf(const Model& model, const Instance& instance, const Face& face, R
   const std::uint32_t patch = random.Below(surface.PatchCount());
   const std::uint32_t k = random.Below(2) * surface.degree_u, l = random.Below(2) * surface.degree_v;
   return instance.placement.Point(
-      Divided(model.control_points[surface.first_control_point + patch * surface.PointsPerPatch() +
-                                   k * (surface.degree_v + 1u) + l]));
+      Divided(PatchPoints(model, surface, patch)[k * (surface.degree_v + 1u) + l]));
 }
 
 }  // namespace

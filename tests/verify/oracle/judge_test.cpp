@@ -111,8 +111,6 @@ class JudgeAtAnEdge : public ::testing::Test {
   JudgeAtAnEdge() : model_(trim_models::PlaneModel(-2, 2, -2, 2)) {
     trim_models::AddLoop(model_, trim_models::Polygon({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}), 0.125);
     model_.info.max_edge_gap_mm = 0.125;
-    model_.bounds.Add({-2, -2, 0});
-    model_.bounds.Add({2, 2, 0});
     camera_.eye = {0, 0, 8};
     camera_.height = 4;
     camera_.width_px = camera_.height_px = 64;

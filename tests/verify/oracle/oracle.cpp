@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "render/model/walk.h"
 #include "tests/verify/oracle/patch_roots.h"
 
 namespace facetless::oracle {
@@ -95,14 +96,10 @@ Oracle::Oracle(const Model& model) : model_(model) {
   // Boxes of the placed faces, from their control points.
   boxes_.reserve(model.PlacedFaceCount());
   for (const Instance& instance : model.instances) {
-    const Part& part = model.parts[instance.part];
-    for (std::uint32_t f = part.faces.first; f < part.faces.end(); ++f) {
-      const Surface& surface = model.surfaces[model.faces[f].surface];
+    for (const Face& face : FacesOf(model, model.parts[instance.part])) {
       Box3 box;
-      for (std::uint32_t i = 0; i < surface.PatchCount() * surface.PointsPerPatch(); ++i) {
-        const Vec4& p = model.control_points[surface.first_control_point + i];
+      for (const Vec4& p : PointsOf(model, model.surfaces[face.surface]))
         box.Add(instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w}));
-      }
       const double size = box.diagonal() + Length(box.low) + Length(box.high);
       const Vec3 slack = kCullingShare * size * Vec3{1, 1, 1};
       boxes_.push_back({box.low - slack, box.high + slack});
@@ -111,8 +108,7 @@ Oracle::Oracle(const Model& model) : model_(model) {
   // Boxes of the trim segments, a unit in the last place wider than their control points.
   for (const TrimSegment& segment : model.trim_segments) {
     TrimBox box{INFINITY, -INFINITY, -INFINITY};
-    for (std::uint32_t i = segment.first_point; i <= segment.first_point + segment.degree; ++i) {
-      const Vec3& p = model.trim_points[i];
+    for (const Vec3& p : PointsOf(model, segment)) {
       box.u_low = std::min(box.u_low, std::nextafter(p.x / p.z, -INFINITY));
       box.u_high = std::max(box.u_high, std::nextafter(p.x / p.z, INFINITY));
       box.v_high = std::max(box.v_high, std::nextafter(p.y / p.z, INFINITY));
@@ -122,8 +118,8 @@ Oracle::Oracle(const Model& model) : model_(model) {
 }
 
 Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
-  const Range loops = model_.faces[face].loops;
-  if (loops.count == 0) return Standing::kInside;
+  const std::span<const Loop> loops = LoopsOf(model_, model_.faces[face]);
+  if (loops.empty()) return Standing::kInside;
   const Real floor = kTrimFloor * (1 + Abs(u) + Abs(v));
   bool odd = false, unsure = false;
   const auto count = [&](const HomogeneousCurve& curve) {
@@ -132,15 +128,12 @@ Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
     odd = odd != (parity == Parity::kOdd);
   };
   const double near_u = static_cast<double>(u), near_v = static_cast<double>(v);
-  for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-    const Range coedges = model_.loops[l].coedges;
+  for (const Loop& loop : loops) {
     bool started = false;
     Real3 first, last;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      const Range segments = model_.coedges[c].segments;
-      for (std::uint32_t s = segments.first; s < segments.end(); ++s) {
-        const TrimSegment& segment = model_.trim_segments[s];
-        const Vec3* points = model_.trim_points.data() + segment.first_point;
+    for (const Coedge& coedge : CoedgesOf(model_, loop)) {
+      for (const TrimSegment& segment : SegmentsOf(model_, coedge)) {
+        const Vec3* points = PointsOf(model_, segment).data();
         const auto relative = [&](const Vec3& p) { return Real3{p.x - p.z * u, p.y - p.z * v, p.z}; };
         const Real3 begin = relative(points[0]), end = relative(points[segment.degree]);
         // Segments meet to within rounding; a straight piece closes what is left between them.
@@ -148,7 +141,7 @@ Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
         if (!started) first = begin;
         started = true;
         last = end;
-        const TrimBox& box = trim_boxes_[s];
+        const TrimBox& box = trim_boxes_[IndexOf(model_.trim_segments, segment)];
         const double reach_u = std::nextafter(near_u, INFINITY), reach_v = std::nextafter(near_v, -INFINITY);
         if (reach_u < box.u_low || std::nextafter(near_u, -INFINITY) > box.u_high || reach_v > box.v_high)
           continue;
@@ -174,16 +167,16 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
   const Real depth_per_mm = 1 / Length(ray.direction);
   const Real floor = kFloorShare * model_.Diagonal();
   for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
-    const std::size_t count = surface.PointsPerPatch();
+    const std::span<const Vec4> own = PatchPoints(model_, surface, patch);
+    const std::size_t count = own.size();
     // A factor of all weights changes nothing: a power of two brings the largest near 1, exactly.
-    const Vec4* first = model_.control_points.data() + surface.first_control_point + patch * count;
     double largest = 0, smallest = INFINITY;
-    for (std::size_t i = 0; i < count; ++i) {
-      largest = std::max(largest, first[i].w);
-      smallest = std::min(smallest, first[i].w);
+    for (const Vec4& p : own) {
+      largest = std::max(largest, p.w);
+      smallest = std::min(smallest, p.w);
     }
     const double scale = std::exp2(-std::floor(std::log2(largest)));
-    std::vector<Vec4> scaled(first, first + count);
+    std::vector<Vec4> scaled(own.begin(), own.end());
     for (Vec4& p : scaled) p = scale * p;
     const Vec4* points = scaled.data();
     if (OneSide(across, points, count) || OneSide(down, points, count)) continue;
@@ -290,40 +283,32 @@ std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
 
 double Oracle::TrimDistance(const Crossing& crossing, double limit_mm) const {
   const std::uint32_t face = model_.FaceOf(crossing.placed_face);
-  const Range loops = model_.faces[face].loops;
+  const FaceCoedges coedges = CoedgesOf(model_, model_.faces[face]);
   const auto& tangents = crossing.tangents;
   double best = limit_mm;
   bool any = false;
   const auto uses = [&](std::uint32_t edge) {
     int count = 0;
-    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-      const Range coedges = model_.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) count += model_.coedges[c].edge == edge;
-    }
+    for (const Coedge& coedge : coedges) count += coedge.edge == edge;
     return count;
   };
-  for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-    const Range coedges = model_.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      const Coedge& coedge = model_.coedges[c];
-      if (coedge.edge != kNoIndex && model_.edges[coedge.edge].degenerate) continue;
-      bool seam_known = false, seam = false;
-      for (std::uint32_t s = coedge.segments.first; s < coedge.segments.end(); ++s) {
-        const TrimSegment& segment = model_.trim_segments[s];
-        const HomogeneousCurve curve =
-            Mapped(model_.trim_points.data() + segment.first_point, segment.degree, [&](const Vec3& p) {
-              const Real du = p.x - p.z * crossing.u, dv = p.y - p.z * crossing.v;
-              return Real3{tangents[0][0] * du + tangents[0][1] * dv,
-                           tangents[1][0] * du + tangents[1][1] * dv, p.z};
-            });
-        const double distance = NearestTo(curve, best).distance;
-        if (!(distance <= best)) continue;
-        if (!seam_known) seam = coedge.edge != kNoIndex && uses(coedge.edge) > 1;
-        seam_known = true;
-        if (seam) continue;
-        best = distance;
-        any = true;
-      }
+  for (const Coedge& coedge : coedges) {
+    if (coedge.edge != kNoIndex && model_.edges[coedge.edge].degenerate) continue;
+    bool seam_known = false, seam = false;
+    for (const TrimSegment& segment : SegmentsOf(model_, coedge)) {
+      const HomogeneousCurve curve =
+          Mapped(PointsOf(model_, segment).data(), segment.degree, [&](const Vec3& p) {
+            const Real du = p.x - p.z * crossing.u, dv = p.y - p.z * crossing.v;
+            return Real3{tangents[0][0] * du + tangents[0][1] * dv, tangents[1][0] * du + tangents[1][1] * dv,
+                         p.z};
+          });
+      const double distance = NearestTo(curve, best).distance;
+      if (!(distance <= best)) continue;
+      if (!seam_known) seam = coedge.edge != kNoIndex && uses(coedge.edge) > 1;
+      seam_known = true;
+      if (seam) continue;
+      best = distance;
+      any = true;
     }
   }
   return any ? best : INFINITY;
@@ -332,36 +317,29 @@ double Oracle::TrimDistance(const Crossing& crossing, double limit_mm) const {
 EdgeContact Oracle::NearestEdge(const ViewRay& ray, std::uint32_t placed_face, double depth, double slack_mm,
                                 double depth_reach) const {
   const Instance& instance = model_.instances[model_.InstanceOf(placed_face)];
-  const Range loops = model_.faces[model_.FaceOf(placed_face)].loops;
   const Covector across = CovectorOf(instance.placement, ray.across, ray.origin),
                  down = CovectorOf(instance.placement, ray.down, ray.origin),
                  forth = CovectorOf(instance.placement, Normalized(ray.direction), ray.origin);
   const Real depth_per_mm = 1 / Length(ray.direction);
   EdgeContact best;
-  for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-    const Range coedges = model_.loops[l].coedges;
-    for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-      const Coedge& coedge = model_.coedges[c];
-      if (coedge.edge == kNoIndex) continue;
-      const Edge& edge = model_.edges[coedge.edge];
-      for (std::uint32_t s = edge.segments.first; s < edge.segments.end(); ++s) {
-        const EdgeSegment& segment = model_.edge_segments[s];
-        const Vec4* points = model_.edge_points.data() + segment.first_point;
-        const HomogeneousCurve curve = Mapped(points, segment.degree, [&](const Vec4& p) {
-          return Real3{across.At(p), down.At(p), p.w};
-        });
-        const Nearest nearest = NearestTo(curve, coedge.gap_mm + slack_mm);
-        if (!(nearest.distance <= coedge.gap_mm + slack_mm)) continue;
-        const Real3 high = PointAt(Mapped(points, segment.degree,
-                                          [&](const Vec4& p) {
-                                            return Real3{forth.At(p), 0, p.w};
-                                          }),
-                                   nearest.t);
-        const double edge_depth = static_cast<double>(high.x / high.z * depth_per_mm);
-        if (!(std::fabs(edge_depth - depth) <= depth_reach)) continue;
-        if (best.coedge == kNoIndex || nearest.distance - coedge.gap_mm < best.distance_mm - best.gap_mm)
-          best = {c, nearest.distance, coedge.gap_mm, edge_depth};
-      }
+  for (const Coedge& coedge : CoedgesOf(model_, model_.faces[model_.FaceOf(placed_face)])) {
+    if (coedge.edge == kNoIndex) continue;
+    for (const EdgeSegment& segment : SegmentsOf(model_, model_.edges[coedge.edge])) {
+      const Vec4* points = PointsOf(model_, segment).data();
+      const HomogeneousCurve curve = Mapped(points, segment.degree, [&](const Vec4& p) {
+        return Real3{across.At(p), down.At(p), p.w};
+      });
+      const Nearest nearest = NearestTo(curve, coedge.gap_mm + slack_mm);
+      if (!(nearest.distance <= coedge.gap_mm + slack_mm)) continue;
+      const Real3 high = PointAt(Mapped(points, segment.degree,
+                                        [&](const Vec4& p) {
+                                          return Real3{forth.At(p), 0, p.w};
+                                        }),
+                                 nearest.t);
+      const double edge_depth = static_cast<double>(high.x / high.z * depth_per_mm);
+      if (!(std::fabs(edge_depth - depth) <= depth_reach)) continue;
+      if (best.coedge == kNoIndex || nearest.distance - coedge.gap_mm < best.distance_mm - best.gap_mm)
+        best = {IndexOf(model_.coedges, coedge), nearest.distance, coedge.gap_mm, edge_depth};
     }
   }
   return best;

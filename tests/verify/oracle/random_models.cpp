@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "render/model/walk.h"
+#include "tests/support/shapes.h"
 
 namespace facetless::oracle {
 namespace {
@@ -55,17 +59,10 @@ std::vector<Vec4> ToBezier(std::vector<Vec4> points, KnotLine line, int degree) 
   return points;
 }
 
-Model OneFace(Surface surface, const std::vector<double>& u_breaks, const std::vector<double>& v_breaks) {
-  Model model;
-  for (std::size_t i = 0; i + 1 < u_breaks.size(); ++i) model.spans.push_back({u_breaks[i], u_breaks[i + 1]});
-  surface.u_spans = {0, static_cast<std::uint32_t>(u_breaks.size() - 1)};
-  for (std::size_t i = 0; i + 1 < v_breaks.size(); ++i) model.spans.push_back({v_breaks[i], v_breaks[i + 1]});
-  surface.v_spans = {surface.u_spans.count, static_cast<std::uint32_t>(v_breaks.size() - 1)};
-  model.surfaces.push_back(surface);
-  model.faces.emplace_back();
-  model.parts.push_back({"part", {0, 1}, {}});
-  model.instances.emplace_back();
-  return model;
+std::vector<Span> SpansBetween(const std::vector<double>& breaks) {
+  std::vector<Span> spans;
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) spans.push_back({breaks[i], breaks[i + 1]});
+  return spans;
 }
 
 }  // namespace
@@ -99,31 +96,28 @@ Model RandomSurface(const SurfaceRecipe& recipe) {
     for (std::size_t i = 0; i < rows; ++i) line.push_back(net[i][j]);
     lines.push_back(ToBezier(line, u, n));
   }
-  Surface surface;
-  surface.degree_u = static_cast<std::uint8_t>(n);
-  surface.degree_v = static_cast<std::uint8_t>(m);
-  surface.rational = recipe.weight_spread > 1;
-  Model model = OneFace(surface, u.breaks, v.breaks);
+  SurfaceGrid grid{SurfaceKind::kBspline, n, m, SpansBetween(u.breaks), SpansBetween(v.breaks), {}};
+  grid.rational = recipe.weight_spread > 1;
   for (int a = 0; a < recipe.spans_u; ++a) {
     for (int b = 0; b < recipe.spans_v; ++b) {
       for (int k = 0; k <= n; ++k) {
         for (int l = 0; l <= m; ++l) {
           Vec4 p = lines[static_cast<std::size_t>(b * m + l)][static_cast<std::size_t>(a * n + k)];
-          if (!surface.rational) p.w = 1;  // a mean of ones may be rounded
-          model.control_points.push_back(p);
-          model.bounds.Add({p.x / p.w, p.y / p.w, p.z / p.w});
+          if (!grid.rational) p.w = 1;  // a mean of ones may be rounded
+          grid.points.push_back(p);
         }
       }
     }
   }
-  return model;
+  return testing::ModelOf({grid});
 }
 
 void AddRandomLoop(Model& model, int corners, double radius, bool clockwise, std::uint64_t seed) {
   Random random(seed);
   const Surface& surface = model.surfaces[model.faces[0].surface];
-  const double u0 = model.spans[surface.u_spans.first].begin, u1 = model.spans[surface.u_spans.end() - 1].end;
-  const double v0 = model.spans[surface.v_spans.first].begin, v1 = model.spans[surface.v_spans.end() - 1].end;
+  const auto u_spans = USpansOf(model, surface), v_spans = VSpansOf(model, surface);
+  const double u0 = u_spans.front().begin, u1 = u_spans.back().end;
+  const double v0 = v_spans.front().begin, v1 = v_spans.back().end;
   std::vector<Vec2> places;
   for (int i = 0; i < corners; ++i) {
     const double angle = 2 * std::numbers::pi * (i + random.Uniform(0, 0.5)) / corners;
@@ -132,16 +126,12 @@ void AddRandomLoop(Model& model, int corners, double radius, bool clockwise, std
                       0.5 * (v0 + v1) + 0.5 * (v1 - v0) * size * std::sin(angle)});
   }
   if (clockwise) std::reverse(places.begin(), places.end());
-  Loop loop;
-  loop.coedges = {static_cast<std::uint32_t>(model.coedges.size()), static_cast<std::uint32_t>(corners)};
+  ModelBuilder builder(std::move(model));
+  builder.AddLoop();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Vec2 a = places[i], b = places[(i + 1) % places.size()];
     const int degree = 1 + static_cast<int>(random.Below(3));
-    Coedge coedge;
-    coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
-    model.coedges.push_back(coedge);
-    model.trim_segments.push_back(
-        {static_cast<std::uint8_t>(degree), static_cast<std::uint32_t>(model.trim_points.size())});
+    std::vector<Vec3> points;
     for (int k = 0; k <= degree; ++k) {
       const bool end = k == 0 || k == degree;
       const double t = static_cast<double>(k) / degree;
@@ -149,44 +139,41 @@ void AddRandomLoop(Model& model, int corners, double radius, bool clockwise, std
       // Ends are the very corners: consecutive segments must meet.
       const Vec2 p = k == 0 ? a : k == degree ? b : (1 - t) * a + t * b + bulge;
       const double w = end ? 1 : random.Uniform(0.3, 3);
-      model.trim_points.push_back({w * p.x, w * p.y, w});
+      points.push_back({w * p.x, w * p.y, w});
     }
+    builder.AddCoedge({});
+    builder.AddTrimSegment(points);
   }
-  if (model.faces[0].loops.count == 0)
-    model.faces[0].loops.first = static_cast<std::uint32_t>(model.loops.size());
-  ++model.faces[0].loops.count;
-  model.loops.push_back(loop);
+  model = testing::Finished(std::move(builder));
 }
 
 Model SolidBox(const Placement& placement) {
-  Model model;
-  Part part{"box", {0, 6}, {0, 1}};
-  model.parts.push_back(part);
-  model.solids.push_back({0, true, "box"});
-  model.instances.emplace_back();
-  model.instances[0].placement = placement;
+  ModelBuilder builder;
+  builder.AddPart("box");
+  builder.AddSolid(true, "box");
+  Instance instance;
+  instance.placement = placement;
+  builder.AddInstance(instance);
   const auto corner = [](int i) { return Vec3{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0}; };
+  Box3 bounds;
   for (int i = 0; i < 8; ++i) {
-    model.vertices.push_back({corner(i), 0});
-    model.bounds.Add(placement.Point(corner(i)));
+    builder.AddVertex(corner(i));
+    bounds.Add(placement.Point(corner(i)));
   }
+  builder.SetBounds(bounds);
   // An edge from each corner to each neighbour with one bit more.
   std::array<std::array<std::uint32_t, 8>, 8> edge_of{};
   for (int i = 0; i < 8; ++i) {
     for (const int bit : {1, 2, 4}) {
       if (i & bit) continue;
       const int j = i | bit;
-      edge_of[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
-          static_cast<std::uint32_t>(model.edges.size());
       Edge edge;
-      edge.segments = {static_cast<std::uint32_t>(model.edge_segments.size()), 1};
       edge.vertices[0] = static_cast<std::uint32_t>(i);
       edge.vertices[1] = static_cast<std::uint32_t>(j);
-      edge.coedge_count = 2;
-      model.edges.push_back(edge);
-      model.edge_segments.push_back({1, static_cast<std::uint32_t>(model.edge_points.size()), 0, 1});
-      for (const int end : {i, j})
-        model.edge_points.push_back({corner(end).x, corner(end).y, corner(end).z, 1});
+      edge_of[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = builder.AddEdge(edge);
+      std::vector<Vec4> points;
+      for (const int end : {i, j}) points.push_back({corner(end).x, corner(end).y, corner(end).z, 1});
+      builder.AddEdgeSegment(points);
     }
   }
   // A face across each axis, at each end: u and v along the other two, in turn, so that Su × Sv points outwards
@@ -195,32 +182,24 @@ Model SolidBox(const Placement& placement) {
     for (const bool upper : {false, true}) {
       const int along_u = 1 << ((axis + 1) % 3), along_v = 1 << ((axis + 2) % 3),
                 base = upper ? 1 << axis : 0;
-      Surface surface;
-      surface.kind = SurfaceKind::kPlane;
-      surface.u_spans = {static_cast<std::uint32_t>(model.spans.size()), 1};
-      surface.v_spans = {static_cast<std::uint32_t>(model.spans.size()) + 1, 1};
-      surface.first_control_point = static_cast<std::uint32_t>(model.control_points.size());
       // The plane reaches beyond the face, as those of an importer do.
       constexpr double kReach = 1.25;
-      surface.extendable_u = surface.extendable_v = true;
-      model.spans.push_back({-kReach, kReach});
-      model.spans.push_back({-kReach, kReach});
+      SurfaceGrid plane{SurfaceKind::kPlane, 1, 1, {{-kReach, kReach}}, {{-kReach, kReach}}, {}};
+      plane.extendable_u = plane.extendable_v = true;
       for (const double u : {-kReach, kReach}) {
         for (const double v : {-kReach, kReach}) {
           double p[3] = {};
           p[axis] = upper ? 1 : -1;
           p[(axis + 1) % 3] = u;
           p[(axis + 2) % 3] = v;
-          model.control_points.push_back({p[0], p[1], p[2], 1});
+          plane.points.push_back({p[0], p[1], p[2], 1});
         }
       }
       Face face;
-      face.surface = static_cast<std::uint32_t>(model.surfaces.size());
-      face.loops = {static_cast<std::uint32_t>(model.loops.size()), 1};
       face.reversed = !upper;
       face.solid = 0;
-      model.surfaces.push_back(surface);
-      model.loops.push_back({{static_cast<std::uint32_t>(model.coedges.size()), 4}});
+      builder.AddFace(plane, face);
+      builder.AddLoop();
       const int around[5] = {base, base | along_u, base | along_u | along_v, base | along_v, base};
       for (int side = 0; side < 4; ++side) {
         const int from = around[side], to = around[side + 1];
@@ -229,17 +208,15 @@ Model SolidBox(const Placement& placement) {
                              [static_cast<std::size_t>(std::max(from, to))];
         coedge.reversed = from > to;
         coedge.from_file = true;
-        coedge.segments = {static_cast<std::uint32_t>(model.trim_segments.size()), 1};
-        model.coedges.push_back(coedge);
-        model.trim_segments.push_back({1, static_cast<std::uint32_t>(model.trim_points.size()),
-                                       coedge.reversed ? 1.0 : 0.0, coedge.reversed ? 0.0 : 1.0});
+        builder.AddCoedge(coedge);
+        std::vector<Vec3> points;
         for (const int end : {from, to})
-          model.trim_points.push_back({end & along_u ? 1.0 : -1.0, end & along_v ? 1.0 : -1.0, 1});
+          points.push_back({end & along_u ? 1.0 : -1.0, end & along_v ? 1.0 : -1.0, 1});
+        builder.AddTrimSegment(points, coedge.reversed ? 1 : 0, coedge.reversed ? 0 : 1);
       }
-      model.faces.push_back(face);
     }
   }
-  return model;
+  return testing::Finished(std::move(builder));
 }
 
 Placement RandomPlacement(Random& random) {

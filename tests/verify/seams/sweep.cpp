@@ -9,6 +9,7 @@
 #include "import/readers.h"
 #include "import/source_file.h"
 #include "render/kernels/dispatch.h"
+#include "render/model/walk.h"
 #include "render/trace/audit.h"
 #include "render/trace/projected_edges.h"
 #include "render/trace/scene.h"
@@ -48,10 +49,10 @@ std::string Text(const char* format, Vec3 v) {
 Vec3 PointOf(const Model& model, const Edge& edge, double share) {
   const double scaled = share * edge.segments.count;
   const auto k = std::min(static_cast<std::uint32_t>(scaled), edge.segments.count - 1);
-  const EdgeSegment& segment = model.edge_segments[edge.segments.first + k];
+  const EdgeSegment& segment = SegmentsOf(model, edge)[k];
   const double t = std::min(scaled - k, 1.0);
-  std::vector<Vec4> p(model.edge_points.begin() + segment.first_point,
-                      model.edge_points.begin() + segment.first_point + segment.degree + 1);
+  const auto points = PointsOf(model, segment);
+  std::vector<Vec4> p(points.begin(), points.end());
   for (int level = segment.degree; level > 0; --level)
     for (int i = 0; i < level; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
   return {p[0].x / p[0].w, p[0].y / p[0].w, p[0].z / p[0].w};
@@ -74,25 +75,17 @@ void Describe(const Scene::Data& scene, const CameraFrame& frame, const AuditRes
   if (instance == kNoIndex) instance = 0;
   const ProjectedEdges edges(model, model.instances[instance].placement, frame);
   ray->edge_px = INFINITY;
-  const Range faces = model.parts[model.instances[instance].part].faces;
-  for (std::uint32_t f = faces.first; f < faces.end(); ++f) {
-    const Range loops = model.faces[f].loops;
-    for (std::uint32_t l = loops.first; l < loops.end(); ++l) {
-      const Range coedges = model.loops[l].coedges;
-      for (std::uint32_t c = coedges.first; c < coedges.end(); ++c) {
-        const std::uint32_t e = model.coedges[c].edge;
-        if (e == kNoIndex) continue;
-        const Range segments = model.edges[e].segments;
-        for (std::uint32_t s = segments.first; s < segments.end(); ++s) {
-          const EdgeSegment& segment = model.edge_segments[s];
-          const EdgeSide side =
-              edges.SideOf(e, 0.5 * (segment.begin + segment.end), ray->column + 0.5, ray->row + 0.5);
-          if (side.side == Side::kUnknown || side.distance_px > ray->edge_px) continue;
-          ray->gap_mm =
-              e == ray->edge ? std::max(ray->gap_mm, model.coedges[c].gap_mm) : model.coedges[c].gap_mm;
-          ray->edge = e;
-          ray->edge_px = side.distance_px;
-        }
+  for (const Face& face : FacesOf(model, model.parts[model.instances[instance].part])) {
+    for (const Coedge& coedge : CoedgesOf(model, face)) {
+      const std::uint32_t e = coedge.edge;
+      if (e == kNoIndex) continue;
+      for (const EdgeSegment& segment : SegmentsOf(model, model.edges[e])) {
+        const EdgeSide side =
+            edges.SideOf(e, 0.5 * (segment.begin + segment.end), ray->column + 0.5, ray->row + 0.5);
+        if (side.side == Side::kUnknown || side.distance_px > ray->edge_px) continue;
+        ray->gap_mm = e == ray->edge ? std::max(ray->gap_mm, coedge.gap_mm) : coedge.gap_mm;
+        ray->edge = e;
+        ray->edge_px = side.distance_px;
       }
     }
   }
@@ -136,11 +129,11 @@ std::vector<SweepView> AtEdges(const Model& model, int count, int size, std::uin
   for (int n = 0; n < count; ++n) {
     // An edge of a placed part.
     const Instance& instance = model.instances[below(model.instances.size())];
-    const Range faces = model.parts[instance.part].faces;
-    const Face& face = model.faces[faces.first + below(faces.count)];
-    if (face.loops.count == 0) continue;
-    const Range coedges = model.loops[face.loops.first + below(face.loops.count)].coedges;
-    const std::uint32_t e = model.coedges[coedges.first + below(coedges.count)].edge;
+    const auto faces = FacesOf(model, model.parts[instance.part]);
+    const auto loops = LoopsOf(model, faces[below(faces.size())]);
+    if (loops.empty()) continue;
+    const auto coedges = CoedgesOf(model, loops[below(loops.size())]);
+    const std::uint32_t e = coedges[below(coedges.size())].edge;
     if (e == kNoIndex || model.edges[e].segments.count == 0) continue;
     // A point of it: an end, half of the time.
     const std::uint32_t where = below(4);
