@@ -193,7 +193,8 @@ class PlacedFaceRange {
     explicit Iterator(PlacedFace at) : at_(at) {}
     PlacedFace operator*() const { return at_; }
     Iterator& operator++() {
-      ++at_.id, ++at_.face;
+      ++at_.id;
+      ++at_.face;
       return *this;
     }
     bool operator==(const Iterator& other) const { return at_.face == other.at_.face; }

@@ -332,7 +332,8 @@ class Finder {
       const Vec3 h = edges_.Relative(point, 0, 0);
       const Vec2 at{h.x / h.z, h.y / h.z};
       if (!first) length += Length(at - before);
-      before = at, first = false;
+      before = at;
+      first = false;
       weight = std::min(weight, h.z);
     }
     constexpr double kShare = 1.0 / 16;  // of the reach, that a point may move

@@ -26,7 +26,10 @@ void AddBorder(ModelBuilder* builder, int shared) {
   for (int side = 0; side < 4; ++side) {
     Coedge coedge;
     const bool down = side == 3;
-    if (side == shared) coedge.edge = 0, coedge.reversed = down;
+    if (side == shared) {
+      coedge.edge = 0;
+      coedge.reversed = down;
+    }
     builder->AddCoedge(coedge);
     builder->AddTrimSegment({kCorners + side, 2}, down ? 1 : 0, down ? 0 : 1);
   }

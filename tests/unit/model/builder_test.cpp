@@ -272,21 +272,28 @@ INSTANTIATE_TEST_SUITE_P(
                   b.AddEdgeSegment(Points());
                 },
                 kBroken, "its degree is not 1"},
-        Refusal{"VertexNowhere", [](ModelBuilder& b) { b.AddVertex({NAN, 0, 0}); }, ErrorCode::kNotFinite,
-                "vertices[0]"},
-        Refusal{"SurfaceOfDegree0",
-                WithSurface([](testing::PatchGrid& g) { g.degree_u = 0, g.points.resize(2); }), kBroken,
-                "its degree is not 1"},
-        Refusal{"SpansThatDecrease", WithSurface([](testing::PatchGrid& g) { g.u_spans = {{1, 0}}; }),
+        Refusal{"VertexNowhere",
+                [](ModelBuilder& b) {
+                  b.AddVertex({NAN, 0, 0});
+                },
+                ErrorCode::kNotFinite, "vertices[0]"},
+        Refusal{"SurfaceOfDegree0", WithSurface([](testing::PatchGrid& g) {
+                  g.degree_u = 0;
+                  g.points.resize(2);
+                }),
+                kBroken, "its degree is not 1"},
+        Refusal{"SpansThatDecrease", WithSurface([](testing::PatchGrid& g) {
+                  g.u_spans = {{1, 0}};
+                }),
                 kBroken, "does not increase"},
-        Refusal{"SpansApart",
-                WithSurface([](testing::PatchGrid& g) {
+        Refusal{"SpansApart", WithSurface([](testing::PatchGrid& g) {
                   g.u_spans = {{0, 1}, {2, 3}};
                   g.points.resize(8, {0, 0, 0, 1});
                 }),
                 kBroken, "does not abut"},
         Refusal{"PointsThatAreMissing", WithSurface([](testing::PatchGrid& g) { g.points.pop_back(); }),
-                ErrorCode::kBadUsage, "The surface of faces[1] has 3 control points; its spans and degrees need 4."},
+                ErrorCode::kBadUsage,
+                "The surface of faces[1] has 3 control points; its spans and degrees need 4."},
         Refusal{"PointNowhere", WithSurface([](testing::PatchGrid& g) { g.points[2].x = INFINITY; }),
                 ErrorCode::kNotFinite, "control_points[6]"},
         Refusal{"NegativeWeight", WithSurface([](testing::PatchGrid& g) { g.points[2].w = -1; }), kBroken,
@@ -312,8 +319,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"EmptyBounds", [](ModelBuilder& b) { b.SetBounds({}); }, kBroken,
                 "they are empty or infinite"},
         // Divided by its weight the point is infinite, which no sum of the bounds is.
-        Refusal{"InfiniteBounds",
-                WithSurface([](testing::PatchGrid& g) {
+        Refusal{"InfiniteBounds", WithSurface([](testing::PatchGrid& g) {
                   for (Vec4& p : g.points) p = {1e300, 1e300, 1e300, 1e-200};
                 }),
                 kBroken, "they are empty or infinite"}),

@@ -14,7 +14,7 @@
 namespace facetless {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // A triangle of 1 mm² that `placements` say; the second one is hidden.
 struct Triangles {
@@ -39,7 +39,7 @@ struct Triangles {
   }
 };
 
-class MeshOutputFiles : public testing::Test {
+class MeshOutputFiles : public ::testing::Test {
  protected:
   // What is written there, read back.
   Mesh Read(const std::string& name) {
@@ -56,13 +56,13 @@ TEST_F(MeshOutputFiles, HiddenPlacementsAreLeftOutUnlessAskedFor) {
       WriteMeshFiles(triangles.model, triangles.mesh, MeshFormat::kStl, false, directory_.File("a.stl"));
   ASSERT_TRUE(said.ok()) << said.error().message;
   EXPECT_EQ(PlacedTriangleCount(Read("a.stl")), 1u);
-  EXPECT_THAT(said.value(), testing::Contains(HasSubstr("leaves out 1 placement that the file hides")));
+  EXPECT_THAT(said.value(), ::testing::Contains(HasSubstr("leaves out 1 placement that the file hides")));
 
   const auto all =
       WriteMeshFiles(triangles.model, triangles.mesh, MeshFormat::kStl, true, directory_.File("b.stl"));
   ASSERT_TRUE(all.ok());
   EXPECT_EQ(PlacedTriangleCount(Read("b.stl")), 2u);
-  EXPECT_THAT(all.value(), testing::ElementsAre("2 triangles; not watertight: 6 open edges"));
+  EXPECT_THAT(all.value(), ::testing::ElementsAre("2 triangles; not watertight: 6 open edges"));
 
   triangles.model.instances[0].hidden = true;
   const auto none =
@@ -96,7 +96,7 @@ TEST_F(MeshOutputFiles, StlThatRoundsTooMuchIsSaid) {
   const auto obj =
       WriteMeshFiles(triangles.model, triangles.mesh, MeshFormat::kObj, false, directory_.File("a.obj"));
   ASSERT_TRUE(obj.ok());
-  EXPECT_THAT(obj.value().front(), testing::Not(HasSubstr("warning")));
+  EXPECT_THAT(obj.value().front(), ::testing::Not(HasSubstr("warning")));
   EXPECT_THAT(ReadText(directory_.File("a.obj")), HasSubstr("v 10000002 0 0"));
 }
 
