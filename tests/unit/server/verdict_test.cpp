@@ -68,18 +68,16 @@ TEST(Verdict, SaysWhatBrokeByTheNameOfItsOption) {
   options.strict = true;
   options.fail.depth_mm = 0.25;
   options.fail.flip = 0.5;
-  const Findings findings = {.problems = {"the mesh is turned inside out"};
-  .lost = 3;
-  .unmeshed = 2;
-  .unit_known = false
-};
-EXPECT_THAT(VerdictSentences(VerdictJson(options, {{"front", 0, 0.5, 0, INFINITY, 0}}, findings)),
-            ElementsAre(HasSubstr("view 'front' breaks --fail-depth-mm: the value is 0.5, the limit is 0.25"),
-                        HasSubstr("--fail-flip: the value is infinite"), "the mesh is turned inside out",
-                        HasSubstr("lost 3"), HasSubstr("lacks 2 faces"), HasSubstr("--unit")));
-EXPECT_THAT(VerdictSentences(VerdictJson({}, {{"front", 0, 0.5, 0, 0, 0}}, {.problems = {}, .lost = 3})),
-            IsEmpty());
-}  // namespace
+  const Findings findings = {
+      .problems = {"the mesh is turned inside out"}, .lost = 3, .unmeshed = 2, .unit_known = false};
+  EXPECT_THAT(
+      VerdictSentences(VerdictJson(options, {{"front", 0, 0.5, 0, INFINITY, 0}}, findings)),
+      ElementsAre(HasSubstr("view 'front' breaks --fail-depth-mm: the value is 0.5, the limit is 0.25"),
+                  HasSubstr("--fail-flip: the value is infinite"), "the mesh is turned inside out",
+                  HasSubstr("lost 3"), HasSubstr("lacks 2 faces"), HasSubstr("--unit")));
+  EXPECT_THAT(VerdictSentences(VerdictJson({}, {{"front", 0, 0.5, 0, 0, 0}}, {.problems = {}, .lost = 3})),
+              IsEmpty());
+}
 
 TEST(Regress, SaysWhichToleranceBrokeAndInWhichView) {
   const auto verdict = nlohmann::json::parse(R"({"files": [
@@ -96,5 +94,5 @@ TEST(Regress, SaysWhichToleranceBrokeAndInWhichView) {
                           HasSubstr("lossy: the tolerance \"lost\" is broken"), "none: it cannot be read"));
 }
 
-}  // namespace facetless
+}  // namespace
 }  // namespace facetless

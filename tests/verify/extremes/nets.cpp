@@ -111,23 +111,23 @@ void AddKnots(Rows& rows) {
   for (const double gap : {1e-6, 1e-12, 4e-16}) {
     char input[80];
     std::snprintf(input, sizeof input, "bicubic, two knots %g apart in the middle", gap);
-    rows.push_back({
-      .group = "knots", .input = input, .expected = "right, through the short span too",
-      .model =
-          [=] {
-            return ModelOf({CutAt(BumpyPatch(3, 3, 10), {0.5, 0.5 + gap})});
-          },
-      .cameras =
-          [](const Model& model) {
-            std::vector<Camera> views = Around(model);
-            views.push_back(CloseTo(model, "top", {5, 5, 0}, 1e-9, 33));
-            return views;
-          },
-      // In float, leaves of the short span overlap for a good part of the close view.
-          .certified = {0.95, 0.99, 0.99};
-      .doubts = kDoubtSilhouette | kDoubtTwoRoots | kDoubtTrim | kDoubtUnresolved;
-      .depth_bound_mm = 1e-6
-    });
+    rows.push_back({.group = "knots",
+                    .input = input,
+                    .expected = "right, through the short span too",
+                    .model =
+                        [=] {
+                          return ModelOf({CutAt(BumpyPatch(3, 3, 10), {0.5, 0.5 + gap})});
+                        },
+                    .cameras =
+                        [](const Model& model) {
+                          std::vector<Camera> views = Around(model);
+                          views.push_back(CloseTo(model, "top", {5, 5, 0}, 1e-9, 33));
+                          return views;
+                        },
+                    // In float, leaves of the short span overlap for a good part of the close view.
+                    .certified = {0.95, 0.99, 0.99},
+                    .doubts = kDoubtSilhouette | kDoubtTwoRoots | kDoubtTrim | kDoubtUnresolved,
+                    .depth_bound_mm = 1e-6});
   }
   rows.push_back(
       {.group = "knots",
