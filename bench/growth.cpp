@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 Result<GrowthStep> MeasureStep(const Model& model, Camera camera, int size, int repeats) {
   camera.width_px = camera.height_px = size;
   DirectOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   std::vector<GrowthStep> runs;
   for (int run = 0; run < repeats; ++run) {
     GrowthStep step;

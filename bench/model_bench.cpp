@@ -88,8 +88,9 @@ class Measurement {
  public:
   Measurement(const BenchCase& bench_case, const ImporterSide& importer, const BenchOptions& options)
       : case_(bench_case), importer_(importer), options_(options) {
-    all_threads_ = options.threads > 0 ? options.threads
-                                       : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    all_threads_ = options.execution.threads > 0
+                       ? options.execution.threads
+                       : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     costs_.details = {{"file", case_.file},
                       {"view", case_.camera.name},
                       {"convert_ms", case_.model->info.convert_ms},
@@ -114,8 +115,7 @@ class Measurement {
 
   ViewOptions ViewOptionsOf(int threads) const {
     ViewOptions view;
-    view.threads = threads;
-    view.cancel = options_.cancel;
+    view.execution = {threads, options_.execution.cancel};
     return view;
   }
 
@@ -279,8 +279,7 @@ class Measurement {
            {std::pair{Precision::kStandard, &standard}, {Precision::kFast, &fast}}) {
         DirectOptions direct;
         direct.precision = precision;
-        direct.threads = threads;
-        direct.cancel = options_.cancel;
+        direct.execution = {threads, options_.execution.cancel};
         Result<DirectResult> traced = TraceDirect(scene, case_.camera, direct);
         if (!traced) return traced.error();
         if (round > 0) rates->push_back(Rate(traced.value().stats.rays, traced.value().stats.trace_ms));
@@ -288,7 +287,8 @@ class Measurement {
           one_thread_samples_ = std::move(traced.value().samples);
       }
       for (const auto& [deflection, tree] : trees) {
-        Result<BaselineResult> traced = TraceBaseline(tree, case_.camera, {threads, options_.cancel});
+        Result<BaselineResult> traced =
+            TraceBaseline(tree, case_.camera, {{threads, options_.execution.cancel}});
         if (!traced) return traced.error();
         if (round > 0)
           baseline[deflection].push_back(Rate(traced.value().stats.rays, traced.value().stats.trace_ms));

@@ -9,7 +9,6 @@
 //     compared (ModelCosts::details).
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/aims.h"
+#include "render/base/execution.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
 
@@ -50,9 +50,8 @@ struct ImporterSide {
 };
 
 struct BenchOptions {
-  int threads = 0;  // "all"; 0: all cores
+  Execution execution;  // its threads are "all"
   int repeats = 5;
-  const std::atomic<bool>* cancel = nullptr;
 };
 
 struct BenchCase {

@@ -66,7 +66,7 @@ Result<ThesisScene> MeasureThesisScene(const NamedScene& scene, int size, int re
   std::optional<Result<DirectResult>> direct;
   std::vector<double> traces[3];
   DirectOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   const std::vector<std::vector<double>> ms = TakeTurns(
       repeats, {[&] {
                   measured.martin = TraceMartin(patches, frame.value(), size, size);

@@ -320,10 +320,10 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
   try {
     result.samples.Resize(camera.width_px, camera.height_px);
     const TileTracer tracer(scene.data(), result.frame, result.samples);
-    RunWithThreads(options.threads, [&] {
+    RunWithThreads(options.execution.threads, [&] {
       ParallelForTiles(
           camera.height_px, camera.width_px, kTile, [&](int row, int row_end, int column, int column_end) {
-            if (options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed)) return;
+            if (options.execution.cancelled()) return;
             hits += options.sections.empty() ? tracer.Trace(column, column_end, row, row_end)
                                              : tracer.TraceCut(column, column_end, row, row_end, options);
           });
@@ -331,7 +331,7 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimitExceeded, "view '" + camera.name + "': its samples do not fit into memory"};
   }
-  if (options.cancel != nullptr && options.cancel->load()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (options.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
 
   result.stats.rays =
       static_cast<std::uint64_t>(camera.width_px) * static_cast<std::uint64_t>(camera.height_px);

@@ -17,11 +17,11 @@
 //     more.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
 
+#include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/model/mesh.h"
 #include "render/view/camera.h"
@@ -31,8 +31,7 @@
 namespace facetless {
 
 struct BaselineOptions {
-  int threads = 0;                              // 0: all cores
-  const std::atomic<bool>* cancel = nullptr;    // polled per tile; true ends the call with kCancelled
+  Execution execution;                          // polled per tile
   std::span<const SectionPlane> sections = {};  // what is cut away
   const SectionSolids* solids = nullptr;        // of the model; required with sections
 };

@@ -35,7 +35,8 @@ Result<void> CheckOptions(const ViewOptions& options) {
   if (options.samples < 1 || options.samples > kMaxSamples)
     return Error{ErrorCode::kBadUsage, std::to_string(options.samples) + " samples per pixel; 1 to " +
                                            std::to_string(kMaxSamples) + " can be taken"};
-  if (options.threads < 0) return Error{ErrorCode::kBadUsage, "the number of threads must not be negative"};
+  if (options.execution.threads < 0)
+    return Error{ErrorCode::kBadUsage, "the number of threads must not be negative"};
   return {};
 }
 
@@ -86,9 +87,9 @@ Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const I
   shade.edges = options.edges;
   shade.samples_x = exposure.grid.x;
   shade.samples_y = exposure.grid.y;
-  shade.threads = options.threads;
+  shade.execution = options.execution;
   Result<Film> film = inspection != nullptr ? Draw(subject.model, exposure.scene, exposure.samples,
-                                                   exposure.frame, *inspection, shade, options.cancel)
+                                                   exposure.frame, *inspection, shade)
                                             : Shade(exposure.samples, exposure.frame, subject.colors, shade);
   if (!film.ok()) return film.error();
   std::optional<Film> behind;
@@ -98,7 +99,7 @@ Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const I
     behind = std::move(shaded).value();
   }
   std::optional<Result<Image8>> image;
-  RunWithThreads(options.threads, [&] {
+  RunWithThreads(options.execution.threads, [&] {
     if (behind) BlendOver(exposure.samples, subject.colors, *behind, &film.value());
     Result<Film> resolved = Resolve(std::move(film).value(), exposure.grid.x, exposure.grid.y);
     if (resolved.ok() && options.lines != LineMode::kNone) DrawLines(exposure.lines, &resolved.value());
@@ -113,7 +114,7 @@ Result<std::optional<InspectionView>> Inspected(const Model& model, const Scene*
                                                 const ViewOptions& options) {
   if (options.inspection.kind == InspectionKind::kStudio) return std::optional<InspectionView>();
   Result<InspectionView> measured =
-      Measure(model, scene, centres, frame, options.inspection, options.threads, options.cancel);
+      Measure(model, scene, centres, frame, options.inspection, options.execution);
   if (!measured.ok()) return measured.error();
   return std::optional<InspectionView>(std::move(measured).value());
 }
@@ -162,7 +163,6 @@ class ViewMaker {
         camera_(camera),
         subject_(subject),
         options_(options),
-        execution_{options.threads, options.cancel},
         grid_(GridOf(options.samples)) {}
 
   // `reference`: a view whose lines are drawn, and which lends its faces to samples that name none; null: the representation finds
@@ -184,7 +184,7 @@ class ViewMaker {
                                                       {.uv = options_.uv || WantsUv(options_.inspection.kind),
                                                        .depth_error = options_.depth_error,
                                                        .audit = options_.audit},
-                                                      execution_);
+                                                      options_.execution);
     if (!traced.ok()) return traced.error();
     view_.traced = std::move(traced).value();
     color_frame_ = view_.traced.frame;
@@ -202,7 +202,7 @@ class ViewMaker {
     if (options_.samples == 1) return {};
     const Stopwatch stopwatch;
     Result<TracedView> color =
-        representation_.Trace(camera_.Supersampled(grid_.x, grid_.y), ColorRequest(), execution_);
+        representation_.Trace(camera_.Supersampled(grid_.x, grid_.y), ColorRequest(), options_.execution);
     if (!color.ok()) return color.error();
     color_frame_ = color.value().frame;
     view_.color_samples = std::move(color.value().samples);
@@ -217,9 +217,9 @@ class ViewMaker {
   Result<void> TraceBehind() {
     if (subject_.transparent.empty() || !representation_.names_faces()) return {};
     const Stopwatch stopwatch;
-    Result<TracedView> seen =
-        representation_.Trace(camera_.Supersampled(grid_.x, grid_.y),
-                              {.certificates = false, .leave_out = &subject_.transparent}, execution_);
+    Result<TracedView> seen = representation_.Trace(
+        camera_.Supersampled(grid_.x, grid_.y), {.certificates = false, .leave_out = &subject_.transparent},
+        options_.execution);
     if (!seen.ok()) return seen.error();
     behind_ = std::move(seen.value().samples);
     view_.color_ms += stopwatch.Milliseconds();
@@ -230,10 +230,9 @@ class ViewMaker {
     const Scene* scene = representation_.exact();
     if (scene == nullptr || (options_.lines == LineMode::kNone && !options_.find_lines)) return {};
     const Stopwatch stopwatch;
-    view_.lines =
-        FindLines(*scene, camera_, view_.traced.frame, view_.color(), color_frame_,
-                  {.sections = options_.sections, .threads = options_.threads, .cancel = options_.cancel});
-    if (execution_.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while finding lines"};
+    view_.lines = FindLines(*scene, camera_, view_.traced.frame, view_.color(), color_frame_,
+                            {.sections = options_.sections, .execution = options_.execution});
+    if (options_.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while finding lines"};
     std::erase_if(view_.lines, [&](const ViewLine& line) {
       return !line.visible && (options_.lines != LineMode::kHidden || line.kind == LineClass::kSeam ||
                                line.kind == LineClass::kSmooth);
@@ -268,7 +267,6 @@ class ViewMaker {
   const Camera& camera_;
   const Subject& subject_;
   const ViewOptions& options_;
-  const Execution execution_;
   const SampleGrid grid_;
   RepresentedView view_;
   CameraFrame color_frame_;  // of the colour pass
@@ -411,7 +409,7 @@ Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& base
     // Compare.
     const Stopwatch stopwatch;
     Result<void> compared;
-    RunWithThreads(options.threads,
+    RunWithThreads(options.execution.threads,
                    [&] { compared = CompareViews(scene.model(), baseline, options, comparison); });
     if (!compared.ok()) return compared.error();
     if (subject.solids) NameCaps(*subject.solids, &comparison.difference);

@@ -14,11 +14,11 @@
 //  6. Section planes cut both models (view/section.h). An audit counts the crossings of the whole model.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/difference.h"
 #include "render/compare/difference_picture.h"
@@ -35,12 +35,12 @@
 namespace facetless {
 
 struct ViewOptions {
+  Execution execution;
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
   // What the leaves of a view may take, and the search tree that a view alone needs (of what lies behind transparent faces).
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;
-  int threads = 0;  // 0: all cores
   bool edges = false;
   LineMode lines = LineMode::kNone;  // drawn over both pictures, from the exact model
   bool find_lines = false;           // fill DirectView::lines, whatever is drawn
@@ -54,7 +54,6 @@ struct ViewOptions {
   std::vector<SectionPlane> sections;  // what is cut away, of both models alike
   ColorMetricOptions color;
   DifferencePictureOptions picture;
-  const std::atomic<bool>* cancel = nullptr;
 };
 
 struct SampleGrid {

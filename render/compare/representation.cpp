@@ -14,8 +14,7 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   options.audit = request.audit;
   options.leave_out = request.leave_out;
   if (!request.certificates) options.check = CheckLevel::kNone;
-  options.threads = execution.threads;
-  options.cancel = execution.cancel;
+  options.execution = execution;
   Result<DirectResult> traced = TraceDirect(scene_, camera, options);
   if (!traced.ok()) return traced.error();
   TracedView view;
@@ -43,8 +42,7 @@ Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& re
     rest_scene.emplace(std::move(built).value());
     scene = &*rest_scene;
   }
-  Result<BaselineResult> traced =
-      TraceBaseline(*scene, camera, {execution.threads, execution.cancel, sections_, solids_});
+  Result<BaselineResult> traced = TraceBaseline(*scene, camera, {execution, sections_, solids_});
   if (!traced.ok()) return traced.error();
   view.frame = traced.value().frame;
   view.samples = std::move(traced.value().samples);

@@ -178,8 +178,8 @@ Result<void> CheckSizes(const SampleBuffer& samples) {
 }  // namespace
 
 Result<InspectionView> Measure(const Model& model, const Scene* scene, const SampleBuffer& centres,
-                               const CameraFrame& frame, const Inspection& inspection, int threads,
-                               const std::atomic<bool>* cancel) {
+                               const CameraFrame& frame, const Inspection& inspection,
+                               const Execution& execution) {
   if (Result<void> sound = CheckSizes(centres); !sound.ok()) return sound.error();
   InspectionView view;
   view.inspection = inspection;
@@ -187,8 +187,7 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
 
   // Numbers.
   if (HasValues(inspection.kind)) {
-    Result<PerSample<double>> values =
-        InspectionValues(model, scene, centres, frame, inspection, threads, cancel);
+    Result<PerSample<double>> values = InspectionValues(model, scene, centres, frame, inspection, execution);
     if (!values.ok()) return values.error();
     view.values = std::move(values).value();
     view.statistics = StatisticsOf(view.values, centres);
@@ -215,15 +214,14 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
 }
 
 Result<Film> Draw(const Model& model, const Scene* scene, const SampleBuffer& samples,
-                  const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options,
-                  const std::atomic<bool>* cancel) {
+                  const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options) {
   if (Result<void> sound = CheckSizes(samples); !sound.ok()) return sound.error();
   // Draft's picture has its classes; only scales need numbers for every sample.
   const bool scaled = NeedsExactSurface(view.inspection.kind), same = view.values.size() == samples.size();
   PerSample<double> own;
   if (scaled && !same) {
     Result<PerSample<double>> values =
-        InspectionValues(model, scene, samples, frame, view.inspection, options.threads, cancel);
+        InspectionValues(model, scene, samples, frame, view.inspection, options.execution);
     if (!values.ok()) return values.error();
     own = std::move(values).value();
   }
@@ -235,7 +233,7 @@ Result<Film> Draw(const Model& model, const Scene* scene, const SampleBuffer& sa
   film.height = samples.height;
   film.pixels.resize(samples.size());
   std::atomic<std::size_t> bad{kNoPixel};
-  RunWithThreads(options.threads, [&] {
+  RunWithThreads(options.execution.threads, [&] {
     ParallelFor(0, samples.height, [&](int y) {
       const std::size_t first = static_cast<std::size_t>(y) * samples.width;
       for (std::size_t i = first; i < first + samples.width; ++i) {

@@ -13,11 +13,11 @@
 //     back_pixels counts where the file's is turned away. Two tracers that agree in the samples agree in every byte; no libm.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/image/film.h"
 #include "render/inspect/values.h"
 #include "render/shade/shade.h"
@@ -46,14 +46,13 @@ struct InspectionView {
 // `centres` are the samples at pixel centres, of the model's `scene` or, where it is null, of a mesh.
 // Errors: those of InspectionValues.
 Result<InspectionView> Measure(const Model& model, const Scene* scene, const SampleBuffer& centres,
-                               const CameraFrame& frame, const Inspection& inspection, int threads,
-                               const std::atomic<bool>* cancel = nullptr);
+                               const CameraFrame& frame, const Inspection& inspection,
+                               const Execution& execution);
 
 // The picture of `samples`, which are the centres that `view` was measured at or a supersampling of them. `model` and `scene` as for
 // Measure. Errors: kSizeMismatch, kNotFinite (names the pixel), those of InspectionValues.
 Result<Film> Draw(const Model& model, const Scene* scene, const SampleBuffer& samples,
-                  const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options,
-                  const std::atomic<bool>* cancel = nullptr);
+                  const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options);
 
 // The legend as a picture of its own, `width` pixels wide and at least kLeastLegend; empty for kinds that need none.
 inline constexpr int kLeastLegend = 240;

@@ -143,26 +143,25 @@ bool WantsUv(InspectionKind kind) {
 
 Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scene,
                                            const SampleBuffer& samples, const CameraFrame& frame,
-                                           const Inspection& inspection, int threads,
-                                           const std::atomic<bool>* cancel) {
+                                           const Inspection& inspection, const Execution& execution) {
   if (NeedsExactSurface(inspection.kind) && (samples.uv.empty() || scene == nullptr))
     return Error{ErrorCode::kBadUsage, "shade: the samples hold no surface parameters to measure at"};
   if (samples.normal.size() != samples.size() || samples.face.size() != samples.size() ||
       (!samples.uv.empty() && samples.uv.size() != samples.size()))
     return Error{ErrorCode::kSizeMismatch, "depth, normal, face and uv of the samples have different sizes"};
   PerSample<double> values(samples.size());
-  RunWithThreads(threads, [&] {
+  RunWithThreads(execution.threads, [&] {
     const Evaluator evaluator(model, scene, samples, frame, inspection);
     const auto width = static_cast<std::size_t>(samples.width);
     ParallelFor(0, samples.height, [&](int y) {
-      if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) return;
+      if (execution.cancelled()) return;
       for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
         const double value = evaluator.At(i);
         values[i] = std::isfinite(value) ? value : kNone;
       }
     });
   });
-  if (cancel != nullptr && cancel->load()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
   return values;
 }
 

@@ -10,11 +10,11 @@
 //  5. The same values for any number of threads and any instruction set: no libm but sqrt.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/base/large_pages.h"
 #include "render/inspect/inspection.h"
 #include "render/nurbs/surface_eval.h"
@@ -37,12 +37,10 @@ bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i
 // Whether the tracer must fill uv for Values to be exact.
 bool WantsUv(InspectionKind kind);
 
-// Requires HasValues. `scene` is the model's, or null: a mesh's samples. `cancel` is polled; true ends the
-// call with kCancelled. Errors: kBadUsage (law 1), kSizeMismatch.
+// Requires HasValues. `scene` is the model's, or null: a mesh's samples. Errors: kBadUsage (law 1), kSizeMismatch, kCancelled.
 Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scene,
                                            const SampleBuffer& samples, const CameraFrame& frame,
-                                           const Inspection& inspection, int threads,
-                                           const std::atomic<bool>* cancel = nullptr);
+                                           const Inspection& inspection, const Execution& execution);
 
 struct ValueStatistics {
   std::size_t count = 0, none = 0;  // hits with and without a number

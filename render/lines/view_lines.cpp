@@ -17,8 +17,8 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
                            const LineOptions& options) {
   const Model& model = scene.model();
   std::vector<ViewLine> whole =
-      EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame, options.cancel);
-  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame, options.cancel);
+      EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame, options.execution.cancel);
+  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame, options.execution.cancel);
   whole.insert(whole.end(), std::make_move_iterator(silhouettes.begin()),
                std::make_move_iterator(silhouettes.end()));
   if (options.sections.empty()) return whole;
@@ -27,7 +27,7 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
   std::vector<ViewLine> lines;
   for (ViewLine& line : whole) ClipLine(frame, options.sections, -1, std::move(line), &lines);
   for (int k = 0; k < static_cast<int>(options.sections.size()); ++k)
-    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame, options.cancel))
+    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame, options.execution.cancel))
       ClipLine(frame, options.sections, k, std::move(line), &lines);
   return lines;
 }
@@ -58,7 +58,7 @@ std::vector<ViewLine> FindLines(const Scene& scene, const Camera& camera, const 
                                 const SampleBuffer& samples, const CameraFrame& sample_frame,
                                 const LineOptions& options) {
   std::vector<ViewLine> lines;
-  RunWithThreads(options.threads, [&] {
+  RunWithThreads(options.execution.threads, [&] {
     lines = SplitByVisibility(Find(scene, camera, frame, options), frame, samples, sample_frame,
                               JoinedFaces(scene.model()));
   });

@@ -1,19 +1,18 @@
 // All lines of a view: edges, silhouettes and the outlines of cuts, with what hides them.
 #pragma once
 
-#include <atomic>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/lines/line.h"
 #include "render/trace/direct.h"
 
 namespace facetless {
 
 struct LineOptions {
-  double edge_angle_deg = 20;                 // above it an edge is a feature
-  std::vector<SectionPlane> sections;         // as the samples were traced with
-  int threads = 0;                            // 0: all cores
-  const std::atomic<bool>* cancel = nullptr;  // polled; true ends the call with whatever there is
+  double edge_angle_deg = 20;          // above it an edge is a feature
+  std::vector<SectionPlane> sections;  // as the samples were traced with
+  Execution execution;                 // cancelled, the call ends with whatever there is
 };
 
 // `samples`: of the same view, or of Supersampled of it, with their frame. Lines end a little beside the picture, and come

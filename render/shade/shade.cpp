@@ -111,7 +111,7 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
   film.height = samples.height;
   film.pixels.resize(samples.size());
   std::atomic<std::size_t> bad{kNoPixel};
-  RunWithThreads(options.threads, [&] {
+  RunWithThreads(options.execution.threads, [&] {
     ParallelFor(0, samples.height, [&](int y) {
       const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, options, y, film);
       std::size_t known = bad.load();
@@ -144,7 +144,7 @@ void HatchCap(const ShadeOptions& options, std::uint32_t face, double x, double 
 
 void DrawFeatureEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
                       Film& film) {
-  RunWithThreads(options.threads, [&] { DrawEdges(samples, frame, options, film); });
+  RunWithThreads(options.execution.threads, [&] { DrawEdges(samples, frame, options, film); });
 }
 
 }  // namespace facetless

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <span>
 
+#include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/image/film.h"
 #include "render/model/model.h"
@@ -35,7 +36,7 @@ struct ShadeOptions {
   Color fallback;                    // of a face id beyond `colors`
   // Face ids from here on are caps, those of a plane following each other by solid (view/section.h).
   std::uint32_t first_cap = kNoIndex, cap_stride = 1;
-  int threads = 0;  // 0: all cores
+  Execution execution;  // shading is short, and is not cancelled
 };
 
 // `colors` by placed-face id (sRGB); `frame` is the one that the samples were traced with. Errors:

@@ -186,7 +186,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   PerThread<Tally> tallies;
   if (options.sections.empty()) {
     ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
-      if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
+      if (options.execution.cancelled()) return;
       TileTracer& tracer = tracers.local();
       tracer.Trace(tile, nullptr);
       WriteTile(shared, tracer, &samples, &tallies.local());
@@ -196,12 +196,11 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     PerThread<SectionTracer> sections(
         [&] { return SectionTracer(shared, options.sections, solids, certify); });
     ParallelFor(0, view.tiles->tiles_x() * view.tiles->tiles_y(), [&](int tile) {
-      if (options.cancel && options.cancel->load(std::memory_order_relaxed)) return;
+      if (options.execution.cancelled()) return;
       sections.local().Trace(tile, &tracers.local(), &samples, &tallies.local());
     });
   }
-  if (options.cancel && options.cancel->load())
-    return Error{ErrorCode::kCancelled, "cancelled while tracing"};
+  if (options.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
   result.stats.trace_ms = tracing.Milliseconds();
 
   // Add up.
@@ -249,7 +248,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
 
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options) {
   std::optional<Result<DirectResult>> result;
-  RunWithThreads(options.threads, [&] { result = Trace(scene, camera, options); });
+  RunWithThreads(options.execution.threads, [&] { result = Trace(scene, camera, options); });
   return *std::move(result);
 }
 

@@ -8,12 +8,12 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/model/model.h"
 #include "render/view/camera.h"
 #include "render/view/doubt.h"
@@ -56,17 +56,16 @@ struct CheckStats {
 };
 
 struct DirectOptions {
+  Execution execution;
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // a root's error bound, as a share of half its leaf, at which the iteration
                                 // stops; 0: the precision's own (2^-42, fast 2^-17)
-  int threads = 0;              // 0: all cores
   bool uv = false;              // fill samples.uv
   bool depth_error = false;     // fill samples.depth_error
   bool audit = false;           // count every crossing of every ray; of the whole model, sections or not
   std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
-  const std::atomic<bool>* cancel = nullptr;         // polled; true ends the call with kCancelled
   // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an audit, whose solids would be open.
   const std::vector<bool>* leave_out = nullptr;
 };

@@ -40,7 +40,7 @@ class Preparation {
     window_.nets = &nets;
     window_.arithmetic = options.precision == Precision::kFast ? kFloatArithmetic : kDoubleArithmetic;
     if (options.newton_tolerance > 0) window_.arithmetic.tolerance = options.newton_tolerance;
-    budget_.cancel = options.cancel;
+    budget_.cancel = options.execution.cancel;
     max_bytes_ = static_cast<std::int64_t>(options.max_bytes);
     leave_out_ = options.leave_out;
   }

@@ -181,7 +181,7 @@ class Measurement {
               const SectionSolids& solids, const SectionAreaOptions& options, TileKernel kernel)
       : scene_(scene),
         solids_(solids),
-        rows_(scene, planes, index, solids_, options.max_bytes, options.cancel, kernel) {}
+        rows_(scene, planes, index, solids_, options.max_bytes, options.execution.cancel, kernel) {}
 
   Result<SectionArea> Run() {
     const SectionScan& scan = rows_.scan();
@@ -309,7 +309,7 @@ Result<SectionArea> MeasureSection(const Scene& scene, std::span<const SectionPl
   moved[index].point = moved[index].point + place.offset * moved[index].normal;
 
   std::optional<Result<SectionArea>> result;
-  RunWithThreads(options.threads, [&] {
+  RunWithThreads(options.execution.threads, [&] {
     result = Measurement(scene.data(), moved, index, solids, options, kernels.value().trace_tile).Run();
   });
   if (!result->ok()) return *std::move(result);

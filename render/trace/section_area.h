@@ -16,11 +16,11 @@
 //  6. The work is bounded: blocks by kMostDivided, subdivision by a number of pieces, and rows that cannot be decided divide no block.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/trace/direct.h"
 #include "render/view/section.h"
 
@@ -55,9 +55,8 @@ struct SectionArea {
 };
 
 struct SectionAreaOptions {
-  int threads = 0;  // 0: all cores
+  Execution execution;
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;
-  const std::atomic<bool>* cancel = nullptr;
 };
 
 // Of plane `index` of `planes`. Errors: kBadUsage (planes), kCancelled, kLimitExceeded (leaves).

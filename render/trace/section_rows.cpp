@@ -71,7 +71,7 @@ SectionRows::SectionRows(const Scene::Data& scene, std::span<const SectionPlane>
   for (std::size_t i = 0; i < planes.size(); ++i)
     if (i != index) others_.push_back(planes[i]);
   options_.max_bytes = max_bytes;
-  options_.cancel = cancel;
+  options_.execution.cancel = cancel;
 }
 
 SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const {

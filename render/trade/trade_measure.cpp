@@ -32,8 +32,8 @@ ViewOptions TimedOptions(const TradeSetting& setting, const TradeViewOptions& op
   view.precision = setting.precision;
   view.newton_tolerance = setting.newton_tolerance;
   view.max_bytes = options.max_bytes;
-  view.threads = options.threads;
-  view.cancel = options.budget != nullptr ? options.budget : options.cancel;
+  view.execution = options.execution;
+  if (options.budget != nullptr) view.execution.cancel = options.budget;
   return view;
 }
 
@@ -42,7 +42,7 @@ ViewOptions PictureOptions(const TradeSetting& setting, int samples, const Trade
   ViewOptions view = TimedOptions(setting, options);
   view.samples = samples;
   view.max_bytes = DirectOptions{}.max_bytes;
-  view.cancel = options.cancel;
+  view.execution = options.execution;
   return view;
 }
 

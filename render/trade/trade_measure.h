@@ -10,6 +10,7 @@
 #include <atomic>
 #include <functional>
 
+#include "render/base/execution.h"
 #include "render/baseline/tracer.h"
 #include "render/compare/compare_view.h"
 #include "render/trade/trade.h"
@@ -20,10 +21,9 @@ inline constexpr double kCheapMs = 1000;
 inline constexpr int kRepetitions = 5;
 
 struct TradeViewOptions {
-  int threads = 0;                                      // 0: all cores
+  Execution execution;
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // of a timed run's leaves
-  const std::atomic<bool>* budget = nullptr;  // as cancel, for timed runs alone; null: cancel itself
-  const std::atomic<bool>* cancel = nullptr;
+  const std::atomic<bool>* budget = nullptr;  // as execution.cancel, for timed runs alone; null: that itself
 };
 
 struct TradeReference {

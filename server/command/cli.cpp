@@ -234,46 +234,29 @@ int RunCommandLine(int argc, char** argv) {
   store_check->add_option("DIR", arguments.file, "Data directory")->required();
 
   // Their options.
-  for (CLI::App* command : {render, compare}) {
+  for (CLI::App* command : {render, compare, trade})
     command->add_option("--out", arguments.out, "Directory for the results; made if absent")
         ->required()
         ->type_name("DIR");
-    AddViewOptions(command, options);
-    AddPictureOptions(command, options);
-  }
-  AddTurntableOptions(render, options);
-  trade->add_option("--out", arguments.out, "Directory for the results; made if absent")
-      ->required()
-      ->type_name("DIR");
-  AddCameraOptions(trade, options);
-  AddTradeOptions(trade, options);
-  AddShowHiddenOption(trade, options);
-  AddCameraOptions(bench, options);
-  AddBenchOptions(bench, arguments);
   mesh->add_option("--out", arguments.out,
                    "The file to write; its suffix is the format: .glb, .stl, .obj, .3mf")
       ->required()
       ->type_name("FILE");
-  AddShowHiddenOption(mesh, options);
-  options.Text(compare, "mesh", "glTF binary or STL file to compare with, instead of our own tessellation",
-               "FILE");
-  options.Text(compare, "mesh-unit", "Unit of --mesh: mm, cm, m, in, ft (default: glTF m, STL mm)", "UNIT");
-  options.Text(compare, "mesh-up", "Up axis of --mesh: y or z (default: glTF y, STL z)", "AXIS");
-  for (CLI::App* command : {mesh, compare}) AddTessellationOptions(command, options);
-  options.Switch(compare, "mesh-deviation",
-                 "Also measure every triangle against the exact surface (mesh.bin)");
-  options.Number(compare, "fail-deviation-mm", "Fail if the surfaces are farther apart", "MM");
-  options.Number(compare, "fail-depth-mm", "Fail if a depth differs by more", "MM");
-  options.Number(compare, "fail-silhouette-px", "Fail if silhouettes are farther apart", "PX");
-  options.Number(compare, "fail-flip", "Fail if the mean FLIP error is larger (0 … 1)", "X");
-  options.Number(compare, "fail-share", "Fail if a larger share of the pixels differs (0 … 1)", "X");
-  for (CLI::App* command : {inspect, continuity, render, mesh, compare, trade})
-    options.Switch(command, "strict", "Fail (exit code 2) if anything of the file was lost");
+  AddBenchOptions(bench, arguments);
   regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
   regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
-  options.Number(regress, "threads", "Threads; 0 (default) is one per core", "N");
-  for (CLI::App* command : {inspect, continuity, render, mesh, compare, trade, bench, regress})
-    AddImportOptions(command, options, arguments);
+  for (const auto& [command, bit] : {std::pair{inspect, kInspect},
+                                     {continuity, kContinuity},
+                                     {render, kRender},
+                                     {mesh, kMesh},
+                                     {compare, kCompare},
+                                     {trade, kTrade},
+                                     {bench, kBench},
+                                     {regress, kRegress}}) {
+    AddOptions(command, bit, options);
+    command->add_flag("--progress", arguments.progress,
+                      "Print progress even if standard error is no terminal");
+  }
 
   // Parse: help and version end with 0, everything that is wrong with 64.
   try {

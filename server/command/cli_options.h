@@ -1,7 +1,7 @@
-// The options of each group of commands, as --help shows them.
+// The options of the commands, as --help shows them.
 //
-//  1. An option of a run is collected as JSON under its own name, and checked where requests over HTTP are (options.h): every check
-//     exists once.
+//  1. An option of a run is a row of the option table; it is collected as JSON under its own name, and checked where requests over HTTP are
+//     (options.h): every check exists once.
 #pragma once
 
 #include <string>
@@ -10,6 +10,7 @@
 
 #include "render/base/result.h"
 #include "server/command/commands.h"
+#include "server/options/option_table.h"
 
 namespace CLI {
 class App;
@@ -19,11 +20,8 @@ namespace facetless {
 
 class OptionCollector {
  public:
-  void Text(CLI::App* app, const std::string& flag, const std::string& help, const std::string& type);
-  void Number(CLI::App* app, const std::string& flag, const std::string& help, const std::string& type);
-  void Switch(CLI::App* app, const std::string& flag, const std::string& help);
-  // May be given several times.
-  void List(CLI::App* app, const std::string& flag, const std::string& help, const std::string& type);
+  // Lets `app` take the option.
+  void Add(CLI::App* app, const OptionRow& row);
 
   // What was given. Errors: kBadUsage (a camera that is no JSON, or whose file cannot be read).
   Result<nlohmann::json> Take();
@@ -32,14 +30,9 @@ class OptionCollector {
   nlohmann::json json_ = nlohmann::json::object();
 };
 
-void AddCameraOptions(CLI::App* app, OptionCollector& options);
-void AddViewOptions(CLI::App* app, OptionCollector& options);  // those of cameras, too
-void AddShowHiddenOption(CLI::App* app, OptionCollector& options);
-void AddPictureOptions(CLI::App* app, OptionCollector& options);
-void AddTurntableOptions(CLI::App* app, OptionCollector& options);
-void AddTessellationOptions(CLI::App* app, OptionCollector& options);
-void AddTradeOptions(CLI::App* app, OptionCollector& options);
+// Those that the command, one bit of Commands, takes, in the order of the table and under its headings.
+void AddOptions(CLI::App* app, Commands command, OptionCollector& options,
+                const OptionTable& table = AllOptions());
 void AddBenchOptions(CLI::App* app, CommandArguments& arguments);
-void AddImportOptions(CLI::App* app, OptionCollector& options, CommandArguments& arguments);
 
 }  // namespace facetless

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -38,5 +39,13 @@ Result<std::vector<std::string>> ParseWords(const nlohmann::json& json, const st
 // A list of numbers, or one string with commas; not empty.
 Result<std::vector<double>> ParseNumbers(const nlohmann::json& json, const std::string& name, double low,
                                          double high);
+
+// Puts what was read into `target`, or passes its error on.
+template <typename Parsed, typename Target>
+Result<void> Store(Parsed parsed, Target& target) {
+  if (!parsed) return parsed.error();
+  target = std::move(parsed).value();
+  return {};
+}
 
 }  // namespace facetless

@@ -1,262 +1,18 @@
 #include "server/options/options.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <set>
 #include <utility>
 
 #include "render/compare/compare_view.h"
 #include "server/options/option_values.h"
-#include "server/options/shade_option.h"
 
 namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
-
-Result<void> ParseSize(const Json& json, RunOptions& options) {
-  constexpr int kMaxPixels = 65536;
-  const Error error =
-      BadUsage("size is " + Quoted(json) + ", but must be WIDTHxHEIGHT, each from 1 to 65536 pixels");
-  int width = 0, height = 0;
-  if (json.is_array() && json.size() == 2 && json[0].is_number_integer() && json[1].is_number_integer()) {
-    width = static_cast<int>(std::clamp<std::int64_t>(json[0].get<std::int64_t>(), 0, kMaxPixels + 1));
-    height = static_cast<int>(std::clamp<std::int64_t>(json[1].get<std::int64_t>(), 0, kMaxPixels + 1));
-  } else if (json.is_string()) {
-    const std::string text = json.get<std::string>();
-    const char* end = text.data() + text.size();
-    const auto first = std::from_chars(text.data(), end, width);
-    if (first.ec != std::errc{} || first.ptr == end || *first.ptr != 'x') return error;
-    const auto second = std::from_chars(first.ptr + 1, end, height);
-    if (second.ec != std::errc{} || second.ptr != end) return error;
-  }
-  if (width < 1 || width > kMaxPixels || height < 1 || height > kMaxPixels) return error;
-  options.width = width;
-  options.height = height;
-  return {};
-}
-
-Result<void> ParseSamples(const Json& json, RunOptions& options) {
-  auto samples = ParseInteger(json, "samples", 1, 64);
-  if (!samples) return samples.error();
-  // Pixels are square, so a grid that is much finer along one axis wastes its samples.
-  const SampleGrid grid = GridOf(samples.value());
-  if (std::max(grid.x, grid.y) > 2 * std::min(grid.x, grid.y)) {
-    std::string allowed;
-    for (int n = 1; n <= 64; ++n) {
-      const SampleGrid other = GridOf(n);
-      if (std::max(other.x, other.y) <= 2 * std::min(other.x, other.y)) allowed += " " + std::to_string(n);
-    }
-    return BadUsage("samples is " + Quoted(json) + ", which makes no near-square grid; use one of" + allowed);
-  }
-  options.samples = samples.value();
-  return {};
-}
-
-// Parsers by name. Each stores into the options what it read.
-using Parser = std::function<Result<void>(const Json&, RunOptions&)>;
-
-template <typename Parsed, typename Target>
-Result<void> Store(Parsed parsed, Target& target) {
-  if (!parsed) return parsed.error();
-  target = std::move(parsed).value();
-  return {};
-}
-
-Parser NumberParser(const char* name, double low, double high,
-                    const std::function<void(RunOptions&, double)>& store) {
-  return [=](const Json& json, RunOptions& options) -> Result<void> {
-    auto number = ParseNumber(json, name, low, high);
-    if (!number) return number.error();
-    store(options, number.value());
-    return {};
-  };
-}
-
-template <typename Enum>
-Parser WordParser(const char* name, const std::vector<std::string>& words, Enum RunOptions::*member) {
-  return [=](const Json& json, RunOptions& options) -> Result<void> {
-    auto index = ParseWord(json, name, words);
-    if (!index) return index.error();
-    if constexpr (std::is_same_v<Enum, std::string>) {
-      options.*member = words[static_cast<std::size_t>(index.value())];
-    } else {
-      options.*member = static_cast<Enum>(index.value());
-    }
-    return {};
-  };
-}
-
-Parser BoolParser(const char* name, bool RunOptions::*member) {
-  return [=](const Json& json, RunOptions& options) { return Store(ParseBool(json, name), options.*member); };
-}
-
-Parser LimitParser(const char* name, std::optional<double> Thresholds::*member) {
-  return NumberParser(name, 0, INFINITY,
-                      [=](RunOptions& options, double value) { options.fail.*member = value; });
-}
-
-Parser NumbersParser(const char* name, double low, double high, std::vector<double> TradeOptions::*member) {
-  return [=](const Json& json, RunOptions& options) {
-    return Store(ParseNumbers(json, name, low, high), options.trade.*member);
-  };
-}
-
-Result<void> ParseCameras(const Json& json, RunOptions& options) {
-  options.cameras = json.is_array() ? json : Json::array({json});
-  if (options.cameras.empty()) return BadUsage("camera is an empty list");
-  for (const Json& camera : options.cameras) {
-    if (!camera.is_object()) return BadUsage("camera is " + Quoted(camera) + ", but must be an object");
-  }
-  return {};
-}
-
-Result<void> ParseViews(const Json& json, RunOptions& options) {
-  auto views = ParseWords(json, "view");
-  if (!views) return views.error();
-  if (views.value().empty()) return BadUsage("view is an empty list");
-  for (const std::string& view : views.value()) {
-    if (std::find(ViewNames().begin(), ViewNames().end(), view) == ViewNames().end())
-      return BadUsage("there is no view \"" + view + "\"; the views are " + Joined(ViewNames()));
-  }
-  options.views = std::move(views).value();
-  return {};
-}
-
-// A unit by its name, or its length in millimetres, as a number or as text.
-Result<void> ParseUnit(const Json& json, RunOptions& options) {
-  constexpr std::array<std::pair<const char*, double>, 20> kUnits{
-      {{"mm", 1},       {"millimetre", 1},      {"cm", 10},        {"centimetre", 10},
-       {"m", 1000},     {"metre", 1000},        {"km", 1e6},       {"kilometre", 1e6},
-       {"um", 1e-3},    {"micrometre", 1e-3},   {"in", 25.4},      {"inch", 25.4},
-       {"ft", 304.8},   {"foot", 304.8},        {"yd", 914.4},     {"yard", 914.4},
-       {"mil", 0.0254}, {"microinch", 2.54e-5}, {"mile", 1609344}, {"dm", 100}}};
-  constexpr double kLeast = 1e-9, kMost = 1e9;
-  double value = 0;
-  if (json.is_number()) {
-    value = json.get<double>();
-  } else if (json.is_string()) {
-    const std::string text = json.get<std::string>();
-    const auto named =
-        std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& unit) { return text == unit.first; });
-    if (named != kUnits.end()) {
-      value = named->second;
-    } else {
-      const auto end = text.data() + text.size();
-      const auto parsed = std::from_chars(text.data(), end, value);
-      if (parsed.ec != std::errc{} || parsed.ptr != end) value = 0;
-    }
-  }
-  if (!(value >= kLeast && value <= kMost))
-    return Error{
-        ErrorCode::kBadUsage,
-        "unit must be a name (mm, cm, m, km, um, in, ft, yd, mil) or its length in millimetres, 1e-9 to 1e9"};
-  options.unit_mm = value;
-  return {};
-}
-
-Result<void> ParseAovs(const Json& json, RunOptions& options) {
-  static const std::vector<std::string> kNames = {"depth", "normal", "face", "uv", "certificate"};
-  auto aovs = ParseWords(json, "aov");
-  if (!aovs) return aovs.error();
-  for (const std::string& aov : aovs.value()) {
-    if (std::find(kNames.begin(), kNames.end(), aov) == kNames.end())
-      return BadUsage("there is no AOV \"" + aov + "\"; the AOVs are " + Joined(kNames));
-  }
-  options.aovs = std::move(aovs).value();
-  return {};
-}
-
-std::vector<std::pair<std::string, Parser>> MakeParsers() {
-  std::vector<std::pair<std::string, Parser>> parsers = {
-      {"view", ParseViews},
-      {"camera", ParseCameras},
-      {"size", ParseSize},
-      {"projection", WordParser("projection", {"orthographic", "perspective"}, &RunOptions::projection)},
-      {"samples", ParseSamples},
-      {"precision", WordParser("precision", {"fast", "standard", "certified"}, &RunOptions::precision)},
-      {"check", WordParser("check", {"auto", "none", "share", "all"}, &RunOptions::check)},
-      {"newton_tolerance", NumberParser("newton_tolerance", 1e-13, 1e-3,
-                                        [](RunOptions& o, double v) { o.newton_tolerance = v; })},
-      {"threads", [](const Json& json,
-                     RunOptions& o) { return Store(ParseInteger(json, "threads", 0, 1024), o.threads); }},
-      {"timeout", NumberParser("timeout", 0, INFINITY, [](RunOptions& o, double v) { o.timeout_s = v; })},
-      {"audit", BoolParser("audit", &RunOptions::audit)},
-      {"edges", BoolParser("edges", &RunOptions::edges)},
-      {"mesh_deviation", BoolParser("mesh_deviation", &RunOptions::mesh_deviation)},
-      {"background", WordParser("background", {"studio", "transparent"}, &RunOptions::background)},
-      {"shade", [](const Json& json, RunOptions& o) { return Store(ParseShade(json), o.inspection); }},
-      {"orient", WordParser("orient", {"file", "viewer"}, &RunOptions::orient)},
-      {"lines", WordParser("lines", {"none", "visible", "hidden"}, &RunOptions::lines)},
-      {"svg", BoolParser("svg", &RunOptions::svg)},
-      {"section", [](const Json& json, RunOptions& o) { return Store(ParseSections(json), o.sections); }},
-      {"aov", ParseAovs},
-      {"mesh", [](const Json& json, RunOptions& o) { return Store(ParseText(json, "mesh"), o.mesh); }},
-      {"mesh_unit", WordParser("mesh_unit", {"mm", "cm", "m", "in", "ft"}, &RunOptions::mesh_unit)},
-      {"mesh_up", WordParser("mesh_up", {"y", "z"}, &RunOptions::mesh_up)},
-      {"deflection",
-       NumberParser("deflection", 1e-9, 1, [](RunOptions& o, double v) { o.tessellation.deflection = v; })},
-      // The smallest normal double stands for "greater than 0".
-      {"deflection_mm", NumberParser("deflection_mm", std::numeric_limits<double>::min(), 1e12,
-                                     [](RunOptions& o, double v) { o.tessellation.deflection_mm = v; })},
-      {"angular",
-       NumberParser("angular", 0.1, 90, [](RunOptions& o, double v) { o.tessellation.angular_deg = v; })},
-      {"mesh_timeout", NumberParser("mesh_timeout", 0.01, 1e6,
-                                    [](RunOptions& o, double v) { o.import_limits.mesh_timeout_s = v; })},
-      {"import_timeout", NumberParser("import_timeout", 0.01, 1e6,
-                                      [](RunOptions& o, double v) { o.import_limits.timeout_s = v; })},
-      {"import_memory", NumberParser("import_memory", 64, 1e9,
-                                     [](RunOptions& o, double v) {
-                                       o.import_limits.memory_mb = static_cast<std::uint64_t>(v);
-                                     })},
-      {"max_view_memory", NumberParser("max_view_memory", 1, 1e9,
-                                       [](RunOptions& o, double v) {
-                                         o.max_view_bytes = static_cast<std::uint64_t>(v * (1 << 20));
-                                       })},
-      {"unit", ParseUnit},
-      {"strict", BoolParser("strict", &RunOptions::strict)},
-      {"deflections", NumbersParser("deflections", 1e-9, 1, &TradeOptions::deflections)},
-      {"angles", NumbersParser("angles", 0.1, 90, &TradeOptions::angles_deg)},
-      {"tolerances", NumbersParser("tolerances", 1e-13, 1e-3, &TradeOptions::tolerances)},
-      {"budget_seconds",
-       NumberParser("budget_seconds", 0.01, 1e6, [](RunOptions& o, double v) { o.trade.budget_s = v; })},
-      {"budget_memory", NumberParser("budget_memory", 16, 1e9,
-                                     [](RunOptions& o, double v) {
-                                       o.trade.budget_mb = static_cast<std::uint64_t>(v);
-                                     })},
-      // The smallest normal double stands for "greater than 0".
-      {"max_error_mm", NumberParser("max_error_mm", std::numeric_limits<double>::min(), 1e12,
-                                    [](RunOptions& o, double v) { o.trade.limits.error_mm = v; })},
-      {"max_error_px", NumberParser("max_error_px", std::numeric_limits<double>::min(), 65536,
-                                    [](RunOptions& o, double v) { o.trade.limits.error_px = v; })},
-      {"error_measure",
-       [](const Json& json, RunOptions& o) -> Result<void> {
-         auto index = ParseWord(json, "error_measure", {"mean", "p95", "p99", "max"});
-         if (!index) return index.error();
-         o.trade.measure = static_cast<ErrorMeasure>(index.value());
-         return {};
-       }},
-      {"fail_deviation_mm", LimitParser("fail_deviation_mm", &Thresholds::deviation_mm)},
-      {"fail_depth_mm", LimitParser("fail_depth_mm", &Thresholds::depth_mm)},
-      {"fail_silhouette_px", LimitParser("fail_silhouette_px", &Thresholds::silhouette_px)},
-      {"fail_flip", LimitParser("fail_flip", &Thresholds::flip)},
-      {"fail_share", LimitParser("fail_share", &Thresholds::share)},
-  };
-  for (const std::string& name : PictureOptionNames())
-    parsers.emplace_back(name, [name](const Json& json, RunOptions& options) {
-      return ParsePictureOption(name, json, options.picture);
-    });
-  return parsers;
-}
-
-const std::vector<std::pair<std::string, Parser>>& Parsers() {
-  static const std::vector<std::pair<std::string, Parser>> parsers = MakeParsers();
-  return parsers;
-}
 
 Result<Vec3> ParsePoint(const Json& json, const std::string& name) {
   const Error error = BadUsage("camera." + name + " is " + Quoted(json) + ", but must be [x, y, z]");
@@ -291,40 +47,26 @@ bool RunOptions::WantsAov(const std::string& name) const {
   return std::find(aovs.begin(), aovs.end(), name) != aovs.end();
 }
 
-Result<RunOptions> ParseOptions(const Json& json) {
+Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
   if (!json.is_object()) return BadUsage("the options must be a JSON object");
   RunOptions options;
   std::set<std::string> given;
   for (const auto& [key, value] : json.items()) {
-    std::string name = key;
-    std::replace(name.begin(), name.end(), '-', '_');
-    const auto parser = std::find_if(Parsers().begin(), Parsers().end(),
-                                     [&](const auto& entry) { return entry.first == name; });
-    if (parser == Parsers().end())
-      return BadUsage("there is no option " + Shortened(key) + Suggestion(name, OptionNames()) +
-                      "; the options are " + Joined(OptionNames()));
-    if (!given.insert(name).second) return BadUsage("the option " + name + " is given twice");
-    if (auto parsed = parser->second(value, options); !parsed) return parsed.error();
+    const OptionRow* row = FindOption(key, table);
+    if (row == nullptr)
+      return BadUsage("there is no option " + Shortened(key) +
+                      Suggestion(OptionName(key), OptionNames(table)) + "; the options are " +
+                      Joined(OptionNames(table)));
+    if (!given.insert(row->name).second) return BadUsage("the option " + row->name + " is given twice");
+    if (auto stored = row->binding.store(*row, value, options); !stored) return stored.error();
   }
-  // Options that exclude each other.
-  const std::pair<const char*, const char*> exclusive[] = {
-      {"view", "camera"},  {"deflection", "deflection_mm"}, {"mesh", "deflection"}, {"mesh", "deflection_mm"},
-      {"mesh", "angular"}, {"mesh", "mesh_timeout"}};
-  for (const auto& [a, b] : exclusive) {
-    if (given.contains(a) && given.contains(b)) return BadUsage(std::string("give either ") + a + " or " + b);
-  }
+  for (const OptionRow& row : table)
+    for (const std::string& other : row.excludes)
+      if (given.contains(row.name) && given.contains(other))
+        return BadUsage("give either " + row.name + " or " + other);
   if (options.picture.scale_bar && HasPerspective(options))
     return BadUsage("scale_bar needs an orthographic view: in perspective no length has one size");
   return options;
-}
-
-const std::vector<std::string>& OptionNames() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const auto& [name, parser] : Parsers()) all.push_back(name);
-    return all;
-  }();
-  return names;
 }
 
 namespace {

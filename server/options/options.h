@@ -1,54 +1,9 @@
 // What a caller may ask of a run. The command line and the HTTP service both fill it from JSON, so a name, a
 // range and an error message exist once.
 //
-//  1. A JSON name is the command line's without the dashes in front, and with _ for - inside: --deflection-mm
-//     is "deflection_mm". (- is accepted, too.)
+//  1. Which options there are, their ranges and defaults, and what they exclude is in the option table (option_table.h).
 //  2. An unknown name, a wrong type, a number out of range and two options that contradict each other are
 //     kBadUsage; the message names the option and what is allowed.
-//
-// name            type, range                                                    default
-// view            name or list of names (NamedView)                              iso
-// camera          object or list: see ParseCamera; excludes view
-// size            "WxH" or [W, H], each 1 … 65536 pixels                          1024x1024
-// projection      orthographic | perspective, of named views                     orthographic
-// samples         per pixel, 1 … 64, a near-square grid k × m (m ≤ 2k)            4
-// precision       fast | standard | certified                                    standard
-// check           auto | none | share | all: how many certified samples an independent check tests again  auto
-// newton_tolerance  share of a leaf at which Newton stops, 1e-13 … 1e-3         the precision's own
-// threads         0 (all cores) … 1024                                           0
-// timeout         seconds for everything after the import, 0: none               600; of a trade 3600
-// audit, edges    true | false                                                   false
-// mesh_deviation  the same: of a comparison, measure every triangle               false
-// background      studio | transparent                                           studio
-// shade           NAME or NAME:KEY=VALUE,…, or an object: see ParseShade          studio
-// orient          file | viewer: which side is outside for draft, curvature, thickness     file
-// lines           none | visible | hidden: exact edges and silhouettes over the pictures   none
-// svg             true: the view's lines as NAME.lines.svg                       false
-// section         one or a list: "x,y,z,nx,ny,nz", "z=12.5", "-z=50%", … (section_options.h)
-// margin, up, …   how pictures are arranged and labelled: see picture_options.h
-// aov             list, or one string with commas: depth, normal, face, uv, certificate
-// mesh            path of a mesh to compare with instead of our tessellation
-// mesh_unit       mm | cm | m | in | ft                                          the format's own
-// mesh_up         y | z                                                          the format's own
-// deflection      relative to the diagonal, 1e-9 … 1                              1e-3
-// deflection_mm   millimetres, > 0; excludes deflection
-// angular         degrees, 0.1 … 90                                              20
-// mesh_timeout    seconds that our tessellation may take, > 0; excludes mesh      300
-// import_timeout  seconds of the rest of the import, > 0                         300
-// import_memory   megabytes, >= 64                                               8192
-// unit            name (mm, cm, m, in, ft, …) or millimetres                      the file's own
-// max_view_memory megabytes of a view's leaves and the mesh's search tree, >= 1    4096
-// strict          true: any loss fails                                           false
-// deflections     numbers, or one string with commas: trade's meshes              1e-2,1e-3,1e-4,1e-5,1e-6
-// angles          the same: their angles in degrees                              30,12,5
-// tolerances      the same: trade's Newton tolerances, 1e-13 … 1e-3               1e-3,1e-5,1e-8
-// budget_seconds  of one point of trade, > 0                                     60
-// budget_memory   megabytes of one point of trade, >= 16                         4096
-// max_error_mm, max_error_px  what trade is to keep an error under, > 0          0.5 pixels
-// error_measure   mean | p95 | p99 | max: which statistic stands for the error   p99
-// fail_deviation_mm, fail_depth_mm, fail_silhouette_px, fail_flip, fail_share
-//                 numbers >= 0: a view fails if its deviation_mm.max, depth_mm.max,
-//                 silhouette.max_distance_px, color.flip_mean or color.share_over_threshold is larger
 #pragma once
 
 #include <optional>
@@ -66,6 +21,7 @@
 #include "render/trade/trade_answers.h"
 #include "render/view/camera.h"
 #include "server/importer/import_process.h"
+#include "server/options/option_table.h"
 #include "server/options/picture_options.h"
 #include "server/options/section_options.h"
 
@@ -124,10 +80,7 @@ struct RunOptions {
 };
 
 // Error: kBadUsage.
-Result<RunOptions> ParseOptions(const nlohmann::json& json);
-
-// The names that ParseOptions knows, as in the table above.
-const std::vector<std::string>& OptionNames();
+Result<RunOptions> ParseOptions(const nlohmann::json& json, const OptionTable& table = AllOptions());
 
 // One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up"
 // the axis that is up (what `top` draws upwards if that is the view direction), "projection" that of the

@@ -155,7 +155,7 @@ class Bench {
         side.intersect = [&](const std::vector<Ray>& rays) { return importer.Intersect(rays, near); };
       }
       const BenchCase bench_case{std::filesystem::path(path).filename().string(), &model, camera};
-      auto costs = MeasureModel(bench_case, side, {options_.threads, settings_.repeats, context_.cancel});
+      auto costs = MeasureModel(bench_case, side, {{options_.threads, context_.cancel}, settings_.repeats});
       if (!costs) return costs.error();
       values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
       details_.push_back(costs.value().details);

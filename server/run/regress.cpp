@@ -244,14 +244,13 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   view_options.samples = entry.options.samples;
   view_options.precision = entry.options.precision;
   view_options.check = entry.options.check;
-  view_options.threads = entry.options.threads;
   view_options.edges = entry.options.edges;
   view_options.lines = entry.options.lines;
   view_options.background = entry.options.background;
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();
   view_options.sections = std::move(sections).value();
-  view_options.cancel = request.context.cancel;
+  view_options.execution = {entry.options.threads, request.context.cancel};
 
   const std::size_t lost = LossCount(model);
   const bool lost_too_much = static_cast<double>(lost) > entry.tolerances.at("lost").get<double>();

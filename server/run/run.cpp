@@ -37,7 +37,6 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.precision = options.precision;
   view.max_bytes = options.max_view_bytes;
   view.check = options.check;
-  view.threads = options.threads;
   view.edges = options.edges;
   view.lines = options.lines;
   view.find_lines = options.svg;
@@ -49,7 +48,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.uv = options.WantsAov("uv");
   view.depth_error = options.WantsAov("certificate");
   view.audit = options.audit;
-  view.cancel = cancel;
+  view.execution = {options.threads, cancel};
   return view;
 }
 
@@ -193,8 +192,7 @@ class Run {
     auto planes = ResolveSections(options_.sections, imported_.model->bounds);
     if (!planes || planes.value().empty()) return planes;
     SectionAreaOptions area;
-    area.threads = options_.threads;
-    area.cancel = cancel();
+    area.execution = {options_.threads, cancel()};
     auto measured = SectionsJson(scene, mesh, planes.value(), area);
     if (!measured) return Explained(measured.error());
     Note("sections", std::move(measured).value());

@@ -77,7 +77,7 @@ class Sweep {
   const TradeOptions& trade() const { return options_.trade; }
 
   TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const {
-    return {options_.threads, trade().budget_mb * kMegabyte, budget, deadline_.flag()};
+    return {{options_.threads, deadline_.flag()}, trade().budget_mb * kMegabyte, budget};
   }
 
   void Step(const std::string& what) {

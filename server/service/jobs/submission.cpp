@@ -37,6 +37,11 @@ std::string BodyDigest(const HttpRequest& request, const std::string& kind) {
   return Sha256Hex(JsonText(parts, -1));
 }
 
+// Whether the options name a trade's budget.
+bool HasBudget(const Json& options) {
+  return options.contains("budget_seconds") || options.contains("budget-seconds");
+}
+
 // Of two parts with one name, one would be dropped without a word.
 Result<void> CheckPartNames(const HttpRequest& request) {
   std::set<std::string> names;
@@ -102,27 +107,38 @@ Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
   return {};
 }
 
-Result<void> CheckOptions(const Submission& submission, std::uint64_t max_samples) {
+// What the options ask for, however they are written: names with - or _, a list or one text, a default that is given or left out. Nothing else
+// tells one question from another.
+Json AskedFor(const Json& given, const RunOptions& options) {
+  Json asked = Json::object();
+  for (const OptionRow& row : AllOptions())
+    if (row.owner == OptionOwner::kCaller) asked[row.name] = row.binding.read(row, options);
+  // A trade's budget is cut to the service's own, and less so if the caller names one.
+  asked["budget_given"] = HasBudget(given);
+  return asked;
+}
+
+// Stores what the request asks for into submission.asked.
+Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
   std::vector<std::string> names;
   for (const std::string& name : OptionNames())
     if (IsRequestOption(name)) names.push_back(name);
   for (const auto& [key, value] : submission.options.items()) {
-    std::string name = key;
-    std::replace(name.begin(), name.end(), '-', '_');
-    if (IsRequestOption(name)) continue;
-    // Options that make sense on the caller's own machine only.
-    if (name == "mesh") return Malformed("mesh is no option of the service; send it as the part \"mesh\"");
-    const auto& all = OptionNames();
-    if (std::find(all.begin(), all.end(), name) != all.end())
-      return Malformed(name + " is no option of a request; whoever runs the service sets it");
-    return Malformed("there is no option " + Shortened(key) + Suggestion(name, names) + "; the options are " +
-                     Joined(names));
+    const OptionRow* row = FindOption(key);
+    if (row == nullptr)
+      return Malformed("there is no option " + Shortened(key) + Suggestion(OptionName(key), names) +
+                       "; the options are " + Joined(names));
+    if (row->owner == OptionOwner::kPart)
+      return Malformed(row->name + " is no option of the service; send it as the part \"" + row->name + "\"");
+    if (row->owner == OptionOwner::kOperator)
+      return Malformed(row->name + " is no option of a request; whoever runs the service sets it");
   }
   // The part is what the option --mesh is on the command line.
   Json all = submission.options;
   if (submission.mesh != nullptr) all["mesh"] = submission.mesh->file_name;
   auto options = ParseOptions(all);
   if (!options) return options.error();
+  submission.asked = AskedFor(submission.options, options.value());
   if (submission.mesh == nullptr && !(options.value().mesh_unit + options.value().mesh_up).empty())
     return Malformed("mesh_unit and mesh_up are about the part \"mesh\", and there is none");
   if (auto small = CheckSamples(options.value(), max_samples); !small) return small;
@@ -164,7 +180,7 @@ Result<Submission> ParseSubmission(const HttpRequest& request, const std::string
                          {"kind", kind},
                          {"model", submission.model_id},
                          {"mesh", submission.mesh != nullptr ? submission.mesh->sha256 : ""},
-                         {"options", submission.options}};
+                         {"options", submission.asked}};
   submission.question = Sha256Hex(JsonText(identity, -1));
   submission.body = BodyDigest(request, kind);
   return submission;
@@ -188,8 +204,7 @@ Result<JobRequest> ParseJobRequest(const Json& json) {
   request.file_name = json.value("name", "");
   request.mesh = json.value("mesh", "");
   request.mesh_name = json.value("mesh_name", "");
-  request.budget_given =
-      json["options"].contains("budget_seconds") || json["options"].contains("budget-seconds");
+  request.budget_given = HasBudget(json["options"]);
   auto options = ParseOptions(json["options"]);
   if (!options) return options.error();
   request.options = std::move(options).value();

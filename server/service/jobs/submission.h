@@ -21,6 +21,7 @@ struct Submission {
   const BodyPart* mesh = nullptr;
   std::string model_id;                               // of the upload, or of the model that is here already
   nlohmann::json options = nlohmann::json::object();  // as given
+  nlohmann::json asked;  // what they ask for, in one form however they are written
   std::string question;
   std::string body;  // digest of the submission as it came, for Idempotency-Key
 };

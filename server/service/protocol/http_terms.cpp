@@ -1,9 +1,6 @@
 #include "server/service/protocol/http_terms.h"
 
-#include <algorithm>
-#include <array>
-
-#include "server/options/options.h"
+#include "server/options/option_table.h"
 
 namespace facetless {
 namespace {
@@ -15,12 +12,8 @@ bool IsOptionCharacter(char c) {
 }  // namespace
 
 bool IsRequestOption(std::string_view name) {
-  // The mesh is a part of the body; the others concern the machine.
-  constexpr std::array<std::string_view, 6> kNot = {"mesh",           "threads",       "timeout",
-                                                    "import_timeout", "import_memory", "max_view_memory"};
-  const auto& names = OptionNames();
-  return std::find(kNot.begin(), kNot.end(), name) == kNot.end() &&
-         std::find(names.begin(), names.end(), name) != names.end();
+  const OptionRow* row = FindOption(name);
+  return row != nullptr && row->owner == OptionOwner::kCaller;
 }
 
 std::string InHttpTerms(const std::string& sentence) {
@@ -36,14 +29,11 @@ std::string InHttpTerms(const std::string& sentence) {
       continue;
     }
     const std::string flag = sentence.substr(i, end - i);
-    std::string name = flag.substr(2);
-    std::replace(name.begin(), name.end(), '-', '_');
-    const auto& names = OptionNames();
-    const bool known = std::find(names.begin(), names.end(), name) != names.end();
-    text += IsRequestOption(name) ? name
-            : name == "mesh"      ? "the part mesh"
-            : known               ? "the service's own option " + flag
-                                  : flag;
+    const OptionRow* row = FindOption(flag.substr(2));
+    text += row == nullptr                         ? flag
+            : row->owner == OptionOwner::kCaller   ? row->name
+            : row->owner == OptionOwner::kOperator ? "the service's own option " + flag
+                                                   : "the part " + row->name;
     i = end;
   }
   return text;

@@ -46,7 +46,7 @@ TEST(MeshSection, OfABallShowsACapWhereTheBallIsCut) {
   ASSERT_TRUE(scene.ok());
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     const Camera camera = NamedView("iso", MeshBounds(mesh), projection, 100, 100).value();
-    const auto result = TraceBaseline(scene.value(), camera, {0, nullptr, {&plane, 1}, &solids});
+    const auto result = TraceBaseline(scene.value(), camera, {{}, {&plane, 1}, &solids});
     ASSERT_TRUE(result.ok()) << result.error().message;
     std::uint64_t caps = 0;
     for (std::size_t i = 0; i < result.value().samples.size(); ++i) {
@@ -73,7 +73,7 @@ TEST(MeshSection, NeedsAMeshThatIsPreparedForIt) {
   const auto scene = BaselineScene::Build(mesh, 0);
   const SectionPlane plane{{0, 0, 0.5}, {0, 0, 1}};
   const Camera camera = NamedView("iso", MeshBounds(mesh), Projection::kOrthographic, 8, 8).value();
-  EXPECT_EQ(TraceBaseline(scene.value(), camera, {0, nullptr, {&plane, 1}, nullptr}).error().code,
+  EXPECT_EQ(TraceBaseline(scene.value(), camera, {{}, {&plane, 1}, nullptr}).error().code,
             ErrorCode::kBadUsage);
 }
 

@@ -20,7 +20,7 @@ using testing::Translation;
 BaselineResult Trace(const Mesh& mesh, const Camera& camera, int threads = 0) {
   const Result<BaselineScene> scene = BaselineScene::Build(mesh, threads);
   EXPECT_TRUE(scene.ok()) << scene.error().message;
-  Result<BaselineResult> result = TraceBaseline(scene.value(), camera, {threads, nullptr});
+  Result<BaselineResult> result = TraceBaseline(scene.value(), camera, {{.threads = threads}});
   EXPECT_TRUE(result.ok()) << result.error().message;
   return std::move(result).value();
 }
@@ -290,7 +290,7 @@ TEST(Baseline, RefusesAnEmptyMeshAndABadCameraAndCanBeCancelled) {
   ASSERT_TRUE(scene.ok());
   Camera camera = View(mesh, "iso", Projection::kPerspective);
   const std::atomic<bool> cancel{true};
-  EXPECT_EQ(TraceBaseline(scene.value(), camera, {0, &cancel}).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(TraceBaseline(scene.value(), camera, {{.cancel = &cancel}}).error().code, ErrorCode::kCancelled);
   camera.eye = camera.target;
   EXPECT_EQ(TraceBaseline(scene.value(), camera, {}).error().code, ErrorCode::kBadUsage);
 }

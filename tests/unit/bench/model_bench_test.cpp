@@ -49,7 +49,7 @@ class ModelBench : public ::testing::Test {
   Model model_;
   BenchCase case_;
   ImporterSide importer_;
-  BenchOptions options_{.threads = 2, .repeats = 2};
+  BenchOptions options_{.execution = {.threads = 2}, .repeats = 2};
   std::map<double, int> meshes_made_;
 };
 
@@ -129,7 +129,7 @@ TEST_F(ModelBench, AModelWithoutABrepIsMeasuredAlone) {
 
 TEST_F(ModelBench, StopsWhenItIsTold) {
   const std::atomic<bool> stop{true};
-  options_.cancel = &stop;
+  options_.execution.cancel = &stop;
   const Result<ModelCosts> costs = MeasureModel(case_, importer_, options_);
   ASSERT_FALSE(costs.ok());
   EXPECT_EQ(costs.error().code, ErrorCode::kCancelled);

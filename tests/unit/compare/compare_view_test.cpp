@@ -162,7 +162,7 @@ TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
   options.edges = true;
   const ViewComparison compared = Compare(MeshOf(64, true), options);
   for (int threads : {1, 5}) {
-    options.threads = threads;
+    options.execution.threads = threads;
     const Result<DirectView> alone = RenderView(scene_, compared.camera, options);
     ASSERT_TRUE(alone.ok());
     EXPECT_EQ(alone.value().image.bytes, compared.direct.image.bytes);
@@ -228,11 +228,11 @@ TEST_F(SphereView, RefusesBadOptionsAndCanBeCancelled) {
   options.samples = 65;
   EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
   options = {};
-  options.threads = -1;
+  options.execution.threads = -1;
   EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
   options = {};
   const std::atomic<bool> cancel{true};
-  options.cancel = &cancel;
+  options.execution.cancel = &cancel;
   EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kCancelled);
 }
 

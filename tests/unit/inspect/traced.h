@@ -23,19 +23,19 @@ struct Traced {
   PerSample<double> Values(const std::string& shade) const {
     const Result<Inspection> inspection = ParseInspection(shade);
     Result<PerSample<double>> values =
-        InspectionValues(model, &scene, result.samples, result.frame, inspection.value(), 0);
+        InspectionValues(model, &scene, result.samples, result.frame, inspection.value(), {});
     EXPECT_TRUE(values.ok()) << values.error().message;
     return std::move(values).value();
   }
   InspectionView Measured(const std::string& shade) const {
     Result<InspectionView> view =
-        Measure(model, &scene, result.samples, result.frame, ParseInspection(shade).value(), 0);
+        Measure(model, &scene, result.samples, result.frame, ParseInspection(shade).value(), {});
     EXPECT_TRUE(view.ok()) << view.error().message;
     return std::move(view).value();
   }
   Film Drawn(const std::string& shade, int threads = 0) const {
     ShadeOptions options;
-    options.threads = threads;
+    options.execution.threads = threads;
     Result<Film> film = Draw(model, &scene, result.samples, result.frame, Measured(shade), options);
     EXPECT_TRUE(film.ok()) << film.error().message;
     return std::move(film).value();

@@ -117,7 +117,7 @@ TEST(Values, OfAMeshNeedNoParameters) {
     }
   for (const char* shade : {"curvature", "thickness"}) {
     const auto refused = InspectionValues(traced.model, nullptr, traced.result.samples, traced.result.frame,
-                                          ParseInspection(shade).value(), 0);
+                                          ParseInspection(shade).value(), {});
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.error().code, ErrorCode::kBadUsage);
   }
@@ -128,7 +128,7 @@ TEST(Values, CanBeCancelled) {
   const std::atomic<bool> cancel{true};
   const auto stopped =
       InspectionValues(traced.model, &traced.scene, traced.result.samples, traced.result.frame,
-                       ParseInspection("thickness").value(), 0, &cancel);
+                       ParseInspection("thickness").value(), {.cancel = &cancel});
   ASSERT_FALSE(stopped.ok());
   EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
 }
@@ -142,7 +142,7 @@ TEST(Orient, ByTheViewerTurnsASurfaceThatIsDrawnInsideOut) {
   const auto values = [](const testing::Traced& traced, const char* shade, Orient orient) {
     Inspection inspection = ParseInspection(shade).value();
     inspection.orient = orient;
-    return Measure(traced.model, &traced.scene, traced.result.samples, traced.result.frame, inspection, 0)
+    return Measure(traced.model, &traced.scene, traced.result.samples, traced.result.frame, inspection, {})
         .value();
   };
   for (const char* shade : {"draft", "curvature"}) {

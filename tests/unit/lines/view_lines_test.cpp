@@ -32,7 +32,7 @@ std::vector<ViewLine> LinesOf(const Model& model, const Camera& camera,
   options.sections = sections;
   const DirectResult direct = TraceDirect(scene, camera, options).value();
   return FindLines(scene, camera, direct.frame, direct.samples, direct.frame,
-                   {.sections = std::move(sections), .threads = threads});
+                   {.sections = std::move(sections), .execution = {.threads = threads}});
 }
 
 // Pixels of the lines of a kind in the window of size × size.

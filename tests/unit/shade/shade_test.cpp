@@ -168,8 +168,8 @@ TEST(Shade, ThreadsDoNotChangeAByte) {
   }
   ShadeOptions one, many;
   one.edges = many.edges = true;
-  one.threads = 1;
-  many.threads = 7;
+  one.execution.threads = 1;
+  many.execution.threads = 7;
   EXPECT_EQ(Shaded(samples, one).pixels, Shaded(samples, many).pixels);
 }
 

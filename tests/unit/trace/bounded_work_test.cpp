@@ -24,7 +24,7 @@ Result<DirectResult> Render(const Model& model) {
   camera.height = 35;
   camera.width_px = camera.height_px = kSize;
   DirectOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   options.precision = Precision::kCertified;
   options.check = CheckLevel::kNone;
   return TraceDirect(Scene(model), camera, options);

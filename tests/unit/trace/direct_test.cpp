@@ -227,8 +227,8 @@ TEST(Direct, ThreadsDoNotChangeABit) {
   const Scene scene(model);
   const Camera camera = ViewOf(model, "iso", Projection::kPerspective);
   DirectOptions one, seven;
-  one.threads = 1;
-  seven.threads = 7;
+  one.execution.threads = 1;
+  seven.execution.threads = 7;
   const SampleBuffer a = TraceDirect(scene, camera, one).value().samples,
                      b = TraceDirect(scene, camera, seven).value().samples;
   EXPECT_EQ(a.depth, b.depth);
@@ -248,7 +248,7 @@ TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
   EXPECT_EQ(limited.error().code, ErrorCode::kLimitExceeded);
   const std::atomic<bool> cancel{true};
   DirectOptions cancelled;
-  cancelled.cancel = &cancel;
+  cancelled.execution.cancel = &cancel;
   const Result<DirectResult> stopped =
       TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), cancelled);
   ASSERT_FALSE(stopped.ok());

@@ -284,8 +284,8 @@ TEST(SectionArea, IsTheSameForAnyNumberOfThreads) {
   const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6), Sphere({40, 1, 2}, 5)}));
   const Scene scene(model);
   const std::vector<SectionPlane> planes = {Plane({1, 2, 0.5}, {0.1, 0.2, 1})};
-  const SectionArea one = MeasureSection(scene, planes, 0, {.threads = 1}).value();
-  const SectionArea many = MeasureSection(scene, planes, 0, {.threads = 5}).value();
+  const SectionArea one = MeasureSection(scene, planes, 0, {.execution = {.threads = 1}}).value();
+  const SectionArea many = MeasureSection(scene, planes, 0, {.execution = {.threads = 5}}).value();
   EXPECT_EQ(one.area_mm2, many.area_mm2);
   EXPECT_EQ(one.error_mm2, many.error_mm2);
   EXPECT_EQ(one.rows, many.rows);
@@ -307,7 +307,7 @@ DirectResult View(const Model& model, const Camera& camera, std::vector<SectionP
   const Scene scene(model);
   DirectOptions options;
   options.sections = std::move(planes);
-  options.threads = threads;
+  options.execution.threads = threads;
   options.uv = options.depth_error = true;
   Result<DirectResult> result = TraceDirect(scene, camera, options);
   EXPECT_TRUE(result.ok()) << result.error().message;

@@ -100,8 +100,7 @@ TEST_F(TradeOnABall, CostsAddUp) {
 
 TEST_F(TradeOnABall, StopsWhenItIsTold) {
   const std::atomic<bool> stop{true};
-  const Result<TradePoint> point =
-      MeasureDirect(scene_, reference_, {}, {.threads = 0, .budget = &stop, .cancel = nullptr});
+  const Result<TradePoint> point = MeasureDirect(scene_, reference_, {}, {.execution = {}, .budget = &stop});
   ASSERT_FALSE(point.ok());
   EXPECT_EQ(point.error().code, ErrorCode::kCancelled);
 }

@@ -26,7 +26,7 @@ int Run(const std::string& path, CheckLevel level, int size) {
   DirectOptions options;
   options.precision = Precision::kCertified;
   options.check = level;
-  options.threads = 1;
+  options.execution.threads = 1;
   const Scene scene(model.value());
   const Result<DirectResult> result = TraceDirect(scene, camera.value(), options);
   if (!result) {

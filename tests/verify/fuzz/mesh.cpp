@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   camera.height = scene.value().bounds().diagonal();
   camera.eye = center + camera.height * facetless::Vec3{1, -1, 1};
   camera.width_px = camera.height_px = 12;
-  const auto traced = facetless::TraceBaseline(scene.value(), camera, {.threads = 1});
+  const auto traced = facetless::TraceBaseline(scene.value(), camera, {{.threads = 1}});
   if (traced.ok()) facetless::Require(traced.value().stats.hits <= traced.value().stats.rays);
   facetless::MeshSectionArea(mesh.value(), {center, {0, 0, 1}});
   return 0;

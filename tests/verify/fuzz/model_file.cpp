@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   camera.height = diagonal;
   camera.width_px = camera.height_px = 16;
   facetless::DirectOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   options.max_bytes = std::uint64_t{256} << 20;
   const facetless::Scene scene(model.value());
   const auto result = facetless::TraceDirect(scene, camera, options);

@@ -30,7 +30,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   camera.height = diagonal;
   camera.width_px = camera.height_px = 12;
   DirectOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   options.uv = true;
   options.precision =
       std::array{Precision::kFast, Precision::kStandard, Precision::kCertified}[Choice(data, size, 2, 3)];
@@ -44,7 +44,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
 
   if (!options.sections.empty()) {
     SectionAreaOptions area;
-    area.threads = 1;
+    area.execution.threads = 1;
     area.max_bytes = options.max_bytes;
     const Result<SectionArea> measured = MeasureSection(scene, options.sections, 0, area);
     Require(!measured.ok() || measured.value().area_mm2 >= 0);
@@ -52,14 +52,14 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
 
   ShadeOptions shading;
   shading.edges = true;
-  shading.threads = 1;
+  shading.execution.threads = 1;
   const Result<Film> shaded = Shade(samples, frame, {}, shading);
   // Its error for a pixel that is no number is for samples that come from elsewhere.
   Require(shaded.ok());
 
   LineOptions line_options;
   line_options.sections = options.sections;
-  line_options.threads = 1;
+  line_options.execution.threads = 1;
   const std::vector<ViewLine> lines = FindLines(scene, camera, frame, samples, frame, line_options);
   Film film{camera.width_px, camera.height_px, {}};
   film.pixels.assign(std::size_t(film.width) * film.height, {1, 1, 1, 1});
@@ -70,7 +70,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   Inspection inspection;
   // Not studio, the first, which is no inspection.
   inspection.kind = static_cast<InspectionKind>(1 + Choice(data, size, 4, InspectionNames().size() - 1));
-  const Result<InspectionView> view = Measure(model, &scene, samples, frame, inspection, 1);
+  const Result<InspectionView> view = Measure(model, &scene, samples, frame, inspection, {.threads = 1});
   if (view.ok()) {
     const Result<Film> drawn = Draw(model, &scene, samples, frame, view.value(), {});
     Require(drawn.ok() || drawn.error().code != ErrorCode::kNotFinite);

@@ -1,0 +1,91 @@
+// How the values of the option table get into RunOptions and out of it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "server/options/option_table.h"
+#include "server/options/option_values.h"
+#include "server/options/options.h"
+
+namespace facetless {
+
+namespace binding_detail {
+
+template <typename T>
+struct IsOptional : std::false_type {};
+template <typename T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+
+}  // namespace binding_detail
+
+// Binds an option to the member of RunOptions that `member` returns, of constant options and of others: what its type can hold is read by the
+// row's range or choices. An enumeration's values are the choices in their order.
+template <typename Member>
+OptionBinding Bound(Member member) {
+  using Target = std::remove_reference_t<decltype(member(std::declval<RunOptions&>()))>;
+  OptionBinding binding;
+  binding.store = [member](const OptionRow& row, const nlohmann::json& json,
+                           RunOptions& options) -> Result<void> {
+    Target& target = member(options);
+    if constexpr (std::is_same_v<Target, bool>) {
+      return Store(ParseBool(json, row.name), target);
+    } else if constexpr (std::is_same_v<Target, int>) {
+      return Store(ParseInteger(json, row.name, static_cast<int>(row.low), static_cast<int>(row.high)),
+                   target);
+    } else if constexpr (std::is_arithmetic_v<Target> || binding_detail::IsOptional<Target>::value) {
+      auto number = ParseNumber(json, row.name, row.low, row.high);
+      if (!number) return number.error();
+      if constexpr (std::is_integral_v<Target>) {
+        target = static_cast<Target>(number.value());
+      } else {
+        target = number.value();
+      }
+      return {};
+    } else if constexpr (std::is_same_v<Target, std::string>) {
+      if (row.choices.empty()) return Store(ParseText(json, row.name), target);
+      auto index = ParseWord(json, row.name, row.choices);
+      if (!index) return index.error();
+      target = row.choices[static_cast<std::size_t>(index.value())];
+      return {};
+    } else if constexpr (std::is_enum_v<Target>) {
+      auto index = ParseWord(json, row.name, row.choices);
+      if (!index) return index.error();
+      target = static_cast<Target>(index.value());
+      return {};
+    } else {
+      static_assert(std::is_same_v<Target, std::vector<double>>, "no option is stored in such a member");
+      return Store(ParseNumbers(json, row.name, row.low, row.high), target);
+    }
+  };
+  binding.read = [member](const OptionRow& row, const RunOptions& options) -> nlohmann::json {
+    const Target& target = member(options);
+    if constexpr (std::is_enum_v<Target>) {
+      return row.choices.at(static_cast<std::size_t>(target));
+    } else if constexpr (binding_detail::IsOptional<Target>::value) {
+      return target ? nlohmann::json(*target) : nlohmann::json();
+    } else {
+      return target;
+    }
+  };
+  return binding;
+}
+
+// Those that have a form of their own.
+OptionBinding ViewsBinding();
+OptionBinding CamerasBinding();
+OptionBinding SizeBinding();
+OptionBinding SamplesBinding();
+OptionBinding ViewMemoryBinding();  // megabytes of an option in bytes
+OptionBinding UnitBinding();
+OptionBinding AovsBinding();
+OptionBinding ShadeBinding();
+OptionBinding SectionsBinding();
+OptionBinding ColorBinding();
+OptionBinding TurntableBinding();
+OptionBinding PatternsBinding(std::vector<std::string> ArrangementRequest::*member);
+
+}  // namespace facetless
