@@ -1,9 +1,10 @@
 // The aims of the performance table, and what was measured against them.
 //
-//  1. A value compares the direct renderer with something else, on one file and view, at one number of threads. Its `ratio` is how
-//     many times better the direct renderer is, except where an aim is an upper bound (memory, the next view, growth): there it is
-//     the direct renderer's share.
-//  2. A row is met if the geometric mean over its values meets the aim for the mean, and every value the aim for each.
+//  1. A value compares the direct renderer with something else, on one file and view, at one number of
+//     threads. Its `ratio` is how many times better the direct renderer is, except where an aim is an upper
+//     bound (memory, the next view, growth): there it is the direct renderer's share.
+//  2. A row is met if the geometric mean over its values meets the aim for the mean, and every value the aim
+//     for each.
 //  3. A competitor that did not finish counts at the limit; the value says so.
 #pragma once
 

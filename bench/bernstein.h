@@ -1,6 +1,8 @@
-// A tensor-product Bézier patch of any number of components: value and first derivatives, from the Bernstein basis.
+// A tensor-product Bézier patch of any number of components: value and first derivatives, from the Bernstein
+// basis.
 //
-// Both methods that are compared evaluate with this, so that they differ in what they solve and not in how well it is coded.
+// Both methods that are compared evaluate with this, so that they differ in what they solve and not in how
+// well it is coded.
 #pragma once
 
 #include <array>

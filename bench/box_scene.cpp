@@ -52,7 +52,8 @@ bool BoxScan::MeetsBox(const SceneBox& box, const SceneRay& ray) {
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   };
-  // No direction is parallel to the image plane, and a division by zero gives the infinities that the rest wants.
+  // No direction is parallel to the image plane, and a division by zero gives the infinities that the rest
+  // wants.
   cut(box.low.z, box.high.z, kEye.z, ray.direction.z);
   cut(box.low.x, box.high.x, kEye.x, ray.direction.x);
   cut(box.low.y, box.high.y, kEye.y, ray.direction.y);

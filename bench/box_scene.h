@@ -1,12 +1,16 @@
-// Scenes of many small boxes, and three ways to find those that a primary ray may hit, as V. Skala compares them ("Memory saving
-// technique for space subdivision technique", sections 2 to 4): a scan over min-max boxes, a scan over bounding circles or spheres, and
-// bitmaps per pixel row and column (BMSSM) over the whole image.
+// Scenes of many small boxes, and three ways to find those that a primary ray may hit, as V. Skala compares
+// them ("Memory saving technique for space subdivision technique", sections 2 to 4): a scan over min-max
+// boxes, a scan over bounding circles or spheres, and bitmaps per pixel row and column (BMSSM) over the whole
+// image.
 //
-//  1. Object k covers size + 1 pixels on a side, its middle lies on a random pixel of the image, and what reaches beyond the image is
-//     cut off: the paper's numbers of intersections per ray (its table 6) follow from this.
-//  2. Perspective scenes have the same boxes as seen from the eye, in front: at a random depth, and as much larger.
-//  3. Visit() calls back for each candidate in the order of objects. A scan of boxes gives exactly the objects whose box the ray meets,
-//     and in parallel views so do the bitmaps; the others give a few more, never fewer.
+//  1. Object k covers size + 1 pixels on a side, its middle lies on a random pixel of the image, and what
+//     reaches beyond the image is cut off: the paper's numbers of intersections per ray (its table 6) follow
+//     from this.
+//  2. Perspective scenes have the same boxes as seen from the eye, in front: at a random depth, and as much
+//     larger.
+//  3. Visit() calls back for each candidate in the order of objects. A scan of boxes gives exactly the
+//     objects whose box the ray meets, and in parallel views so do the bitmaps; the others give a few more,
+//     never fewer.
 //  4. A scene follows from its seed on every machine.
 #pragma once
 
@@ -76,7 +80,8 @@ class BoxScan {
   std::vector<Rectangle> rectangles_;
 };
 
-// Bounding circles, or spheres with the test of section 4: (s1·s2)² − q >= 0, q = s1·s1 − r² computed beforehand.
+// Bounding circles, or spheres with the test of section 4: (s1·s2)² − q >= 0, q = s1·s1 − r² computed
+// beforehand.
 class SphereScan {
  public:
   SphereScan(const std::vector<SceneBox>& boxes, bool perspective);
@@ -109,7 +114,8 @@ class SphereScan {
   std::vector<Sphere> spheres_;
 };
 
-// BMSSM: bit k of row i is set if the plane of row i meets object k, of column j likewise; the candidates are R_i & S_j.
+// BMSSM: bit k of row i is set if the plane of row i meets object k, of column j likewise; the candidates are
+// R_i & S_j.
 class RowColumnBitmaps {
  public:
   RowColumnBitmaps(const std::vector<SceneBox>& boxes, bool perspective);

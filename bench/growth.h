@@ -1,9 +1,11 @@
 // How the cost of a picture grows with its work: row 9 of the aims.
 //
-//  1. Pictures grow from 256² to 4096² pixels, of one model; scenes from 10² to 10⁵ faces, generated, all in view, on one size of picture.
-//  2. Times are of trimming structures, preparation and tracing together, in standard precision, on one thread; the median of the runs.
-//  3. The figure is the power with which the time grows, by least squares: with the number of rays of the pictures, and of the scenes with the
-//     number of leaves seen. 1 is linear.
+//  1. Pictures grow from 256² to 4096² pixels, of one model; scenes from 10² to 10⁵ faces, generated, all in
+//     view, on one size of picture.
+//  2. Times are of trimming structures, preparation and tracing together, in standard precision, on one
+//     thread; the median of the runs.
+//  3. The figure is the power with which the time grows, by least squares: with the number of rays of the
+//     pictures, and of the scenes with the number of leaves seen. 1 is linear.
 #pragma once
 
 #include <string>

@@ -1,9 +1,13 @@
-// Structures that find the leaves of a view for a ray, over the leaves of a real model: bitmaps per tile (BMSSM, render/accel), a plain
-// scan of boxes, bounding circles, a bounding volume hierarchy, and Embree's tree of user geometry.
+// Structures that find the leaves of a view for a ray, over the leaves of a real model: bitmaps per tile
+// (BMSSM, render/accel), a plain scan of boxes, bounding circles, a bounding volume hierarchy, and Embree's
+// tree of user geometry.
 //
-//  1. All hold the same leaves, those with a certificate, and ask the same solver: a structure has no other way to a hit. Trimming is not asked.
-//  2. The same rays one by one, on one thread: those of every kTileStep-th tile. Scans are asked fewer of them where they are slow.
-//  3. All see the same depth along every ray, to the bit, or the comparison says nothing: `unlike` counts rays that differ.
+//  1. All hold the same leaves, those with a certificate, and ask the same solver: a structure has no other
+//     way to a hit. Trimming is not asked.
+//  2. The same rays one by one, on one thread: those of every kTileStep-th tile. Scans are asked fewer of
+//     them where they are slow.
+//  3. All see the same depth along every ray, to the bit, or the comparison says nothing: `unlike` counts
+//     rays that differ.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A bounding volume hierarchy over the screen boxes of leaves: rectangles of pixels with the depth from which on something lies in them,
-// halved at the median of the longer side. A competitor of the bitmaps.
+// A bounding volume hierarchy over the screen boxes of leaves: rectangles of pixels with the depth from which
+// on something lies in them, halved at the median of the longer side. A competitor of the bitmaps.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ class LeafTree {
  public:
   explicit LeafTree(std::span<const Leaf> leaves);
 
-  // Calls meet(leaf) for the leaves whose boxes hold the pixel, roughly front to back; meet returns the nearest depth so far, and what
-  // begins behind it is left out.
+  // Calls meet(leaf) for the leaves whose boxes hold the pixel, roughly front to back; meet returns the
+  // nearest depth so far, and what begins behind it is left out.
   template <typename Meet>
   void Visit(int column, int row, Meet&& meet) const {
     std::array<std::uint32_t, kMostWaiting> waiting;

@@ -25,8 +25,8 @@ constexpr double kCheapMs = 1000;
 constexpr double kCheapImportMs = 4000;
 // The view after the first: turned by this much about the target.
 constexpr double kNextViewDeg = 5;
-// Two depths of one ray agree if they differ by no more than this share of the diagonal: what an exact intersector with the usual
-// tolerance of 1e-7 mm gives on parts of a metre, and far below any facet.
+// Two depths of one ray agree if they differ by no more than this share of the diagonal: what an exact
+// intersector with the usual tolerance of 1e-7 mm gives on parts of a metre, and far below any facet.
 constexpr double kAgreeing = 1e-6;
 
 struct FirstImage {

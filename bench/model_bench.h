@@ -1,12 +1,14 @@
 // Both tracers on one model: rows 1 to 8 of the aims.
 //
-//  1. Model and B-rep are in memory; reading the file is neither side's. From there each side pays for all that its first image
-//     needs: the direct one for the scene (trimming), the leaves of the view, tracing and shading; the mesh for meshing, the tree,
-//     tracing and shading. What the importer takes for the conversion to Bézier patches is in ModelCosts, not in a row.
-//  2. Both sides take turns after a warm-up of each, and the median counts. A mesh that takes longer than kCheapMs is made once.
+//  1. Model and B-rep are in memory; reading the file is neither side's. From there each side pays for all
+//     that its first image needs: the direct one for the scene (trimming), the leaves of the view, tracing
+//     and shading; the mesh for meshing, the tree, tracing and shading. What the importer takes for the
+//     conversion to Bézier patches is in ModelCosts, not in a row.
+//  2. Both sides take turns after a warm-up of each, and the median counts. A mesh that takes longer than
+//     kCheapMs is made once.
 //  3. Images have one sample per pixel. Rates count every ray of the image, those that miss included.
-//  4. Where the competitor sees something else than the direct renderer the times say nothing: hits of both sides are kept and
-//     compared (ModelCosts::details).
+//  4. Where the competitor sees something else than the direct renderer the times say nothing: hits of both
+//     sides are kept and compared (ModelCosts::details).
 #pragma once
 
 #include <functional>
@@ -42,10 +44,12 @@ struct ExactAnswers {
 
 // How the bench gets what comes from the importer's process.
 struct ImporterSide {
-  // Tessellates within the time limit, on one thread: OpenCASCADE's own parallel mode gains nothing on these parts. An error ends
-  // the bench; a limit is no error. Empty: there is no B-rep, and rows that need a mesh are left out.
+  // Tessellates within the time limit, on one thread: OpenCASCADE's own parallel mode gains nothing on these
+  // parts. An error ends the bench; a limit is no error. Empty: there is no B-rep, and rows that need a mesh
+  // are left out.
   std::function<Result<BenchMesh>(double deflection)> tessellate;
-  // Asks OpenCASCADE's exact intersector, on one thread, for as many of the rays as the time limit allows. Empty: row 5 is left out.
+  // Asks OpenCASCADE's exact intersector, on one thread, for as many of the rays as the time limit allows.
+  // Empty: row 5 is left out.
   std::function<Result<ExactAnswers>(const std::vector<Ray>& rays)> intersect;
 };
 

@@ -10,7 +10,8 @@
 
 namespace facetless {
 
-// Where the time of one thread went on each file, and what the direct renderer counted there: of ModelCosts::details.
+// Where the time of one thread went on each file, and what the direct renderer counted there: of
+// ModelCosts::details.
 Table CostTable(const std::vector<nlohmann::json>& details);
 Table CounterTable(const std::vector<nlohmann::json>& details);
 

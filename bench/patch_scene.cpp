@@ -31,8 +31,8 @@ Model Placed(ModelBuilder builder) {
   return std::move(builder).Finish().value();
 }
 
-// A uniform bicubic B-spline whose control point (i, j), i < columns + 3, j < rows + 3, is net(i, j), cut into its
-// columns × rows Bézier patches.
+// A uniform bicubic B-spline whose control point (i, j), i < columns + 3, j < rows + 3, is net(i, j), cut
+// into its columns × rows Bézier patches.
 void AddUniformBspline(ModelBuilder& builder, int columns, int rows,
                        const std::function<Vec4(int, int)>& net) {
   // The control points of one span from its four B-spline ones, times 6.
@@ -54,7 +54,8 @@ void AddUniformBspline(ModelBuilder& builder, int columns, int rows,
   builder.AddFace({SurfaceKind::kBspline, 3, 3, UnitSpans(columns), UnitSpans(rows), points});
 }
 
-// A closed tube around z whose radius and middle follow from (angle, share of the height), with weights that differ.
+// A closed tube around z whose radius and middle follow from (angle, share of the height), with weights that
+// differ.
 void AddTube(ModelBuilder& builder, int around, int along, double height,
              const std::function<Vec3(double, double)>& at, std::uint64_t seed) {
   std::mt19937_64 engine(seed);

@@ -1,5 +1,6 @@
-// Scenes of untrimmed rational surfaces, of our own, in the spirit of those of A. Sisojevs's thesis ("3D scene rendering", table 5): a
-// free-form body, 27 of it, a device with many small parts, and a machine element of quadrics and tori; and growing fields of faces.
+// Scenes of untrimmed rational surfaces, of our own, in the spirit of those of A. Sisojevs's thesis ("3D
+// scene rendering", table 5): a free-form body, 27 of it, a device with many small parts, and a machine
+// element of quadrics and tori; and growing fields of faces.
 #pragma once
 
 #include <array>

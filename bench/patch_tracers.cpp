@@ -103,9 +103,11 @@ class Walk {
     return kInfinity;
   }
 
-  // How far an iterate may leave the patch: as far as its neighbours reach. In the paper it moves on the whole surface.
+  // How far an iterate may leave the patch: as far as its neighbours reach. In the paper it moves on the
+  // whole surface.
   static constexpr double kRoam = 1;
-  // The residual's tolerance lets a root on the border lie outside by as much, in parameters of a patch of many pixels.
+  // The residual's tolerance lets a root on the border lie outside by as much, in parameters of a patch of
+  // many pixels.
   static constexpr double kBorder = 1e-8;
   static bool Within(double t, double beyond) { return t >= -beyond && t <= 1 + beyond; }
 
@@ -128,7 +130,8 @@ class MartinMethod {
     ray_ = PixelRay(frame_, x + 0.5, y + 0.5);
     const Vec3 d = Normalized(ray_.direction);
     inverse_ = {1 / ray_.direction.x, 1 / ray_.direction.y, 1 / ray_.direction.z};
-    // Two planes through the ray, the first along the axis that the direction is farthest from having as its largest.
+    // Two planes through the ray, the first along the axis that the direction is farthest from having as its
+    // largest.
     const bool x_largest = std::fabs(d.x) > std::fabs(d.y) && std::fabs(d.x) > std::fabs(d.z);
     normal1_ = Normalized(x_largest ? Vec3{d.y, -d.x, 0} : Vec3{0, d.z, -d.y});
     normal2_ = Cross(normal1_, d);

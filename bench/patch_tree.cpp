@@ -20,7 +20,8 @@ double PiecesOf(const std::vector<Vec3>& row, double flattening) {
   for (std::size_t i = 0; i + 1 < row.size(); ++i) speed += Length(row[i + 1] - row[i]);
   for (std::size_t i = 0; i + 2 < row.size(); ++i)
     bend = std::max(bend, degree * (degree - 1) * Length(row[i + 2] - row[i + 1] - (row[i + 1] - row[i])));
-  // degree · mean of the differences: the mean of |c'| over the control polygon. A row that is a point asks for nothing.
+  // degree · mean of the differences: the mean of |c'| over the control polygon. A row that is a point asks
+  // for nothing.
   return speed > 0 ? flattening * bend / std::sqrt(speed) : 0;
 }
 

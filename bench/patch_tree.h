@@ -1,11 +1,12 @@
-// The flattening and the bounding volume hierarchy of W. Martin, E. Cohen, R. Fish and P. Shirley, "Practical Ray Tracing of Trimmed
-// NURBS Surfaces" (2000), over the patches of a scene.
+// The flattening and the bounding volume hierarchy of W. Martin, E. Cohen, R. Fish and P. Shirley, "Practical
+// Ray Tracing of Trimmed NURBS Surfaces" (2000), over the patches of a scene.
 //
-//  1. Each patch is cut into so many pieces along u and v that each is nearly flat: n = C·max|c''|·(Δt)^(3/2) / avg|c'|^(1/2) over the rows
-//     of its control net, which bounds curvature times arc length to the power 3/2. A piece is a parameter rectangle, whose middle starts
-//     Newton's iteration, and the box of its own control net, which holds it.
-//  2. The pieces of a patch form a binary tree, halved along u and v by turns; patches are joined above by halving along the longest
-//     side of their boxes' centres.
+//  1. Each patch is cut into so many pieces along u and v that each is nearly flat: n = C·max|c''|·(Δt)^(3/2)
+//     / avg|c'|^(1/2) over the rows of its control net, which bounds curvature times arc length to the power
+//     3/2. A piece is a parameter rectangle, whose middle starts Newton's iteration, and the box of its own
+//     control net, which holds it.
+//  2. The pieces of a patch form a binary tree, halved along u and v by turns; patches are joined above by
+//     halving along the longest side of their boxes' centres.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,8 @@
 
 namespace facetless {
 
-// The paper's C, for lengths in millimetres: pieces on which Newton needs two or three steps, as it did there.
+// The paper's C, for lengths in millimetres: pieces on which Newton needs two or three steps, as it did
+// there.
 inline constexpr double kFlattening = 1;
 
 struct PatchPiece {

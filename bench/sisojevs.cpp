@@ -11,10 +11,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The thesis's share of Martin's time, by its scenes "Duck", "27 ducks", "Mobile phone" and "Machine element".
+// The thesis's share of Martin's time, by its scenes "Duck", "27 ducks", "Mobile phone" and "Machine
+// element".
 constexpr double kPublishedShare[] = {0.8666, 0.7589, 0.7925, 0.8579};
 
-// Depths that differ by more than this are of different roots: the tolerance of a pixel's residual, magnified by grazing incidence.
+// Depths that differ by more than this are of different roots: the tolerance of a pixel's residual, magnified
+// by grazing incidence.
 double DepthTolerance(const CameraFrame& frame) {
   constexpr double kGrazing = 1e3;
   return kGrazing * kSceneTolerancePx * std::max(frame.pixel_x, frame.pixel_y);

@@ -1,5 +1,5 @@
-// Table 5 of A. Sisojevs, "3D scene rendering": Newton–Cramer on projected patches against the method of Martin et al., on scenes of our
-// own, and the direct renderer on the same rays.
+// Table 5 of A. Sisojevs, "3D scene rendering": Newton–Cramer on projected patches against the method of
+// Martin et al., on scenes of our own, and the direct renderer on the same rays.
 #pragma once
 
 #include <string>

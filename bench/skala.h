@@ -1,10 +1,12 @@
-// Tables 2 to 7 of V. Skala, "Memory saving technique for space subdivision technique", measured on this machine: bitmaps per row and
-// column (BMSSM) against scans of min-max boxes and of bounding spheres, with their memory.
+// Tables 2 to 7 of V. Skala, "Memory saving technique for space subdivision technique", measured on this
+// machine: bitmaps per row and column (BMSSM) against scans of min-max boxes and of bounding spheres, with
+// their memory.
 //
-//  1. A scene's time is that of all its primary rays, one candidate counted for each that a method finds; the bitmaps' includes making
-//     them. Detailed intersection tests are not in it, as in the paper.
+//  1. A scene's time is that of all its primary rays, one candidate counted for each that a method finds; the
+//     bitmaps' includes making them. Detailed intersection tests are not in it, as in the paper.
 //  2. The efficiency is the scan's time over the bitmaps'.
-//  3. Methods take turns, and the median counts. Scans are asked for every kScanRows-th row only: their time is the same for each.
+//  3. Methods take turns, and the median counts. Scans are asked for every kScanRows-th row only: their time
+//     is the same for each.
 #pragma once
 
 #include <array>

@@ -18,8 +18,8 @@ double Median(std::vector<double> values);
 // Of positive values; 0 if there is none.
 double GeometricMean(std::span<const double> values);
 
-// The slope of the line through (log x, log y) that least squares give: the power with which y grows with x. Requires two
-// different x, all positive.
+// The slope of the line through (log x, log y) that least squares give: the power with which y grows with x.
+// Requires two different x, all positive.
 double GrowthExponent(std::span<const double> x, std::span<const double> y);
 
 // Calls every competitor in turn, `rounds` times, and returns the times of each in ms.

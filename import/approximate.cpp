@@ -10,9 +10,11 @@ namespace {
 
 constexpr int kDegree = kApproximationDegree;
 constexpr int kCount = kDegree + 1;
-// A grid's stretch is halved at most this often: 2^-10 of a smooth stretch is either good enough or not smooth.
+// A grid's stretch is halved at most this often: 2^-10 of a smooth stretch is either good enough or not
+// smooth.
 constexpr int kMaxDepth = 10;
-// A grid grows to at most this many stretches a side: it is a fallback for single faces, not for whole models.
+// A grid grows to at most this many stretches a side: it is a fallback for single faces, not for whole
+// models.
 constexpr std::size_t kMaxStretches = 128;
 
 struct Interpolation {
@@ -117,7 +119,8 @@ std::array<Vec4, kCount * kCount> InterpolatePatch(const std::function<Vec3(doub
       values[i * kCount + j] = surface(u, j == kDegree ? v1 : v0 + (v1 - v0) * interpolation.nodes[j]);
     }
   }
-  // Apply the one-dimensional inverse along u, then along v. The end nodes are kept bit by bit, so that patches meet.
+  // Apply the one-dimensional inverse along u, then along v. The end nodes are kept bit by bit, so that
+  // patches meet.
   for (int i = 0; i < kCount; ++i) {
     for (int j = 0; j < kCount; ++j) {
       Vec3 sum;

@@ -1,5 +1,5 @@
-// Bézier pieces for curves and surfaces that have no exact rational form: interpolation at Chebyshev points, cut in two
-// until it is good enough. The native parametrisation is kept. Knows no OpenCASCADE.
+// Bézier pieces for curves and surfaces that have no exact rational form: interpolation at Chebyshev points,
+// cut in two until it is good enough. The native parametrisation is kept. Knows no OpenCASCADE.
 #pragma once
 
 #include <functional>
@@ -9,12 +9,13 @@
 
 namespace facetless {
 
-// The degree of approximating pieces: high enough for a few pieces per smooth stretch to reach 1e-10 of its size, low enough for
-// Bernstein coefficients to lose no more than three digits.
+// The degree of approximating pieces: high enough for a few pieces per smooth stretch to reach 1e-10 of its
+// size, low enough for Bernstein coefficients to lose no more than three digits.
 inline constexpr int kApproximationDegree = 8;
 
-// Pieces over `breaks` (increasing, at least two), cut further until the distance at points between the nodes is at most
-// `tolerance`, or a stretch has been halved `max_depth` times. *deviation receives the largest distance measured.
+// Pieces over `breaks` (increasing, at least two), cut further until the distance at points between the nodes
+// is at most `tolerance`, or a stretch has been halved `max_depth` times. *deviation receives the largest
+// distance measured.
 std::vector<CurvePiece> ApproximateCurve(const std::function<Vec3(double)>& curve,
                                          const std::vector<double>& breaks, double tolerance, int max_depth,
                                          double* deviation);

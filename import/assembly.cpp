@@ -75,7 +75,8 @@ bool IsHidden(const TDF_Label& label) {
   return false;
 }
 
-// Moves the hidden bodies and faces of a prototype into one of their own; null if there are none. Faces keep their identity.
+// Moves the hidden bodies and faces of a prototype into one of their own; null if there are none. Faces keep
+// their identity.
 TopoDS_Shape TakeOutHidden(const TDF_Label& label, Prototype& prototype) {
   TDF_LabelSequence parts;
   XCAFDoc_ShapeTool::GetSubShapes(label, parts);
@@ -233,7 +234,8 @@ class AssemblyWalk {
     return occurrence;
   }
 
-  // What the file says of the colour of one step of a path; none where it says nothing that differs from the part's.
+  // What the file says of the colour of one step of a path; none where it says nothing that differs from the
+  // part's.
   std::optional<Color> ColorOf(const XCAFPrs_DocumentNode& step) const {
     const TopoDS_Shape component = XCAFDoc_ShapeTool::GetShape(step.Label);
     std::optional<Color> of_part;
@@ -319,7 +321,8 @@ void HideFaces(const std::unordered_set<const void*>& hidden, CadDocument& docum
 
 namespace {
 
-// True if two bodies below share their geometry: then it is worth placing it twice instead of converting it twice.
+// True if two bodies below share their geometry: then it is worth placing it twice instead of converting it
+// twice.
 void CountBodies(const TopoDS_Shape& shape, std::unordered_map<const void*, int>& uses) {
   if (shape.ShapeType() > TopAbs_SHELL) return;
   if (shape.ShapeType() != TopAbs_COMPOUND) {

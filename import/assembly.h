@@ -24,9 +24,10 @@ struct OccurrenceColor {
   std::optional<Color> of_part;  // what the part has elsewhere
 };
 
-// Appends prototypes and occurrences of all leaf nodes of the document. Loose shells and faces that stand unplaced at the top become one
-// prototype, named `name`. Bodies that the file hides, by themselves or by their layer, become occurrences that are hidden. OpenCASCADE
-// gives the last of several occurrence colours to all occurrences: `colors` puts that right.
+// Appends prototypes and occurrences of all leaf nodes of the document. Loose shells and faces that stand
+// unplaced at the top become one prototype, named `name`. Bodies that the file hides, by themselves or by
+// their layer, become occurrences that are hidden. OpenCASCADE gives the last of several occurrence colours
+// to all occurrences: `colors` puts that right.
 void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
                  const std::vector<OccurrenceColor>& colors, CadDocument& document);
 

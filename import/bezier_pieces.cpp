@@ -7,7 +7,8 @@
 namespace facetless {
 namespace {
 
-// Parameters closer than this, relative to their size, are one parameter: they differ by the rounding of a few operations.
+// Parameters closer than this, relative to their size, are one parameter: they differ by the rounding of a
+// few operations.
 constexpr double kParameterRounding = 32 * std::numeric_limits<double>::epsilon();
 
 // A polynomial piece keeps its weights at 1 bit by bit, whatever affine combinations round to.
@@ -23,7 +24,8 @@ std::vector<Vec4> BsplineSpanPoints(std::span<const double> knots, int degree, s
   std::vector<Vec4> work(degree + 1);
   const bool polynomial = AllWeightsOne(poles.subspan(span - degree, degree + 1));
   for (int j = 0; j <= degree; ++j) {
-    // Evaluate the blossom at a, degree − j times, and b, j times, by de Boor's algorithm on the span's own poles.
+    // Evaluate the blossom at a, degree − j times, and b, j times, by de Boor's algorithm on the span's own
+    // poles.
     for (int i = 0; i <= degree; ++i) work[i] = poles[span - degree + i];
     for (int round = 1; round <= degree; ++round) {
       const double x = round <= degree - j ? a : b;
@@ -43,7 +45,8 @@ std::vector<KnotStretch> KnotStretches(std::span<const double> knots, int degree
   const int first_span = degree, last_span = static_cast<int>(knots.size()) - degree - 2;
   const double size = std::max(std::fabs(first), std::fabs(last));
   const double rounding = kParameterRounding * std::max(size, last - first);
-  // Note which spans have a width and overlap the range by more than rounding; the outermost ones reach to infinity.
+  // Note which spans have a width and overlap the range by more than rounding; the outermost ones reach to
+  // infinity.
   std::vector<int> spans;
   for (int k = first_span; k <= last_span; ++k) {
     if (knots[k] < knots[k + 1]) spans.push_back(k);

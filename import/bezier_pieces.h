@@ -1,4 +1,5 @@
-// Bézier pieces of curves: what curves of every kind are made into on the way to the model. Knows no OpenCASCADE.
+// Bézier pieces of curves: what curves of every kind are made into on the way to the model. Knows no
+// OpenCASCADE.
 //
 //  1. Points are homogeneous (w·x, w·y, w·z, w), w > 0; a polynomial piece has w = 1 exactly.
 //  2. A piece covers [begin, end] of its curve's native parameter, by the law `map` (model.h).
@@ -21,14 +22,15 @@ struct CurvePiece {
   int degree() const { return static_cast<int>(points.size()) - 1; }
 };
 
-// The Bézier points over [a, b] of the polynomial that a B-spline has on knot span [knots[span], knots[span+1]]; one blossom
-// value per point, so that points of a span that is Bézier already come out unchanged. Requires knots[span] < knots[span+1] and
-// degree <= span < knots.size() − degree − 1; poles are all poles of the curve.
+// The Bézier points over [a, b] of the polynomial that a B-spline has on knot span [knots[span],
+// knots[span+1]]; one blossom value per point, so that points of a span that is Bézier already come out
+// unchanged. Requires knots[span] < knots[span+1] and degree <= span < knots.size() − degree − 1; poles are
+// all poles of the curve.
 std::vector<Vec4> BsplineSpanPoints(std::span<const double> knots, int degree, std::span<const Vec4> poles,
                                     int span, double a, double b);
 
-// The stretches of [first, last] that lie in one knot span each, in order. Beyond the domain the end spans go on. A stretch
-// that is no wider than rounding joins its neighbour. Requires first < last.
+// The stretches of [first, last] that lie in one knot span each, in order. Beyond the domain the end spans go
+// on. A stretch that is no wider than rounding joins its neighbour. Requires first < last.
 struct KnotStretch {
   int span;
   double begin, end;
@@ -39,8 +41,8 @@ std::vector<KnotStretch> KnotStretches(std::span<const double> knots, int degree
 std::vector<CurvePiece> BsplinePieces(std::span<const double> knots, int degree, std::span<const Vec4> poles,
                                       double first, double last);
 
-// center + cos(θ)·x + sin(θ)·y for θ in [first, last], as rational quadratic arcs of at most `max_width` radians each
-// (max_width < π). Parametrised by SpanMap::kHalfAngle.
+// center + cos(θ)·x + sin(θ)·y for θ in [first, last], as rational quadratic arcs of at most `max_width`
+// radians each (max_width < π). Parametrised by SpanMap::kHalfAngle.
 std::vector<CurvePiece> ArcPieces(Vec3 center, Vec3 x, Vec3 y, double first, double last, double max_width);
 
 // Raises the degree of every piece to `degree`, exactly up to rounding. Requires degree >= that of each.

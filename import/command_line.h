@@ -1,5 +1,5 @@
-// The command line of facetless-import. Mesh options follow the --mesh that they belong to, so that one call can mesh a model at many
-// deflections; that is why it is read by hand and not by a table of options.
+// The command line of facetless-import. Mesh options follow the --mesh that they belong to, so that one call
+// can mesh a model at many deflections; that is why it is read by hand and not by a table of options.
 #pragma once
 
 #include <string>

@@ -47,9 +47,10 @@ void FindLargestGap(const Model& model, ImportInfo& info) {
   }
 }
 
-// Makes what the file declares, what is shown and what is lost add up: faces_declared = faces_imported + faces_lost. A face counts once,
-// however many pieces OpenCASCADE makes of it and however many parts hold it; it is shown if nothing of it is lost. What is lost and is
-// no face (a body of another kind, an occurrence) counts as one that was declared.
+// Makes what the file declares, what is shown and what is lost add up: faces_declared = faces_imported +
+// faces_lost. A face counts once, however many pieces OpenCASCADE makes of it and however many parts hold it;
+// it is shown if nothing of it is lost. What is lost and is no face (a body of another kind, an occurrence)
+// counts as one that was declared.
 void Balance(const std::vector<DeclaredFace>& declared, const Model& model, ImportInfo& info) {
   std::unordered_set<std::string> lost, shown;
   std::erase_if(info.faces_lost,

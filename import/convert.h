@@ -21,8 +21,8 @@ struct Conversion {
 // Called with the share of prototypes' faces done, 0 … 1.
 using Progress = std::function<void(double)>;
 
-// Faces that cannot be converted are listed in info.faces_lost; loops and edges that are missing in loops_lost and
-// edges_lost. Errors: kNothingUsable (no face is left); those of Validate.
+// Faces that cannot be converted are listed in info.faces_lost; loops and edges that are missing in
+// loops_lost and edges_lost. Errors: kNothingUsable (no face is left); those of Validate.
 Result<Conversion> Convert(CadDocument document, const Progress& progress);
 
 // The shapes of all placed faces, by placed-face id. They share their geometry.

@@ -1,4 +1,5 @@
-// A file in which the importer notes the entity that it is reading. If the importer dies, its caller can name the last entity.
+// A file in which the importer notes the entity that it is reading. If the importer dies, its caller can name
+// the last entity.
 #pragma once
 
 #include <string>

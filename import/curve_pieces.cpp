@@ -21,8 +21,8 @@
 namespace facetless {
 namespace {
 
-// What an approximation aims at, relative to the curve's size: below any tolerance that a CAD file states, above the rounding of its
-// evaluation.
+// What an approximation aims at, relative to the curve's size: below any tolerance that a CAD file states,
+// above the rounding of its evaluation.
 constexpr double kRelativeTolerance = 1e-10;
 // A smooth stretch is halved at most this often: 2^-10 of it is either good enough or not smooth.
 constexpr int kMaxHalvings = 10;

@@ -23,9 +23,9 @@ struct CurvePieces {
   double deviation = 0;  // measured, in the curve's own units; 0 if not approximated
 };
 
-// Pieces over [first, last] of any curve; arcs are at most max_arc radians wide. Parameters may lie beyond one
-// period of a periodic curve. Errors: kFormatBroken (range empty or not finite, weight not positive, number not finite), kLimitExceeded
-// (more than 4096 periods).
+// Pieces over [first, last] of any curve; arcs are at most max_arc radians wide. Parameters may lie beyond
+// one period of a periodic curve. Errors: kFormatBroken (range empty or not finite, weight not positive,
+// number not finite), kLimitExceeded (more than 4096 periods).
 Result<CurvePieces> PiecesOf(const Handle(Geom_Curve) & curve, double first, double last, double max_arc,
                              Parametrization parametrization);
 // The same in the plane: points are (w·u, w·v, 0, w).

@@ -1,4 +1,5 @@
-// What a reader makes of a CAD file: OpenCASCADE shapes as prototypes, where they are placed, and what the file says about them.
+// What a reader makes of a CAD file: OpenCASCADE shapes as prototypes, where they are placed, and what the
+// file says about them.
 #pragma once
 
 #include <TopLoc_Location.hxx>
@@ -20,7 +21,8 @@ struct FaceOrigin {
   int bounds = 0;  // that have edges; 0: not known
   int edges = 0;   // different ones, of all bounds; 0: not known
   int sense = 0;   // 1: the face looks where its surface does, −1: the other way; 0: not known
-  // Of a torus that meets its axis the face has the outer part, the apple (1), or the inner one, the lemon (−1); 0: no such torus.
+  // Of a torus that meets its axis the face has the outer part, the apple (1), or the inner one, the lemon
+  // (−1); 0: no such torus.
   int torus_part = 0;
 };
 

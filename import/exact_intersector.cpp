@@ -102,7 +102,8 @@ ExactHit ExactIntersector::Nearest(Vec3 origin, Vec3 direction, double near) {
     if (enter <= leave && leave >= near) data_->queue.emplace_back(enter, static_cast<int>(i));
   }
   std::sort(data_->queue.begin(), data_->queue.end());
-  // Ask each, until the next box begins behind the hit. The line's parameter is a length; depth is its share along the direction.
+  // Ask each, until the next box begins behind the hit. The line's parameter is a length; depth is its share
+  // along the direction.
   const double length = Length(direction);
   const gp_Lin line(gp_Pnt(origin.x, origin.y, origin.z), gp_Dir(direction.x, direction.y, direction.z));
   const double from = near == -kInfinity ? -RealLast() : near * length;

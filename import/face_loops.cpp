@@ -23,12 +23,13 @@ constexpr double kSnap = 64 * std::numeric_limits<double>::epsilon();
 // More than this share of a loop's length must not be invented to close it.
 constexpr double kMostInvented = 0.5;
 
-// A face whose edges lie farther off its surface than this share of its longest loop is not the face that was meant: a tenth of the
-// diameter of a circle of that length. Its surface was read in another unit, or is another one.
+// A face whose edges lie farther off its surface than this share of its longest loop is not the face that was
+// meant: a tenth of the diameter of a circle of that length. Its surface was read in another unit, or is
+// another one.
 constexpr double kFarOff = 0.03;
 
-// Loops of less area than this share of their box enclose nothing: edges that are walked there and back leave rounding. A sliver of a
-// nanometre along a metre has a hundred times as much.
+// Loops of less area than this share of their box enclose nothing: edges that are walked there and back leave
+// rounding. A sliver of a nanometre along a metre has a hundred times as much.
 constexpr double kNoArea = 1e-11;
 
 struct Period {
@@ -124,7 +125,8 @@ FaceLoop LoopFrom(std::vector<Use> uses) {
   return loop;
 }
 
-// Puts the uses of one wire in order: as they come if vertices agree, else by following vertices and, among equals, the nearest start.
+// Puts the uses of one wire in order: as they come if vertices agree, else by following vertices and, among
+// equals, the nearest start.
 std::vector<FaceLoop> Chained(std::vector<Use> uses) {
   std::vector<FaceLoop> loops;
   if (InOrder(uses)) {
@@ -203,8 +205,8 @@ Poles PolesOf(const Handle(Geom_Surface) & surface) {
   return poles;
 }
 
-// Loops that wind around the surface enclose nothing in the plane of parameters: join two by a cut, or close one through the pole that
-// its material lies towards.
+// Loops that wind around the surface enclose nothing in the plane of parameters: join two by a cut, or close
+// one through the pole that its material lies towards.
 bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const Poles& poles,
                       std::vector<std::string>& repairs) {
   std::vector<FaceLoop> closed, winding;
@@ -319,7 +321,8 @@ struct Opening {
   double longest = 0, all = 0;
 };
 
-// Makes consecutive ends equal: bit by bit where they differ by rounding, with a straight segment where the file leaves a gap.
+// Makes consecutive ends equal: bit by bit where they differ by rounding, with a straight segment where the
+// file leaves a gap.
 Opening Close(FaceLoop& loop, double size, const SurfacePoints& points) {
   Opening opening;
   const auto link = [&](const Vec2& end, LoopCoedge& next, std::size_t index) {

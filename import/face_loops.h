@@ -1,7 +1,7 @@
 // A face's loops: its wires as closed chains of Bézier segments in the surface's native parameters.
 //
-//  1. Chains are closed bit by bit: a gap that the file leaves between two p-curves becomes a straight segment of the
-//     coedge that follows.
+//  1. Chains are closed bit by bit: a gap that the file leaves between two p-curves becomes a straight
+//     segment of the coedge that follows.
 //  2. Loops are unwrapped: on a periodic surface a chain runs on beyond the period and is never broken at it.
 //  3. The face's material lies on the left of every loop in (u, v).
 #pragma once
@@ -46,8 +46,9 @@ struct FaceLoops {
   double open_share = 0;  // open_mm as a share of that loop's length
 };
 
-// The loops of `face` in its FORWARD orientation. `pcurves_in_file`: a stored p-curve is the file's. Errors: kFormatBroken (a wire that
-// cannot be closed on its surface, or only by inventing more than half of its length; loops that enclose nothing; an edge far off the surface).
+// The loops of `face` in its FORWARD orientation. `pcurves_in_file`: a stored p-curve is the file's. Errors:
+// kFormatBroken (a wire that cannot be closed on its surface, or only by inventing more than half of its
+// length; loops that enclose nothing; an edge far off the surface).
 Result<FaceLoops> LoopsOf(const TopoDS_Face& face, bool pcurves_in_file);
 
 }  // namespace facetless

@@ -30,7 +30,8 @@ namespace {
 
 constexpr int kPlane = 108, kBounded = 143, kTrimmed = 144, kBrepFace = 510;
 constexpr std::array kSurfaces{kPlane, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196};
-// Bodies that OpenCASCADE makes no shape of: CSG primitives, swept solids, Boolean trees, and what is made of them.
+// Bodies that OpenCASCADE makes no shape of: CSG primitives, swept solids, Boolean trees, and what is made of
+// them.
 constexpr std::array kUnread{150, 152, 154, 156, 158, 160, 162, 164, 168, 180, 184, 430};
 constexpr std::array kCurves{100, 102, 104, 106, 110, 112, 126, 130};
 constexpr std::array kLoops{141, 142, 508};
@@ -40,7 +41,8 @@ bool Contains(const std::array<int, N>& types, int type) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
-// Entities that stand for one face: trimmed and bounded surfaces, the face of a B-rep, and surfaces that nothing else uses.
+// Entities that stand for one face: trimmed and bounded surfaces, the face of a B-rep, and surfaces that
+// nothing else uses.
 bool IsFace(const IGESData_IGESEntity& entity) {
   const int type = entity.TypeNumber();
   if (type == kTrimmed || type == kBounded || type == kBrepFace) return true;

@@ -27,8 +27,8 @@ int Field(const std::string& line, std::size_t first) {
   return value;
 }
 
-// Sorts the lines by section. A line that is not 80 columns wide still has its letter eight columns before its end. False if a line
-// names no section; what comes after it is not read, and lines holds what was.
+// Sorts the lines by section. A line that is not 80 columns wide still has its letter eight columns before
+// its end. False if a line names no section; what comes after it is not read, and lines holds what was.
 bool Split(std::string_view bytes, Lines& lines) {
   std::size_t at = 0;
   while (at < bytes.size()) {
@@ -91,7 +91,8 @@ struct ParameterTexts {
 ParameterTexts CollectParameters(const Lines& lines) {
   ParameterTexts texts;
   for (const std::string& line : lines.parameter) {
-    // The owner's number ends in front of the letter; data end at column 64, or run on into the space before the number.
+    // The owner's number ends in front of the letter; data end at column 64, or run on into the space before
+    // the number.
     const std::size_t letter = line.size() > kColumns ? line.size() - 8 : 72;
     std::size_t number = letter;
     while (number > letter - 8 && std::isdigit(static_cast<unsigned char>(line[number - 1]))) --number;
@@ -105,7 +106,8 @@ ParameterTexts CollectParameters(const Lines& lines) {
   return texts;
 }
 
-// Splits at delimiters outside Hollerith strings (nH…); up to the record's end, which *ended says whether it was there.
+// Splits at delimiters outside Hollerith strings (nH…); up to the record's end, which *ended says whether it
+// was there.
 std::vector<std::string> Tokens(const std::string& text, const Delimiters& delimiters,
                                 bool* ended = nullptr) {
   if (ended) *ended = false;
@@ -131,8 +133,8 @@ std::vector<std::string> Tokens(const std::string& text, const Delimiters& delim
   return tokens;
 }
 
-// Index of the first real among an entity's parameters (0 is its type), from which on all are reals; 0 if it has none or
-// reals are mixed with integers later on.
+// Index of the first real among an entity's parameters (0 is its type), from which on all are reals; 0 if it
+// has none or reals are mixed with integers later on.
 std::size_t FirstReal(int type) {
   switch (type) {
     case 100:
@@ -204,8 +206,8 @@ double NumberIn(const std::vector<std::string>& tokens, std::size_t i) {
   return std::isfinite(number) ? number : 0;
 }
 
-// What entities say of their own length: values (numbers or pointers) per item, and the tokens whose product is the number of
-// items.
+// What entities say of their own length: values (numbers or pointers) per item, and the tokens whose product
+// is the number of items.
 struct Claim {
   int type;
   double values;
@@ -224,7 +226,8 @@ constexpr std::array<Claim, 12> kClaims{{{102, 1, 1, 0},
                                          {514, 2, 1, 0},
                                          {402, 1, 1, 0}}};
 
-// True if an entity's counts claim more values than its text has room for, each value taking at least its delimiter.
+// True if an entity's counts claim more values than its text has room for, each value taking at least its
+// delimiter.
 bool ClaimsMoreThan(std::size_t available, int type, const std::vector<std::string>& tokens) {
   const double room = static_cast<double>(available);
   if (type == 126) return (NumberIn(tokens, 1) + 1) * 3 > room;
@@ -239,8 +242,8 @@ bool ClaimsMoreThan(std::size_t available, int type, const std::vector<std::stri
   return false;
 }
 
-// The first token that writes a number which is none, is infinite, or has an exponent beyond kGreatestExponent; nullptr if there is
-// none. Texts (nH…) are no numbers.
+// The first token that writes a number which is none, is infinite, or has an exponent beyond
+// kGreatestExponent; nullptr if there is none. Texts (nH…) are no numbers.
 constexpr int kGreatestExponent = 150;  // as in STEP files: its square is no double
 const std::string* NotFinite(const std::vector<std::string>& tokens) {
   for (const std::string& token : tokens) {
@@ -300,8 +303,8 @@ std::vector<TokenRange> MadeOf(int type, const std::vector<std::string>& tokens)
   }
 }
 
-// What the directory itself names: a structure, a line font, a level, a view, a matrix and a label display, as pointers. Some fields hold a
-// value where they are positive.
+// What the directory itself names: a structure, a line font, a level, a view, a matrix and a label display,
+// as pointers. Some fields hold a value where they are positive.
 std::vector<int> DirectoryPointers(const std::string& line) {
   std::vector<int> pointers;
   for (const std::size_t column : {16, 24, 32}) {
@@ -313,8 +316,8 @@ std::vector<int> DirectoryPointers(const std::string& line) {
   return pointers;
 }
 
-// The directory number of an entity that is made of itself, by whatever detour: OpenCASCADE would follow it until its stack ends. 0 if
-// there is none.
+// The directory number of an entity that is made of itself, by whatever detour: OpenCASCADE would follow it
+// until its stack ends. 0 if there is none.
 int MadeOfItself(const std::map<int, std::vector<int>>& made_of) {
   enum class State : std::uint8_t { kNew, kOpen, kDone };
   std::map<int, State> states;

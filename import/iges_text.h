@@ -22,8 +22,9 @@ struct IgesFacts {
   bool cut_off = false;                  // ends, or is damaged, before the last section
 };
 
-// Reads the directory. Errors: kFormatBroken (no directory or no parameters, or an entity that claims more values than the file has
-// bytes or is made of itself; names the entity), kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity).
+// Reads the directory. Errors: kFormatBroken (no directory or no parameters, or an entity that claims more
+// values than the file has bytes or is made of itself; names the entity), kNotFinite (a number that is NaN,
+// infinite or beyond 1e150; names the entity).
 Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes);
 
 struct IgesRepair {
@@ -31,8 +32,8 @@ struct IgesRepair {
   std::uint64_t wide_lines = 0;  // lines whose data go beyond column 64
 };
 
-// Writes "1." for "1" wherever the entity's definition asks for a real, and lays out again data that leave their columns: OpenCASCADE
-// drops such entities. Leaves `bytes` alone if there are none.
+// Writes "1." for "1" wherever the entity's definition asks for a real, and lays out again data that leave
+// their columns: OpenCASCADE drops such entities. Leaves `bytes` alone if there are none.
 IgesRepair RepairIges(std::string& bytes);
 
 }  // namespace facetless

@@ -15,7 +15,8 @@ constexpr double kLeastSine = 1e-3;
 constexpr double kTouch = 1e-3;
 // A curve that deviates from its chord by less than this share of the smaller loop is its chord.
 constexpr double kFlat = 1e-7;
-// Pairs of pieces that are looked at for a pair of curves, and for a face: curves that run along each other have many.
+// Pairs of pieces that are looked at for a pair of curves, and for a face: curves that run along each other
+// have many.
 constexpr int kMostSteps = 20000;
 constexpr int kMostFaceSteps = 2000000;
 
@@ -158,7 +159,8 @@ int SideOf(Vec2 p, const std::vector<Vec2>& polygon, double tolerance) {
   return inside ? 1 : -1;
 }
 
-// True if one loop lies on both sides of the other. OpenCASCADE splits edges where loops cross: there they only meet.
+// True if one loop lies on both sides of the other. OpenCASCADE splits edges where loops cross: there they
+// only meet.
 bool Straddles(const Outline& loop, const Outline& other, Vec2& at) {
   // A polygon of eighths of arcs of an eighth of a turn is off the arc by less than this share of its size.
   constexpr double kOffArc = 2e-2;

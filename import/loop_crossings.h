@@ -1,4 +1,5 @@
-// Finds loops of a face that cross each other or themselves: what such loops enclose is hardly what the file means.
+// Finds loops of a face that cross each other or themselves: what such loops enclose is hardly what the file
+// means.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +14,8 @@ struct LoopCrossing {
   Vec2 at;                                      // native parameters
 };
 
-// At most one crossing for each pair of loops. Curves that touch, that meet at their ends or that run along each other do not cross; nor do
-// borders that were made for the face.
+// At most one crossing for each pair of loops. Curves that touch, that meet at their ends or that run along
+// each other do not cross; nor do borders that were made for the face.
 std::vector<LoopCrossing> CrossingsOf(const std::vector<FaceLoop>& loops);
 
 }  // namespace facetless

@@ -1,8 +1,8 @@
-// facetless-import: one CAD file in, one model file and any number of meshes out, then the process ends. Its limits of memory, time and
-// file size are set by whoever starts it.
+// facetless-import: one CAD file in, one model file and any number of meshes out, then the process ends. Its
+// limits of memory, time and file size are set by whoever starts it.
 //
-// Standard output is one JSON object; standard error has a line `progress STAGE FRACTION` now and then.
-// Exit status: 0 written, 4 nothing usable, 64 bad usage.
+// Standard output is one JSON object; standard error has a line `progress STAGE FRACTION` now and then. Exit
+// status: 0 written, 4 nothing usable, 64 bad usage.
 #include <sys/resource.h>
 #include <unistd.h>
 #include <Standard_ErrorHandler.hxx>
@@ -71,7 +71,8 @@ class Stages {
   inline static std::chrono::steady_clock::time_point begin_;
 };
 
-// Standard output for our own JSON alone: OpenCASCADE writes to it too, and is sent to standard error instead.
+// Standard output for our own JSON alone: OpenCASCADE writes to it too, and is sent to standard error
+// instead.
 class Answer {
  public:
   Answer() : descriptor_(dup(STDOUT_FILENO)) { dup2(STDERR_FILENO, STDOUT_FILENO); }
@@ -111,7 +112,8 @@ class Scratch {
   std::string path_;
 };
 
-// The answer of a process that runs out of time: prepared beforehand, since a signal handler may allocate nothing.
+// The answer of a process that runs out of time: prepared beforehand, since a signal handler may allocate
+// nothing.
 std::string& DeadlineAnswer() {
   static std::string text;
   return text;
@@ -210,7 +212,8 @@ int Import(const CommandLine& options, const Answer& answer) {
   if (!options.meshes.empty() && !(model.Diagonal() > 0))
     return Fail({ErrorCode::kNothingUsable, source.value().name + ": all that it holds lies in one point."},
                 answer);
-  // Write the model before anything that may take long: whoever started the importer can use it when the mesher fails.
+  // Write the model before anything that may take long: whoever started the importer can use it when the
+  // mesher fails.
   model.info.read_ms = Stages::read_ms;
   model.info.transfer_ms = Stages::transfer_ms;
   model.info.convert_ms = Stages::convert_ms;
@@ -275,8 +278,8 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const int status = facetless::Run(argc, argv);
-  // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool: every tenth run or so dies
-  // in them, so leave without.
+  // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool:
+  // every tenth run or so dies in them, so leave without.
   std::cout.flush();
   std::fflush(nullptr);
   std::_Exit(status);

@@ -31,8 +31,9 @@ struct FaceMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Gives normals their side and fills those that are missing: the exact one where a parameter line has collapsed to a point is known up to
-// its sign, and where nothing is known that of the facets around the node serves.
+// Gives normals their side and fills those that are missing: the exact one where a parameter line has
+// collapsed to a point is known up to its sign, and where nothing is known that of the facets around the node
+// serves.
 void FinishNormals(const std::vector<bool>& unsigned_normal, FaceMesh& mesh) {
   std::vector<Vec3> facets(mesh.positions.size());
   for (const auto& triangle : mesh.triangles) {
@@ -48,7 +49,8 @@ void FinishNormals(const std::vector<bool>& unsigned_normal, FaceMesh& mesh) {
   }
 }
 
-// The surface's unit normal at (u, v), zero if it has none. Where one derivative vanishes the mixed one has its direction (*sign_unknown).
+// The surface's unit normal at (u, v), zero if it has none. Where one derivative vanishes the mixed one has
+// its direction (*sign_unknown).
 Vec3 NormalAt(const GeomAdaptor_Surface& surface, gp_Pnt2d uv, const gp_Trsf& placement, bool* sign_unknown) {
   gp_Pnt point;
   gp_Vec du, dv, duu, dvv, duv;
@@ -63,7 +65,8 @@ Vec3 NormalAt(const GeomAdaptor_Surface& surface, gp_Pnt2d uv, const gp_Trsf& pl
   return Normalized(Cross(ToVec3(du.XYZ()), ToVec3(dv.XYZ())));
 }
 
-// True for what the file's float32 can hold relative to any centre: OpenCASCADE meshes faces of damaged files to infinity.
+// True for what the file's float32 can hold relative to any centre: OpenCASCADE meshes faces of damaged files
+// to infinity.
 bool IsStorable(const Vec3& position) {
   constexpr double kGreatest = std::numeric_limits<float>::max() / 4;
   return std::fabs(position.x) <= kGreatest && std::fabs(position.y) <= kGreatest &&
@@ -212,7 +215,8 @@ class GltfWriter {
     return primitive;
   }
 
-  // The root turns millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a column-major matrix.
+  // The root turns millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a column-major
+  // matrix.
   void AddNodes() {
     tinygltf::Node root;
     root.name = model_.info.file;

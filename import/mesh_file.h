@@ -1,8 +1,11 @@
-// The tessellated baseline: OpenCASCADE's mesher over the converted faces, written as glTF binary (mesh.h, laws 1 and 2).
+// The tessellated baseline: OpenCASCADE's mesher over the converted faces, written as glTF binary (mesh.h,
+// laws 1 and 2).
 //
-//  1. One mesh per part, one primitive per face (extras: face = index within the part), one node per instance (extras:
-//     first_placed_face), in the model's order. Faces without triangles have no primitive and are named.
-//  2. Positions are millimetres, Z up, relative to their node's translation; the root node turns that into glTF's metres, Y up.
+//  1. One mesh per part, one primitive per face (extras: face = index within the part), one node per instance
+//     (extras: first_placed_face), in the model's order. Faces without triangles have no primitive and are
+//     named.
+//  2. Positions are millimetres, Z up, relative to their node's translation; the root node turns that into
+//     glTF's metres, Y up.
 //  3. Normals are the exact surface's at the nodes.
 #pragma once
 
@@ -27,8 +30,8 @@ struct MeshReport {
   std::vector<std::string> faces_unmeshed;
 };
 
-// Removes what was meshed before, meshes all parts on one thread, and writes `path` in full or not at all. Errors: kBadUsage (options out of
-// range), kWriteFailed.
+// Removes what was meshed before, meshes all parts on one thread, and writes `path` in full or not at all.
+// Errors: kBadUsage (options out of range), kWriteFailed.
 Result<MeshReport> WriteMesh(const Conversion& conversion, const MeshOptions& options,
                              const std::string& path, const Progress& progress);
 

@@ -33,10 +33,11 @@ constexpr double kMaxArc = std::numbers::pi / 4;
 // A conversion that is called exact must agree with the surface to this share of its coordinates' size.
 constexpr double kExact = 1e-12;
 
-// A p-curve that is farther from its 3D edge than this share of the edge's length is worth a warning: one of the two is wrong.
+// A p-curve that is farther from its 3D edge than this share of the edge's length is worth a warning: one of
+// the two is wrong.
 constexpr double kOffSurface = 0.01;
-// A line that closes a loop is said if it is longer than this share of the loop, and counts as a lost edge from the other on: real files
-// have gaps of up to a ten-thousandth.
+// A line that closes a loop is said if it is longer than this share of the loop, and counts as a lost edge
+// from the other on: real files have gaps of up to a ten-thousandth.
 constexpr double kOpenSaid = 1e-3, kOpenLost = 1e-2;
 // Indices into the model's vectors are 32 bits wide; stop well before they run out.
 constexpr std::size_t kMaxElements = std::size_t{1} << 31;
@@ -122,7 +123,8 @@ std::uint32_t PartConverter::EdgeIndex(const TopoDS_Edge& oriented) {
   return index;
 }
 
-// The edge of each coedge, in order. OpenCASCADE may fail on one, so it comes before anything of the face is stored.
+// The edge of each coedge, in order. OpenCASCADE may fail on one, so it comes before anything of the face is
+// stored.
 std::vector<std::uint32_t> PartConverter::EdgesOf(const FaceLoops& loops) {
   std::vector<std::uint32_t> edges;
   for (const FaceLoop& loop : loops.loops) {
@@ -229,7 +231,8 @@ std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shap
 }
 
 TopoDS_Face PartConverter::Mended(std::size_t index) {
-  // Gather the pieces that OpenCASCADE may have made of the file's face; what is converted already stays as it is.
+  // Gather the pieces that OpenCASCADE may have made of the file's face; what is converted already stays as
+  // it is.
   std::vector<TopoDS_Face> pieces{members_[index].face};
   if (const FaceOrigin* origin = OriginOf(members_[index].face)) {
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -327,8 +330,8 @@ void PartConverter::CheckAgainstFile() {
     const std::uint32_t index = arrived.faces.front();
     const int missing_edges = std::max(0, origin.edges - arrived.edges.Extent() - arrived.mended);
     const int missing_bounds = std::max(0, origin.bounds - arrived.loops);
-    // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are. Where OpenCASCADE splits a face, it
-    // shares the bounds out among the pieces.
+    // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are. Where
+    // OpenCASCADE splits a face, it shares the bounds out among the pieces.
     if (origin.edges > 0 && missing_edges == 0) continue;
     for (int i = 0; i < missing_edges; ++i)
       builder_.info().edges_lost.push_back(
@@ -347,8 +350,8 @@ bool PartConverter::HasLosses(std::uint32_t face) const {
          std::any_of(info.edges_lost.begin(), info.edges_lost.end(), of_face);
 }
 
-// Every edge with a curve has exactly two uses, of opposite sense as seen from outside the faces, and none is known to be missing: a hole
-// whose rim was lost on both sides would pass for closed.
+// Every edge with a curve has exactly two uses, of opposite sense as seen from outside the faces, and none is
+// known to be missing: a hole whose rim was lost on both sides would pass for closed.
 bool PartConverter::IsClosed(int group) const {
   std::unordered_map<std::uint32_t, std::pair<int, int>> uses;
   for (std::size_t i = 0; i < face_groups_.size(); ++i) {
@@ -366,7 +369,8 @@ bool PartConverter::IsClosed(int group) const {
                      [](const auto& use) { return use.second.first == 1 && use.second.second == 1; });
 }
 
-// OpenCASCADE turns solids whose faces look inwards. In other formats than STEP it leaves them: their volume is negative.
+// OpenCASCADE turns solids whose faces look inwards. In other formats than STEP it leaves them: their volume
+// is negative.
 void PartConverter::WarnOfTurning(int group) {
   std::size_t turned = 0, known = 0, all = 0;
   std::uint32_t example = 0;

@@ -60,7 +60,8 @@ class PartConverter {
   void AddFace(std::size_t index);
   // Converts `shape`, which stands for the member's face; empty, or why it cannot be done.
   std::string TryFace(const Member& member, const TopoDS_Face& shape);
-  // The face without edges that are walked there and back, in one piece; null if it has none of those, or is nothing without them.
+  // The face without edges that are walked there and back, in one piece; null if it has none of those, or is
+  // nothing without them.
   TopoDS_Face Mended(std::size_t index);
   void LoseFace(const TopoDS_Face& face, const std::string& reason);
   void StoreLoops(const FaceLoops& loops, const std::vector<std::uint32_t>& edges);

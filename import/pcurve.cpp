@@ -19,14 +19,16 @@
 namespace facetless {
 namespace {
 
-// Arcs of p-curves and edges are at most an eighth of a turn: within one, parameter and angle differ by less than 1 % of its width.
+// Arcs of p-curves and edges are at most an eighth of a turn: within one, parameter and angle differ by less
+// than 1 % of its width.
 constexpr double kMaxArc = std::numbers::pi / 4;
-// Intervals at whose ends a gap is measured, per stretch on which p-curve, edge and surface are smooth. Ninths: p-curves that were fitted
-// are exact at halves and quarters, and at their worst in between.
+// Intervals at whose ends a gap is measured, per stretch on which p-curve, edge and surface are smooth.
+// Ninths: p-curves that were fitted are exact at halves and quarters, and at their worst in between.
 constexpr int kGapIntervals = 9;
 // … and at most so many per piece.
 constexpr int kMaxGapIntervals = 9000;
-// Below this share of the edge's size a computed p-curve is as good as it gets: the noise of projecting and interpolating.
+// Below this share of the edge's size a computed p-curve is as good as it gets: the noise of projecting and
+// interpolating.
 constexpr double kGapNoise = 1e-9;
 // A new p-curve must be this much better than the one it replaces.
 constexpr double kWorthwhile = 0.5;
@@ -54,7 +56,8 @@ struct SpatialEdge {
   }
 };
 
-// Distance of `point` to the edge near parameter `s`, by Newton on the foot of the perpendicular, kept within the edge.
+// Distance of `point` to the edge near parameter `s`, by Newton on the foot of the perpendicular, kept within
+// the edge.
 double DistanceToEdge(const SpatialEdge& edge, const gp_Pnt& point, double s) {
   double best = INFINITY;
   for (int step = 0; step < 6; ++step) {
@@ -80,7 +83,8 @@ int KnotsBetween(const TColStd_Array1OfReal& knots, double a, double b) {
   }));
 }
 
-// Where a curve or a surface, in one direction, is not smooth: an exact p-curve crosses such places unaware of them, and the gap turns there.
+// Where a curve or a surface, in one direction, is not smooth: an exact p-curve crosses such places unaware
+// of them, and the gap turns there.
 template <typename Adaptor>
 TColStd_Array1OfReal BreaksOf(const Adaptor& adaptor, int count,
                               void (Adaptor::*intervals)(TColStd_Array1OfReal&, GeomAbs_Shape) const) {

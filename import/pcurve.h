@@ -1,4 +1,5 @@
-// One coedge's p-curve: from the file, from the 3D edge, or improved by projecting the edge, with its measured gap.
+// One coedge's p-curve: from the file, from the 3D edge, or improved by projecting the edge, with its
+// measured gap.
 #pragma once
 
 #include <TopoDS_Edge.hxx>

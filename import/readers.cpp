@@ -12,8 +12,8 @@
 namespace facetless {
 namespace {
 
-// How STEP shapes are healed. All as OpenCASCADE has it, but for one repair that takes four fifths of the time of a large
-// file and finds nothing to do in sound ones.
+// How STEP shapes are healed. All as OpenCASCADE has it, but for one repair that takes four fifths of the
+// time of a large file and finds nothing to do in sound ones.
 constexpr char kStepResource[] =
     "FromSTEP.exec.op : FixShape\n"
     "FromSTEP.FixShape.Tolerance3d : &Runtime.Tolerance\n"

@@ -189,7 +189,8 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
     if (source.step.has_tessellation && source.step.faces.empty())
       source.repairs.push_back("Its geometry is tessellated, which is a mesh and no exact surface.");
     if (source.step.cut_off) {
-      // End the data after the last whole entity; whatever refers to what is missing is lost and will be named.
+      // End the data after the last whole entity; whatever refers to what is missing is lost and will be
+      // named.
       bytes.resize(source.step.complete_bytes);
       bytes += "\nENDSEC;\nEND-ISO-10303-21;\n";
       source.repairs.push_back("The file is cut off; what comes after entity #" +

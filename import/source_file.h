@@ -24,10 +24,10 @@ struct SourceFile {
   IgesFacts iges;                    // what an IGES file declares
 };
 
-// Reads the file, recognises the format and repairs what a person would expect to work: a byte-order mark, text in front of the header, CR
-// line ends, NUL bytes, reals written as integers in IGES. A repaired copy is written into `scratch`, a folder of the caller's.
-// Errors: kFileUnreadable; kFormatUnknown (says what it is instead, and what to do); kFormatBroken (cut off before any data);
-// kNotFinite (names the entity).
+// Reads the file, recognises the format and repairs what a person would expect to work: a byte-order mark,
+// text in front of the header, CR line ends, NUL bytes, reals written as integers in IGES. A repaired copy is
+// written into `scratch`, a folder of the caller's. Errors: kFileUnreadable; kFormatUnknown (says what it is
+// instead, and what to do); kFormatBroken (cut off before any data); kNotFinite (names the entity).
 Result<SourceFile> OpenSource(const std::string& path, const std::string& scratch);
 
 }  // namespace facetless

@@ -43,7 +43,8 @@ std::size_t EntityBegin(std::string_view text, std::size_t at, std::uint64_t& id
   return at < text.size() && text[at] == '=' ? at + 1 : 0;
 }
 
-// Behind the closing apostrophe of the text that opens at `at`. A text that is not closed ends where a new entity begins.
+// Behind the closing apostrophe of the text that opens at `at`. A text that is not closed ends where a new
+// entity begins.
 std::size_t SkipString(std::string_view text, std::size_t at) {
   for (++at; at < text.size(); ++at) {
     if (text[at] == ';') {

@@ -1,4 +1,5 @@
-// The entities of a STEP file as text: where each begins and ends, what it is called, and its attributes as a tree.
+// The entities of a STEP file as text: where each begins and ends, what it is called, and its attributes as a
+// tree.
 //
 // Example:
 //   const StepEntities entities(bytes);
@@ -79,7 +80,8 @@ class StepEntities {
 
   std::string_view bytes() const { return bytes_; }
   std::uint64_t largest_id() const { return largest_id_; }
-  // Exchange structures that the file holds, one after the other; and where the first one ends, behind its last line.
+  // Exchange structures that the file holds, one after the other; and where the first one ends, behind its
+  // last line.
   std::uint32_t structures() const { return structures_; }
   std::size_t first_structure_end() const { return first_structure_end_; }
   bool has_end() const { return first_structure_end_ != 0; }
@@ -107,7 +109,8 @@ template <typename Visit>
 void ForEachReference(std::string_view body, Visit visit) {
   for (std::size_t at = 0; at < body.size(); ++at) {
     if (body[at] == '\'') {
-      // An apostrophe within a text is doubled: what follows it is taken for another text, which does no harm.
+      // An apostrophe within a text is doubled: what follows it is taken for another text, which does no
+      // harm.
       at = body.find('\'', at + 1);
       if (at == std::string_view::npos) return;
     } else if (body[at] == '/' && at + 1 < body.size() && body[at + 1] == '*') {

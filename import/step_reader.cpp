@@ -99,8 +99,8 @@ std::string Tidied(const std::string& message) {
                                     : message.substr(first, message.find_last_not_of(" .") - first + 1);
 }
 
-// OpenCASCADE's checks of a file as it is read, without that of edge curves: it walks all of an edge's sharers for a message that nobody reads,
-// and takes a fifth of a large file's time.
+// OpenCASCADE's checks of a file as it is read, without that of edge curves: it walks all of an edge's
+// sharers for a message that nobody reads, and takes a fifth of a large file's time.
 //
 // An entity on which the library fails is passed over and noted, where it would cost the whole file.
 class QuickChecks : public RWStepAP214_GeneralModule {
@@ -204,7 +204,8 @@ class StepReader {
     });
   }
 
-  // The length unit of the first context that has one. Files that mix units are read correctly, part by part; they are only reported.
+  // The length unit of the first context that has one. Files that mix units are read correctly, part by part;
+  // they are only reported.
   void ReadUnit() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -256,7 +257,8 @@ class StepReader {
     NoteExternalFiles();
   }
 
-  // What CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEMs say: the colour of one occurrence, where the part has another.
+  // What CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEMs say: the colour of one occurrence, where the part has
+  // another.
   std::vector<OccurrenceColor> OccurrenceColors() {
     std::vector<OccurrenceColor> colors;
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
@@ -359,8 +361,8 @@ class StepReader {
     }
   }
 
-  // Outside of its representation OpenCASCADE may or may not find a piece's unit. Tell by its vertices: true if their numbers are
-  // nearer to the file's than to the file's in millimetres.
+  // Outside of its representation OpenCASCADE may or may not find a piece's unit. Tell by its vertices: true
+  // if their numbers are nearer to the file's than to the file's in millimetres.
   bool KeptFileUnits(const Handle(Standard_Transient) & entity, const TopoDS_Shape& shape) {
     double in_file = 0, in_shape = 0;
     std::set<const void*> seen;
@@ -488,7 +490,8 @@ class StepReader {
     }
   }
 
-  // Parts whose shape is in another file are lost: what comes to us is one file, and the sandbox opens no other.
+  // Parts whose shape is in another file are lost: what comes to us is one file, and the sandbox opens no
+  // other.
   void NoteExternalFiles() {
     STEPConstruct_ExternRefs references(Session());
     references.LoadExternRefs();
@@ -560,7 +563,8 @@ class StepReader {
 }  // namespace
 
 Result<CadDocument> ReadStep(const SourceFile& source, StageProgress progress) {
-  // The reader lives as long as the process: taking its hundred thousand entities down again would cost a second, for nothing.
+  // The reader lives as long as the process: taking its hundred thousand entities down again would cost a
+  // second, for nothing.
   static auto& readers = *new std::vector<std::unique_ptr<StepReader>>;
   readers.push_back(std::make_unique<StepReader>(source, progress));
   return readers.back()->Run();

@@ -8,7 +8,8 @@ namespace facetless::step_repair {
 
 namespace {
 
-// OpenCASCADE's scanner holds texts of up to 16,383 bytes; the standard allows 32,769 characters. Only names are so long.
+// OpenCASCADE's scanner holds texts of up to 16,383 bytes; the standard allows 32,769 characters. Only names
+// are so long.
 constexpr std::size_t kLongestText = 16350;
 
 constexpr std::array<std::string_view, 22> kSurfaces{"PLANE",
@@ -99,7 +100,8 @@ void Repairer::AppendShortened(std::string_view text, std::uint64_t id, std::str
       out.append(text.substr(at, end - at));
     } else {
       std::size_t kept = at + 1 + kLongestText;
-      // Neither half of a doubled apostrophe, nor of a directive, nor of a character of several bytes stays behind.
+      // Neither half of a doubled apostrophe, nor of a directive, nor of a character of several bytes stays
+      // behind.
       const std::size_t directive = text.substr(0, kept).rfind("\\X");
       if (directive != std::string_view::npos && directive > at &&
           text.substr(directive, kept - directive).find("\\X0\\") == std::string_view::npos &&

@@ -1,12 +1,14 @@
-// Repairs a STEP file's text, so that one malformed entity does not cost the whole file, and lists what the file declares that cannot be
-// shown. OpenCASCADE reads the repaired copy.
+// Repairs a STEP file's text, so that one malformed entity does not cost the whole file, and lists what the
+// file declares that cannot be shown. OpenCASCADE reads the repaired copy.
 //
-//  1. An entity with an empty list where something is needed is taken out, with every entity that cannot exist without it; where a list can do
-//     without an element, only the element goes. A curve that needs nothing of its list (a surface curve without p-curves, a trimmed curve
-//     without trims) is replaced by its basis curve.
-//  2. Every repair is a sentence with the entity's #id. What is taken out and would have been seen is in `lost`, or, if it is a face, in
-//     `faces_out` with the reason.
-//  3. Placements that scale or mirror become stand-ins (step_placements.h), replicas of solids become mapped items.
+//  1. An entity with an empty list where something is needed is taken out, with every entity that cannot
+//     exist without it; where a list can do without an element, only the element goes. A curve that needs
+//     nothing of its list (a surface curve without p-curves, a trimmed curve without trims) is replaced by
+//     its basis curve.
+//  2. Every repair is a sentence with the entity's #id. What is taken out and would have been seen is in
+//     `lost`, or, if it is a face, in `faces_out` with the reason.
+//  3. Placements that scale or mirror become stand-ins (step_placements.h), replicas of solids become mapped
+//     items.
 #pragma once
 
 #include <cstdint>
@@ -39,12 +41,12 @@ struct StepRepair {
 
 StepRepair RepairStep(std::string_view bytes);
 
-// Takes the entities of scopes out of them: "#1=&SCOPE #2=A(); ENDSCOPE/#2/ B(#2);" becomes "#2=A(); #1=B(#2);". Returns the number of
-// scopes.
+// Takes the entities of scopes out of them: "#1=&SCOPE #2=A(); ENDSCOPE/#2/ B(#2);" becomes "#2=A();
+// #1=B(#2);". Returns the number of scopes.
 std::size_t FlattenScopes(std::string& bytes);
 
-// Faces that the file declares: ADVANCED_FACE, FACE_SURFACE and FACE, whatever their names, of all exchange structures; and the surfaces
-// that stand for themselves in a GEOMETRIC_SET.
+// Faces that the file declares: ADVANCED_FACE, FACE_SURFACE and FACE, whatever their names, of all exchange
+// structures; and the surfaces that stand for themselves in a GEOMETRIC_SET.
 std::vector<StepFace> DeclaredFaces(std::string_view bytes);
 
 }  // namespace facetless

@@ -1,4 +1,5 @@
-// Empty lists, senses, spurs of loops, second entities of one id: what is mended, and what goes with what is taken out.
+// Empty lists, senses, spurs of loops, second entities of one id: what is mended, and what goes with what is
+// taken out.
 #include "import/step_repairer.h"
 
 #include <map>
@@ -25,7 +26,8 @@ constexpr std::array kSenses{Sense{"EDGE_CURVE", 4, "the sense of edge curve"},
 
 namespace {
 
-// A list that needs at least one element: which attribute of which entity (with its name counted), and what it lacks without.
+// A list that needs at least one element: which attribute of which entity (with its name counted), and what
+// it lacks without.
 struct Needed {
   std::string_view keyword;
   std::size_t attribute;
@@ -249,7 +251,8 @@ void Repairer::CheckSense(const StepEntity& entity, StepRecord& record, const Se
   if (rule.attribute >= record.parts.front().values.size()) return;
   StepValue& value = record.parts.front().values[rule.attribute];
   if (value.kind == Kind::kEnum && (value.text == "T" || value.text == "F")) return;
-  // Closed shells and faces with an orientation derive nothing here; a reference means that attributes are missing.
+  // Closed shells and faces with an orientation derive nothing here; a reference means that attributes are
+  // missing.
   if (value.IsReference() || value.IsList()) return;
   const std::string written = ToText(value);
   value = {};

@@ -1,7 +1,8 @@
 // The parts of RepairStep, and what they share: one pass over the entities of a STEP file.
 //
-//  1. step_repair.cpp runs the passes and writes the repaired copy; step_repair_lists.cpp mends entities, or takes them out;
-//     step_repair_placements.cpp rewrites placements; step_repair_ledger.cpp names what nobody reads or places.
+//  1. step_repair.cpp runs the passes and writes the repaired copy; step_repair_lists.cpp mends entities, or
+//     takes them out; step_repair_placements.cpp rewrites placements; step_repair_ledger.cpp names what
+//     nobody reads or places.
 //  2. Only those four files include this header.
 #pragma once
 
@@ -136,8 +137,9 @@ class Repairer {
   void CheckSense(const StepEntity& entity, StepRecord& record, const Sense& rule);
   void CheckCurve(const StepEntity& entity, const StepRecord& record);
   static std::vector<std::uint64_t> ReferencesIn(std::string_view body);
-  // On a surface that goes around an axis an edge that is followed by itself in the other sense encloses nothing; OpenCASCADE takes it for the
-  // seam. It is one where it turns back on the axis: at the apex of a cone, at the pole of a sphere.
+  // On a surface that goes around an axis an edge that is followed by itself in the other sense encloses
+  // nothing; OpenCASCADE takes it for the seam. It is one where it turns back on the axis: at the apex of a
+  // cone, at the pole of a sphere.
   void LeaveOutSpurs();
   // One use of an edge in a loop.
   struct Use {
@@ -171,8 +173,9 @@ class Repairer {
   Similarity FrameOf(std::uint64_t id) const;
   // The rotation that is written for a map: itself if it is one. Nothing if there are too many.
   std::optional<LinearMap> RotationFor(const LinearMap& map);
-  // Placements that OpenCASCADE 7.6 gets wrong become a frame each, seen from the origin: operators, which it takes for rotations; and pairs of
-  // frames A and B, of which it makes A⁻¹ · B where B · A⁻¹ is meant. The two agree where one of the frames is the origin, as it mostly is.
+  // Placements that OpenCASCADE 7.6 gets wrong become a frame each, seen from the origin: operators, which it
+  // takes for rotations; and pairs of frames A and B, of which it makes A⁻¹ · B where B · A⁻¹ is meant. The
+  // two agree where one of the frames is the origin, as it mostly is.
   void MapOperators();
   bool Is(std::uint64_t id, std::string_view keyword) const;
   // What the target of a placement does; nothing if it is no kind that is known here.
@@ -186,7 +189,8 @@ class Repairer {
   void MapItem(const StepEntity& entity);
   const Representation* FindRepresentation(std::uint64_t id);
   void MapRelationship(const StepEntity& entity);
-  // Nothing where OpenCASCADE gets it right, or the two representations have contexts, and may have units, of their own.
+  // Nothing where OpenCASCADE gets it right, or the two representations have contexts, and may have units, of
+  // their own.
   std::optional<Similarity> PlacedByItems(std::uint64_t id, const StepRecord& relationship);
   void LosePlacement(const StepEntity& entity, const std::string& name);
 

@@ -22,7 +22,8 @@ bool IsNotFinite(std::string_view word) {
   return std::find(kNames.begin(), kNames.end(), upper) != kNames.end();
 }
 
-// The largest power of ten that a number may have: its square is no double. OpenCASCADE can run for good on what is larger.
+// The largest power of ten that a number may have: its square is no double. OpenCASCADE can run for good on
+// what is larger.
 constexpr int kGreatestExponent = 150;
 
 // Lists within lists: no entity of the standard needs ten, and OpenCASCADE's parser calls itself for each.
@@ -149,7 +150,8 @@ class Scanner {
     at_ = next + 1;
   }
 
-  // An oriented edge whose edge is, by whatever detour, itself; 0 if there is none. OpenCASCADE would follow it until its stack ends.
+  // An oriented edge whose edge is, by whatever detour, itself; 0 if there is none. OpenCASCADE would follow
+  // it until its stack ends.
   std::uint64_t EdgeOfItself() const {
     for (const auto& [id, edge] : edge_of_) {
       auto at = edge_of_.find(edge);

@@ -1,4 +1,5 @@
-// A STEP file as text: what it declares, found without OpenCASCADE, which drops what it cannot parse without a word.
+// A STEP file as text: what it declares, found without OpenCASCADE, which drops what it cannot parse without
+// a word.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +37,8 @@ struct StepFacts {
   std::size_t complete_bytes = 0;  // of a file that is cut off: up to the end of its last whole entity
 };
 
-// Errors: kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity), kFormatBroken (no data section; lists
-// nested too deeply, or an oriented edge of itself: both name the entity).
+// Errors: kNotFinite (a number that is NaN, infinite or beyond 1e150; names the entity), kFormatBroken (no
+// data section; lists nested too deeply, or an oriented edge of itself: both name the entity).
 Result<StepFacts> ScanStep(const std::string& name, std::string_view bytes);
 
 // "STEP AP203", "STEP AP214", "STEP AP242", or "STEP" with the schema's name.

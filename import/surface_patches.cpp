@@ -24,8 +24,8 @@
 namespace facetless {
 namespace {
 
-// Where the surface continues, the grid reaches beyond the loops by this share of their extent: room for Newton's iterates
-// and for hits at the very border.
+// Where the surface continues, the grid reaches beyond the loops by this share of their extent: room for
+// Newton's iterates and for hits at the very border.
 constexpr double kMargin = 1.0 / 64;
 // Arcs of surfaces are at most a quarter turn wide: the weights then stay above 0.7.
 constexpr double kMaxArc = std::numbers::pi / 2;
@@ -53,7 +53,8 @@ Reach Widened(double low, double high, const Extent& extent, bool whole) {
   if (whole) return {low, high, extent.period > 0};
   const double margin = kMargin * (high - low);
   double begin = std::max(extent.low, low - margin), end = std::min(extent.high, high + margin);
-  // Loops that leave the surface a little, as files have them, are followed: the end spans' polynomials go on.
+  // Loops that leave the surface a little, as files have them, are followed: the end spans' polynomials go
+  // on.
   if (!extent.pole) {
     begin = std::max(std::min(begin, low), extent.low - margin);
     end = std::min(std::max(end, high), extent.high + margin);
@@ -181,7 +182,8 @@ PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, doubl
     extent = {-0.5 * std::numbers::pi, 0.5 * std::numbers::pi, 0, true};
   } else {
     extent.period = grid.period_v = 2 * std::numbers::pi;
-    // A torus that meets its axis is a lemon in an apple: a face of one of them ends where the two meet, in poles.
+    // A torus that meets its axis is a lemon in an apple: a face of one of them ends where the two meet, in
+    // poles.
     const bool low = IsTorusPole(box.v0, major, minor), high = IsTorusPole(box.v1, major, minor);
     if (low || high) {
       extent = {low ? box.v0 : -INFINITY, high ? box.v1 : INFINITY, 0, true};
@@ -290,8 +292,8 @@ void ReadPoles(const Surface& surface, PoleNet& net) {
   }
 }
 
-// One pass of knot insertion along a direction of the net: for each stretch, for each row across, degree + 1 points.
-// out[stretch][k][row].
+// One pass of knot insertion along a direction of the net: for each stretch, for each row across, degree + 1
+// points. out[stretch][k][row].
 std::vector<std::vector<std::vector<Vec4>>> ExtractAlong(const std::vector<double>& knots, int degree,
                                                          const std::vector<KnotStretch>& stretches,
                                                          const std::vector<std::vector<Vec4>>& rows) {
@@ -302,7 +304,8 @@ std::vector<std::vector<std::vector<Vec4>>> ExtractAlong(const std::vector<doubl
       std::vector<Vec4> points =
           BsplineSpanPoints(knots, degree, rows[r], stretches[s].span, stretches[s].begin, stretches[s].end);
       for (int k = 0; k <= degree; ++k) out[s][k][r] = points[k];
-      // Neighbouring patches share their border bit by bit, if they are neighbours and not the two ends of a turn.
+      // Neighbouring patches share their border bit by bit, if they are neighbours and not the two ends of a
+      // turn.
       if (s > 0) out[s][0][r] = out[s - 1][degree][r];
     }
   }
@@ -427,7 +430,8 @@ std::vector<double> Breaks(const TColStd_Array1OfReal& intervals, double low, do
   return breaks;
 }
 
-// Anything else, in the first place offset surfaces: polynomial patches between the lines where the surface is not smooth.
+// Anything else, in the first place offset surfaces: polynomial patches between the lines where the surface
+// is not smooth.
 PatchGrid ApproximatedPatches(const Handle(Geom_Surface) & surface, const ParameterBox& box, bool whole) {
   PatchGrid grid;
   grid.kind = surface->IsKind(STANDARD_TYPE(Geom_OffsetSurface)) ? SurfaceKind::kOffset : SurfaceKind::kOther;

@@ -24,10 +24,11 @@ struct PatchGrid : SurfaceGrid {
 // Removes Geom_RectangularTrimmedSurface wrappers: the parameters stay.
 Handle(Geom_Surface) Untrimmed(Handle(Geom_Surface) surface);
 
-// The grid over `box`, which is what a face's loops reach, or the whole surface if the face has none (`whole`). Where the surface goes on, the
-// grid reaches a little further, and says so in extendable_*. Then `placement` is applied. The grid is compared with the
-// surface at a lattice of points; whatever is found stands in `deviation`.
-// Errors: kFormatBroken (empty, infinite or not finite, weights that are not positive), kLimitExceeded (more than 4096 periods).
+// The grid over `box`, which is what a face's loops reach, or the whole surface if the face has none
+// (`whole`). Where the surface goes on, the grid reaches a little further, and says so in extendable_*. Then
+// `placement` is applied. The grid is compared with the surface at a lattice of points; whatever is found
+// stands in `deviation`. Errors: kFormatBroken (empty, infinite or not finite, weights that are not
+// positive), kLimitExceeded (more than 4096 periods).
 Result<PatchGrid> PatchesOf(const Handle(Geom_Surface) & surface, const ParameterBox& box, bool whole,
                             const gp_Trsf& placement);
 

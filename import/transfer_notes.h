@@ -1,5 +1,5 @@
-// What OpenCASCADE has translated last, told whenever it reports progress: its transfers tell nobody what they are at, and this is as near
-// as their bookkeeping comes. It costs a look at a counter per report.
+// What OpenCASCADE has translated last, told whenever it reports progress: its transfers tell nobody what
+// they are at, and this is as near as their bookkeeping comes. It costs a look at a counter per report.
 #pragma once
 
 #include <Message_ProgressIndicator.hxx>

@@ -25,8 +25,8 @@ inline constexpr int kTileSize = 32;  // samples along each side
 // The leaves of all tiles of one view, front to back within each tile.
 class TileLeaves {
  public:
-  // Sorts the leaves of all parts and lists them per tile; in parallel, and the result depends neither on the thread count
-  // nor on how the leaves are dealt out to the parts.
+  // Sorts the leaves of all parts and lists them per tile; in parallel, and the result depends neither on the
+  // thread count nor on how the leaves are dealt out to the parts.
   TileLeaves(const std::vector<std::span<const Leaf>>& parts, int columns, int rows);
 
   int tiles_x() const { return tiles_x_; }

@@ -1,6 +1,8 @@
-// An allocator for images: large pages where the system has them, and no values written before somebody's own.
+// An allocator for images: large pages where the system has them, and no values written before somebody's
+// own.
 //
-// A megapixel of samples is 27 MB. In pages of 4 KiB its first touch costs as much as tracing simple models does.
+// A megapixel of samples is 27 MB. In pages of 4 KiB its first touch costs as much as tracing simple models
+// does.
 #pragma once
 
 #include <sys/mman.h>
@@ -37,7 +39,8 @@ struct LargePages {
       std::free(memory);
     }
   }
-  // std::vector::resize leaves new elements as they are, also of types whose constructor would write something.
+  // std::vector::resize leaves new elements as they are, also of types whose constructor would write
+  // something.
   template <typename U>
   void construct(U* at) {
     if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(at)) U;

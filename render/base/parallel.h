@@ -1,15 +1,15 @@
 // Parallel loops: the only file that knows oneTBB.
 //
-//  1. A loop returns when all its bodies have ended. Bodies see what the caller wrote before the loop, and the
-//     caller sees what they wrote after it. Nothing orders the bodies of one loop among each other: two that
-//     touch the same memory are a race if one of them writes.
+//  1. A loop returns when all its bodies have ended. Bodies see what the caller wrote before the loop, and
+//     the caller sees what they wrote after it. Nothing orders the bodies of one loop among each other: two
+//     that touch the same memory are a race if one of them writes.
 //  2. A body may start another loop. While it waits there, its thread may take up other bodies, of the outer
 //     loop too: nothing that belongs to a thread (PerThread) is held across a loop.
 //  3. An exception in a body ends the loop, and leaves it as if thrown by the caller.
 //  4. oneTBB comes without the thread sanitizer's instrumentation, which therefore sees none of the
 //     synchronisation inside the library. A build with that sanitizer is told law 1 here, and no more: two
-//     bodies that race are still reported (tests/unit/trace/parallel_test.cpp). What the library does to its own
-//     tasks is left out by tools/tsan.supp, and what it leaves on the caller's stack by RunLoop below.
+//     bodies that race are still reported (tests/unit/trace/parallel_test.cpp). What the library does to its
+//     own tasks is left out by tools/tsan.supp, and what it leaves on the caller's stack by RunLoop below.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -32,11 +32,11 @@ namespace facetless {
 template <typename T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
-// A piece of work that threads hand to each other: Run from any of them between the making and the end of this
-// object, which are on the thread that waits for it. The loops below use it, and who gives work to another
-// library that runs it on oneTBB's threads. The two addresses stand for its two facts: the caller's writes
-// come before each body, and each body's writes before the caller's return. One address for both would order
-// the bodies too, and hide their races.
+// A piece of work that threads hand to each other: Run from any of them between the making and the end of
+// this object, which are on the thread that waits for it. The loops below use it, and who gives work to
+// another library that runs it on oneTBB's threads. The two addresses stand for its two facts: the caller's
+// writes come before each body, and each body's writes before the caller's return. One address for both would
+// order the bodies too, and hide their races.
 template <typename Body>
 class SharedWork {
  public:
@@ -75,12 +75,12 @@ class SharedWork {
   alignas(8) char handed_in_ = 0;
 };
 
-// Runs loop(), which starts a loop of oneTBB and waits for it. The library counts the end of a loop in a place on
-// the waiting thread's stack. Its last thread leaves that place by an atomic operation that the sanitizer sees,
-// but the waiting itself is inside the library: to the sanitizer whatever lies there next seems to race with the
-// loop that is over, and by then the report may have lost the frames that tools/tsan.supp knows. So who waited
-// takes up what was handed in anywhere on the frames below, which are nobody's any more. Only atomics hand in
-// anything: a body that wrote there without one is still reported.
+// Runs loop(), which starts a loop of oneTBB and waits for it. The library counts the end of a loop in a
+// place on the waiting thread's stack. Its last thread leaves that place by an atomic operation that the
+// sanitizer sees, but the waiting itself is inside the library: to the sanitizer whatever lies there next
+// seems to race with the loop that is over, and by then the report may have lost the frames that
+// tools/tsan.supp knows. So who waited takes up what was handed in anywhere on the frames below, which are
+// nobody's any more. Only atomics hand in anything: a body that wrote there without one is still reported.
 #if defined(__SANITIZE_THREAD__)
 template <typename Loop>
 [[gnu::noinline]] void RunLoop(const Loop& loop) {
@@ -116,7 +116,8 @@ void ParallelFor(Index begin, Index end, const Body& body) {
   });
 }
 
-// body(first, last) for blocks that make up begin ≤ i < end; a block of more than `grain` indices may be halved.
+// body(first, last) for blocks that make up begin ≤ i < end; a block of more than `grain` indices may be
+// halved.
 template <typename Body>
 void ParallelForBlocks(std::size_t begin, std::size_t end, std::size_t grain, const Body& body) {
   if (!(begin < end)) return;

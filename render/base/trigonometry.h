@@ -1,5 +1,5 @@
-// Tangent and arctangent from polynomials of our own: the C library's differ from machine to machine in the last bit, and
-// these do not.
+// Tangent and arctangent from polynomials of our own: the C library's differ from machine to machine in the
+// last bit, and these do not.
 #pragma once
 
 namespace facetless {

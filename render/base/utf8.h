@@ -26,8 +26,8 @@ void AppendUtf8(std::uint32_t code, std::string& out);
 // The characters of a UTF-8 text; none if it is no UTF-8 (overlong forms and surrogates are not).
 std::optional<std::u32string> DecodeUtf8(std::string_view text);
 
-// The text in UTF-8 without any control character: each becomes U+FFFD. Bytes that are no UTF-8 are taken as ISO 8859-1. Whatever comes
-// from a file or a request passes through here on its way to a terminal.
+// The text in UTF-8 without any control character: each becomes U+FFFD. Bytes that are no UTF-8 are taken as
+// ISO 8859-1. Whatever comes from a file or a request passes through here on its way to a terminal.
 std::string Printable(std::string_view text);
 
 }  // namespace facetless

@@ -1,6 +1,6 @@
-// glTF 2.0 binary through tinygltf, in the layout of the importer's own files: a node for each placement under a root that turns
-// millimetres, Z up, into metres, Y up; a mesh for each part, and a primitive for each face of it, which has the number of its face in
-// `extras`.
+// glTF 2.0 binary through tinygltf, in the layout of the importer's own files: a node for each placement
+// under a root that turns millimetres, Z up, into metres, Y up; a mesh for each part, and a primitive for
+// each face of it, which has the number of its face in `extras`.
 #include <tiny_gltf.h>
 
 #include <cmath>
@@ -179,7 +179,8 @@ class GlbWriter {
     return place->second;
   }
 
-  // The root turns millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a column-major matrix.
+  // The root turns millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a column-major
+  // matrix.
   void FinishRoot() {
     tinygltf::Node& root = gltf_.nodes.front();
     root.name = Printable(model_.info.file);

@@ -47,11 +47,12 @@ Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, c
 // is empty or a point.
 Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model);
 
-// Whether a mesh that names faces (Mesh::from_model) names those of `model`: each node is an instance of it, and no face is beyond its
-// part. Instances may be missing.
+// Whether a mesh that names faces (Mesh::from_model) names those of `model`: each node is an instance of it,
+// and no face is beyond its part. Instances may be missing.
 bool NamesFacesOf(const Mesh& mesh, const Model& model);
 
-// How many triangles run against the normals at their corners, if nine tenths of those that have a direction do; else 0.
+// How many triangles run against the normals at their corners, if nine tenths of those that have a direction
+// do; else 0.
 std::size_t TrianglesAgainstNormals(const Mesh& mesh);
 
 // Of all placed triangles' corners, mm.

@@ -3,7 +3,8 @@
 namespace facetless {
 namespace {
 
-// Twice the signed area that the segment in which the plane meets the triangle spans with `origin`; 0 if they do not meet.
+// Twice the signed area that the segment in which the plane meets the triangle spans with `origin`; 0 if they
+// do not meet.
 double Swept(const Vec3 (&corners)[3], double side, const SectionPlane& plane, Vec3 origin) {
   double height[3];
   for (int k = 0; k < 3; ++k) height[k] = Dot(plane.normal, corners[k] - plane.point);
@@ -16,7 +17,8 @@ double Swept(const Vec3 (&corners)[3], double side, const SectionPlane& plane, V
     // From the lower end on, so that both triangles of an edge find the same point.
     const int low = height[k] < 0 ? k : next, high = height[k] < 0 ? next : k;
     const double share = height[low] / (height[low] - height[high]);
-    // The edge that rises comes last: with the triangle seen from outside, the solid then lies on the segment's left.
+    // The edge that rises comes last: with the triangle seen from outside, the solid then lies on the
+    // segment's left.
     ends[height[k] < 0 ? 1 : 0] = corners[low] + share * (corners[high] - corners[low]) - origin;
     ++count;
   }

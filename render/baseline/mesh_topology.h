@@ -1,10 +1,11 @@
-// Which triangles of a mesh share an edge: whether it is closed, and whether its triangles agree about the outside.
+// Which triangles of a mesh share an edge: whether it is closed, and whether its triangles agree about the
+// outside.
 //
-//  1. Corners are one where they lie at the same position (equal coordinates; −0 equals +0) and belong to the same solid: two solids that
-//     touch stay two.
+//  1. Corners are one where they lie at the same position (equal coordinates; −0 equals +0) and belong to the
+//     same solid: two solids that touch stay two.
 //  2. A triangle of which two corners are one has collapsed: it is left out, and counted.
-//  3. An edge is open where one triangle has it, flipped where two have it that run through it in the same direction, and non-manifold
-//     where more than two have it.
+//  3. An edge is open where one triangle has it, flipped where two have it that run through it in the same
+//     direction, and non-manifold where more than two have it.
 //  4. Each placement counts.
 //
 // Example: MeasureTopology(mesh, model).IsWatertight().
@@ -38,7 +39,8 @@ struct MeshTopology {
 // `solid_of_face` by face of the part; empty: all faces belong together. Requires a sound part.
 WeldedPart Weld(const MeshPart& part, const std::vector<std::uint32_t>& solid_of_face);
 
-// The solids of the faces of the part that `node` places. Requires that the mesh is `model`'s (Mesh::from_model).
+// The solids of the faces of the part that `node` places. Requires that the mesh is `model`'s
+// (Mesh::from_model).
 std::vector<std::uint32_t> SolidsOfFaces(const MeshNode& node, const Model& model);
 
 // Requires that the mesh is `model`'s.

@@ -73,8 +73,8 @@ float LargestCoordinate(const MeshPart& part) {
   return largest;
 }
 
-// Whether rays from within `reach` of the origin keep in range where the placement takes them back to: its inverse is neither so steep
-// that they leave it, nor so flat that nothing is left of them.
+// Whether rays from within `reach` of the origin keep in range where the placement takes them back to: its
+// inverse is neither so steep that they leave it, nor so flat that nothing is left of them.
 bool CanBeUndone(const Placement& placement, double reach) {
   const auto& m = placement.m;
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};

@@ -4,9 +4,9 @@
 //  2. A part that is placed once goes into the top-level tree itself; parts that are placed more often are
 //     trees of their own, and each placement an instance. node_of_geometry tells for both which node a
 //     geometry id stands for.
-//  3. A ray with a coordinate beyond kGreatestCoordinate would end the process: Debian's Embree asserts that there
-//     is none. So no mesh is larger than kLargestMesh, rays farther off than `reach` are not asked, and a part whose
-//     placement would throw them out of range is placed once for each of its nodes.
+//  3. A ray with a coordinate beyond kGreatestCoordinate would end the process: Debian's Embree asserts that
+//     there is none. So no mesh is larger than kLargestMesh, rays farther off than `reach` are not asked, and
+//     a part whose placement would throw them out of range is placed once for each of its nodes.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -27,15 +27,17 @@ struct EmbreeMemory {
   std::atomic<bool> refused{false};
 };
 
-// To be given to a device as its memory monitor, with an EmbreeMemory. False refuses an allocation, which ends what Embree is at with
-// RTC_ERROR_OUT_OF_MEMORY.
+// To be given to a device as its memory monitor, with an EmbreeMemory. False refuses an allocation, which
+// ends what Embree is at with RTC_ERROR_OUT_OF_MEMORY.
 bool CountBytes(void* user, ssize_t bytes, bool post);
 
-// Nothing, or the device's error, which it has forgotten when it is asked again. Null: why there is no device.
+// Nothing, or the device's error, which it has forgotten when it is asked again. Null: why there is no
+// device.
 Result<void> CheckEmbree(RTCDevice device);
 
 constexpr double kGreatestCoordinate = 1e18, kLargestMesh = 1e17;  // mm
-// A coordinate of a ray's direction, whose component along the view is 1: reached at a hair's breadth of 180°.
+// A coordinate of a ray's direction, whose component along the view is 1: reached at a hair's breadth of
+// 180°.
 constexpr double kSteepestRay = 1e6;
 
 struct PlacedNode {

@@ -34,7 +34,8 @@ bool LooksLikeAscii(Bytes bytes) {
          (text.find("facet") != std::string_view::npos || text.find("endsolid") != std::string_view::npos);
 }
 
-// Triangles as they come; each has three vertices of its own, which MakeSmoothNormals joins where they coincide.
+// Triangles as they come; each has three vertices of its own, which MakeSmoothNormals joins where they
+// coincide.
 class Triangles {
  public:
   Triangles(std::string name, std::uint64_t max_bytes) : name_(std::move(name)), max_bytes_(max_bytes) {

@@ -46,7 +46,8 @@ class ModelWriter {
   explicit ModelWriter(const Model& model) : model_(model) {}
 
   void Add(const MeshNode& node, const MeshPart& part) {
-    // Placements of one part that look alike share an object. 3MF leaves mirrored ones to the writer, so that they get one of their own.
+    // Placements of one part that look alike share an object. 3MF leaves mirrored ones to the writer, so that
+    // they get one of their own.
     std::vector<Rgba> colors = ColorsOf(node, model_);
     const bool mirrored = node.placement.Determinant() < 0;
     const auto [object, fresh] =

@@ -25,8 +25,8 @@ constexpr double kLeadIn = 1e-3;
 // from that number.
 constexpr float kLeastCoordinate = 1e-9f;
 
-// Crossings of one ray that lie closer together than this share of the diagonal, and go the same way, are those of
-// triangles that share an edge: float32 tells no less, and no wall is thinner.
+// Crossings of one ray that lie closer together than this share of the diagonal, and go the same way, are
+// those of triangles that share an edge: float32 tells no less, and no wall is thinner.
 constexpr double kSameCrossing = 1e-6;
 
 float Coordinate(double direction) {

@@ -1,18 +1,18 @@
 // The baseline: a triangle mesh, traced by Embree from the same rays as the direct renderer.
 //
-//  1. Rays are those of camera.h through pixel centres. Orthographic ones see hits at any depth,
-//     perspective ones beyond near_mm.
+//  1. Rays are those of camera.h through pixel centres. Orthographic ones see hits at any depth, perspective
+//     ones beyond near_mm.
 //  2. Embree (float32) decides which triangle is hit; depth is then computed again in double, from the
-//     triangle's placed corners. A ray that passes the triangle in double by float32's error takes the
-//     depth of the triangle's border.
-//  3. Normals are interpolated from the vertices, as a viewer does; one that points to the other side of
-//     the ray than its triangle does (silhouettes of coarse meshes) is turned back to the horizon.
+//     triangle's placed corners. A ray that passes the triangle in double by float32's error takes the depth
+//     of the triangle's border.
+//  3. Normals are interpolated from the vertices, as a viewer does; one that points to the other side of the
+//     ray than its triangle does (silhouettes of coarse meshes) is turned back to the horizon.
 //  4. Everything is relative to the mesh's centre before it becomes float32: a model 10 km away loses
 //     nothing.
-//  5. With section planes (view/section.h) a ray collects all triangles that it meets. Those that share an edge
-//     or a corner may both be met by one ray: neighbours in depth, to within kSameCrossing of the diagonal, that are
-//     entered or left alike are one crossing. A mesh of another program has solids of unknown extent: each node is
-//     taken for one.
+//  5. With section planes (view/section.h) a ray collects all triangles that it meets. Those that share an
+//     edge or a corner may both be met by one ray: neighbours in depth, to within kSameCrossing of the
+//     diagonal, that are entered or left alike are one crossing. A mesh of another program has solids of
+//     unknown extent: each node is taken for one.
 //  6. Answers don't depend on the number of threads. They may depend on the processor: Embree promises no
 //     more.
 #pragma once
@@ -51,9 +51,10 @@ struct BaselineResult {
 // An Embree BVH over a mesh; immutable, may serve many calls at once. The Mesh must outlive it.
 class BaselineScene {
  public:
-  // `to_be_cut`: it will be traced with section planes, which takes a slower tree walk. `max_bytes`: what Embree may hold at any time while
-  // it builds (0: any number); a build that would take more ends at once. Errors: kNothingUsable (no triangle), kLimitExceeded (more than
-  // max_bytes, Embree ran out of memory, more than 2^32 − 1 nodes, a mesh larger than 1e17 mm), kBadUsage (the machine lacks what Embree needs).
+  // `to_be_cut`: it will be traced with section planes, which takes a slower tree walk. `max_bytes`: what
+  // Embree may hold at any time while it builds (0: any number); a build that would take more ends at once.
+  // Errors: kNothingUsable (no triangle), kLimitExceeded (more than max_bytes, Embree ran out of memory, more
+  // than 2^32 − 1 nodes, a mesh larger than 1e17 mm), kBadUsage (the machine lacks what Embree needs).
   static Result<BaselineScene> Build(const Mesh& mesh, int threads, bool to_be_cut = false,
                                      std::uint64_t max_bytes = 0);
   ~BaselineScene();

@@ -136,7 +136,8 @@ struct RepresentedView {
   const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : traced.samples; }
 };
 
-// For a mesh that names no faces: those that the direct image shows at the same sample, else the one it shows most often.
+// For a mesh that names no faces: those that the direct image shows at the same sample, else the one it shows
+// most often.
 PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
   std::map<std::uint32_t, std::size_t> counts;
   for (std::uint32_t face : direct.face)
@@ -165,8 +166,8 @@ class ViewMaker {
         options_(options),
         grid_(GridOf(options.samples)) {}
 
-  // `reference`: a view whose lines are drawn, and which lends its faces to samples that name none; null: the representation finds
-  // its own lines.
+  // `reference`: a view whose lines are drawn, and which lends its faces to samples that name none; null: the
+  // representation finds its own lines.
   Result<RepresentedView> Make(const RepresentedView* reference) {
     const Stopwatch stopwatch;
     if (auto done = TraceCentres(); !done.ok()) return done.error();

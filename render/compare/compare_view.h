@@ -3,12 +3,13 @@
 //  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
 //     samples > 1 the colour comes from a second, supersampled pass of the same camera.
 //  2. Times are of a steady clock, in ms, and disjoint: total is the whole call for that tracer, files
-//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, finding lines lines_ms, and shading
-//     (with resolve and encode) shade_ms.
+//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, finding lines
+//     lines_ms, and shading (with resolve and encode) shade_ms.
 //  3. peak_bytes counts what the tracer holds for this view at its fullest: the direct one the scene's
-//     leaves, bitmaps and buffers; the baseline the mesh, Embree's own count at its highest, and buffers.
-//     The model and the program itself are not in it.
-//  4. An inspection is measured at pixel centres, its robust range included, and drawn where the colour comes from.
+//     leaves, bitmaps and buffers; the baseline the mesh, Embree's own count at its highest, and buffers. The
+//     model and the program itself are not in it.
+//  4. An inspection is measured at pixel centres, its robust range included, and drawn where the colour comes
+//     from.
 //  5. A foreign mesh names no faces: each of its pixels takes the colour of the face that the direct image
 //     shows there, and the commonest colour of that image where it shows none.
 //  6. Section planes cut both models (view/section.h). An audit counts the crossings of the whole model.
@@ -39,7 +40,8 @@ struct ViewOptions {
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
-  // What the leaves of a view may take, and the search tree that a view alone needs (of what lies behind transparent faces).
+  // What the leaves of a view may take, and the search tree that a view alone needs (of what lies behind
+  // transparent faces).
   std::uint64_t max_bytes = DirectOptions{}.max_bytes;
   bool edges = false;
   LineMode lines = LineMode::kNone;  // drawn over both pictures, from the exact model
@@ -97,8 +99,8 @@ struct ViewComparison {
 // Errors: those of TraceDirect, Shade, Measure and Draw; kBadUsage (options).
 Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options);
 
-// The baseline alone, of a mesh that names the model's faces (Mesh::from_model). Errors: those of TraceBaseline
-// and Shade; kBadUsage (options, a foreign mesh, an inspection that no mesh can show).
+// The baseline alone, of a mesh that names the model's faces (Mesh::from_model). Errors: those of
+// TraceBaseline and Shade; kBadUsage (options, a foreign mesh, an inspection that no mesh can show).
 Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& model, const Camera& camera,
                                 const ViewOptions& options);
 

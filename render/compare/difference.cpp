@@ -140,7 +140,8 @@ bool ShowsNearby(const SampleBuffer& samples, std::size_t i, std::uint32_t face)
   return shows;
 }
 
-// Whether `depth` lies nearer to what `samples` shows across a jump beside pixel i than to what it shows at i.
+// Whether `depth` lies nearer to what `samples` shows across a jump beside pixel i than to what it shows at
+// i.
 bool LiesAcrossJump(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i, double depth) {
   bool across = false;
   ForNeighbours(samples.width, samples.height, i, [&](std::size_t other) {

@@ -4,14 +4,15 @@
 //  2. Signs: baseline − direct. A positive depth difference means that the mesh lies farther from the eye.
 //  3. depth_mm is over every pixel that both hit. deviation_mm and normal_deg leave out *border* pixels,
 //     whose share is reported: pixels where the two tracers look past different sides of an edge. There the
-//     depth jumps from one surface to another, and says nothing about how far the two are apart. A pixel is
-//     a border pixel if a shift by one pixel explains it: (a) the tracers show different faces, and one of
-//     them shows at a neighbour the face that the other shows here; or (b) a jump (features.h) runs between
-//     it and a neighbour in one image, and what the other image shows here is nearer to that neighbour's
-//     depth than to this pixel's. A face that the mesh lacks is no border: nothing within a pixel explains
-//     it, and it counts.
+//     depth jumps from one surface to another, and says nothing about how far the two are apart. A pixel is a
+//     border pixel if a shift by one pixel explains it: (a) the tracers show different faces, and one of them
+//     shows at a neighbour the face that the other shows here; or (b) a jump (features.h) runs between it and
+//     a neighbour in one image, and what the other image shows here is nearer to that neighbour's depth than
+//     to this pixel's. A face that the mesh lacks is no border: nothing within a pixel explains it, and it
+//     counts.
 //  4. deviation_mm = |depth difference| · |N · D|, D the ray at depth 1: the distance between the surfaces,
-//     to first order (too large within some pixels of a silhouette, where the surface bends away from the ray).
+//     to first order (too large within some pixels of a silhouette, where the surface bends away from the
+//     ray).
 #pragma once
 
 #include <cstdint>
@@ -65,7 +66,8 @@ struct Difference {
   std::uint64_t
       oriented_pixels = 0,
       opposite_pixels =
-          0;  // pixels of closed solids, without border pixels; those of them where the mesh shows its other side
+          // pixels of closed solids, without border pixels; those of them where the mesh shows its other side
+      0;
   double border_share = 0, other_face_share = 0;  // of both_hit
   bool faces_known = false;                       // the mesh names the model's faces
   std::vector<FaceDifference> faces;  // deviation_mm_max descending, then depth_mm_max, missed_pixels, id

@@ -1,12 +1,12 @@
 // The difference as a picture: signed millimetres in colour, with a legend.
 //
-//  1. Blue: the mesh lies nearer to the eye than the surface; red: farther; near white: equal. The colour
-//     map is diverging, even in lightness on both sides, and readable with the common colour blindnesses.
+//  1. Blue: the mesh lies nearer to the eye than the surface; red: farther; near white: equal. The colour map
+//     is diverging, even in lightness on both sides, and readable with the common colour blindnesses.
 //  2. The range is symmetric. Unless given, it is the 99th percentile of |depth difference| without border
 //     pixels, rounded up to 1, 2 or 5 times a power of ten, and never below the noise of float32 positions;
 //     what exceeds it takes the end's colour.
-//  3. Pixels that only one tracer hits, and border pixels, have colours of their own, as the legend says; the background is
-//     plain.
+//  3. Pixels that only one tracer hits, and border pixels, have colours of their own, as the legend says; the
+//     background is plain.
 #pragma once
 
 #include "render/base/result.h"

@@ -6,8 +6,9 @@
 namespace facetless {
 namespace {
 
-// Found by a search: each is, of all colours of medium lightness and little chroma, the one farthest in CIELAB from those before it, the
-// least of four kinds of sight counting. The nearest two are 13 apart; tests/unit/compare/face_colors_test.cpp measures it again.
+// Found by a search: each is, of all colours of medium lightness and little chroma, the one farthest in
+// CIELAB from those before it, the least of four kinds of sight counting. The nearest two are 13 apart;
+// tests/unit/compare/face_colors_test.cpp measures it again.
 constexpr std::uint8_t kPartColors[][3] = {
     {112, 142, 190}, {154, 94, 52}, {220, 208, 178}, {130, 220, 232}, {172, 136, 136}, {220, 154, 106},
     {112, 94, 118},  {82, 106, 82}, {166, 154, 178}, {70, 100, 148},  {160, 178, 232}, {232, 172, 184}};

@@ -27,16 +27,19 @@ constexpr int kMostStarts = 8;
 // How far a normal is looked for beside a collapsed border, and where tangents span no plane.
 constexpr double kBackFromPole = 0x1p-16,
                  kSingular = 0x1p-26;  // shares of a parameter's range; of the tangents' squares
-// Triangles whose foot points are proven, the largest deviations first: to kProven of the distance, by that many pieces.
+// Triangles whose foot points are proven, the largest deviations first: to kProven of the distance, by that
+// many pieces.
 constexpr std::size_t kMostProven = 256;
 constexpr double kProven = 0x1p-10;
 constexpr int kMostProofPieces = 1 << 12;
 constexpr int kMostIterations = 24, kMostHalvings = 4;
-// At a collapsed border all parameters are one point, and no step leads on: nobody goes there before the other parameter has settled.
+// At a collapsed border all parameters are one point, and no step leads on: nobody goes there before the
+// other parameter has settled.
 constexpr int kTimidIterations = 8;
 // A step of less than this share of the parameters' range moves the foot point by less than its rounding.
 constexpr double kSmallestStep = 0x1p-44;
-// Points of a surface that differ by less, relative to its coordinates, are one: a file's own digits are fewer.
+// Points of a surface that differ by less, relative to its coordinates, are one: a file's own digits are
+// fewer.
 constexpr double kSamePoint = 1e-9;
 // Triangles that one task takes: they hand their foot points on as starts.
 constexpr std::size_t kTrianglesPerTask = 1024;
@@ -53,8 +56,8 @@ class Direction {
 
   void Close() { closed_ = true; }
   double At(double share) const { return begin_ + (end_ - begin_) * share; }
-  // The parameter in the grid that stands for `t`, less than once around from `from`, which is in it. Who is timid goes half the way
-  // to a border at most.
+  // The parameter in the grid that stands for `t`, less than once around from `from`, which is in it. Who is
+  // timid goes half the way to a border at most.
   double Within(double from, double t, bool timid) const {
     if (closed_ && t < begin_) t += end_ - begin_;
     if (closed_ && t > end_) t -= end_ - begin_;
@@ -172,8 +175,8 @@ class FaceSurface {
     return normal;
   }
 
-  // The nearest of the borders' points, where they may be nearer than `best`; else `best`. A border is a curve of its own: on it
-  // Newton's method has one parameter, and none where it has collapsed.
+  // The nearest of the borders' points, where they may be nearer than `best`; else `best`. A border is a
+  // curve of its own: on it Newton's method has one parameter, and none where it has collapsed.
   Foot NearestOnBorders(Vec3 point, const Foot& best) const {
     Foot nearest = best;
     for (int side = 0; side < 4; ++side) {
@@ -197,8 +200,8 @@ class FaceSurface {
     return nearest;
   }
 
-  // Goes down half the squared distance, within the grid: by Newton's step if it leads nearer, else by Gauss's, which leaves out the
-  // second derivatives, else along each parameter for itself.
+  // Goes down half the squared distance, within the grid: by Newton's step if it leads nearer, else by
+  // Gauss's, which leaves out the second derivatives, else along each parameter for itself.
   Foot Descend(Vec3 point, const Start& start) const {
     Foot foot = {start, surface_.Second(start.at.u, start.at.v), SquaredTo(point, start.point)};
     for (int i = 0; i < kMostIterations; ++i) {
@@ -251,8 +254,8 @@ Vec3 Corner(const MeshPart& part, std::uint32_t vertex) {
   return {p[0], p[1], p[2]};
 }
 
-// Of a part of the mesh, the prototype, and what leads to its coordinates: the mesh keeps its positions relative to a centre of its own,
-// which the node's placement has.
+// Of a part of the mesh, the prototype, and what leads to its coordinates: the mesh keeps its positions
+// relative to a centre of its own, which the node's placement has.
 struct Prototype {
   Range faces;
   Placement to;
@@ -321,8 +324,8 @@ std::vector<FaceRun> FaceRuns(const MeshPart& part) {
   return runs;
 }
 
-// Looks again at the triangles of the largest deviations, from as many starts as there are, and proves lower bounds of what is left,
-// until one of them is as large as whatever comes next. False: cancelled.
+// Looks again at the triangles of the largest deviations, from as many starts as there are, and proves lower
+// bounds of what is left, until one of them is as large as whatever comes next. False: cancelled.
 bool ProveLargest(const Model& model, const Mesh& mesh, const std::vector<Prototype>& prototypes,
                   const std::atomic<bool>* cancel, MeshDeviation* deviation) {
   struct Candidate {

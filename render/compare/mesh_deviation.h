@@ -1,11 +1,15 @@
-// How far each triangle of our own tessellation lies off the surface of its face: what a view in three dimensions shows.
+// How far each triangle of our own tessellation lies off the surface of its face: what a view in three
+// dimensions shows.
 //
-//  1. A triangle is measured at its centroid and at the middles of its edges (its corners lie on the surface). Its deviation is that
-//     of the four which is largest in size, in mm; positive: the mesh lies outside, by the face's orientation.
-//  2. The distance is to the nearest point of the face's surface within its patches, trimmed or not: Newton's method starts from the
-//     pieces of the surface that may lie nearer than the best point so far, eight at most, and on each border of the patches. Every foot
-//     point lies on the surface, so no size is below the true distance. The largest deviations are looked at again from every such
-//     piece, and largest_at_least_mm is a proven lower bound of the largest: where it equals largest_mm to 0.1 %, that number is right.
+//  1. A triangle is measured at its centroid and at the middles of its edges (its corners lie on the
+//     surface). Its deviation is that of the four which is largest in size, in mm; positive: the mesh lies
+//     outside, by the face's orientation.
+//  2. The distance is to the nearest point of the face's surface within its patches, trimmed or not: Newton's
+//     method starts from the pieces of the surface that may lie nearer than the best point so far, eight at
+//     most, and on each border of the patches. Every foot point lies on the surface, so no size is below the
+//     true distance. The largest deviations are looked at again from every such piece, and
+//     largest_at_least_mm is a proven lower bound of the largest: where it equals largest_mm to 0.1 %, that
+//     number is right.
 //  3. One list per prototype; placements share it, as they share the triangles.
 //  4. A foreign mesh names no faces and cannot be measured so.
 #pragma once
@@ -37,11 +41,12 @@ constexpr std::uint64_t kMostMeasuredTriangles = 500'000;
 Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
                                            const std::atomic<bool>* cancel);
 
-// For a browser, little-endian: the length of a JSON header in four bytes; the header, filled up with spaces to a multiple of four;
-// then arrays, at the offsets from its end that it names:
+// For a browser, little-endian: the length of a JSON header in four bytes; the header, filled up with spaces
+// to a multiple of four; then arrays, at the offsets from its end that it names:
 //   {"parts": [{"triangles": n, "positions": offset, "deviations": offset, "faces": offset}],
 //    "nodes": [{"part": i, "matrix": [12 numbers, row by row], "first_placed_face": id}]}
-// positions are 9n float32 (mm, in the part's own coordinates), deviations n float32 (mm), faces n uint32 (within the part).
+// positions are 9n float32 (mm, in the part's own coordinates), deviations n float32 (mm), faces n uint32
+// (within the part).
 std::string EncodeMeshDeviation(const Mesh& mesh, const MeshDeviation& deviation);
 
 }  // namespace facetless

@@ -1,17 +1,18 @@
-// What a comparison knows of each pixel, as pictures that a browser can read: the read-out under a pointer, the
-// heat map and the outline of a face are made from them.
+// What a comparison knows of each pixel, as pictures that a browser can read: the read-out under a pointer,
+// the heat map and the outline of a face are made from them.
 //
-//  1. A plane is an RGB picture of the view's size whose bytes are numbers, not colours; R is the highest byte.
-//  2. kFaces: the placed face that the direct tracer shows, plus 1; 0 where it hits nothing.
-//     kDepths: its depth, 1 + round((depth − near) / (far − near) · (2²⁴ − 2)); 0 where it hits nothing.
-//     kNormals: its unit normal, octahedral: 12 bits for each of u and v, −1 … 1 onto 0 … 4095 (Cigolle et al. 2014).
+//  1. A plane is an RGB picture of the view's size whose bytes are numbers, not colours; R is the highest
+//     byte.
+//  2. kFaces: the placed face that the direct tracer shows, plus 1; 0 where it hits nothing. kDepths: its
+//     depth, 1 + round((depth − near) / (far − near) · (2²⁴ − 2)); 0 where it hits nothing. kNormals: its
+//     unit normal, octahedral: 12 bits for each of u and v, −1 … 1 onto 0 … 4095 (Cigolle et al. 2014).
 //     kDeviation: the upper 24 bits of a float32: deviation_mm of difference.h with the sign of the depth
-//     difference, where both tracers hit; 0 elsewhere.
-//     kStatus: R is a PixelClass, G a Certificate, B is 1 where the tracers show different faces.
-//  3. A deviation is rounded to an eighth of the noise of the mesh's positions, and to 13 significant bits: what is
-//     left out says nothing, and would not compress.
-//  4. Reduced planes hold every stride-th pixel, with fewer bits: 8 of a deviation's, 16 of a depth, 8 of each of u
-//     and v. They decode the same way.
+//     difference, where both tracers hit; 0 elsewhere. kStatus: R is a PixelClass, G a Certificate, B is 1
+//     where the tracers show different faces.
+//  3. A deviation is rounded to an eighth of the noise of the mesh's positions, and to 13 significant bits:
+//     what is left out says nothing, and would not compress.
+//  4. Reduced planes hold every stride-th pixel, with fewer bits: 8 of a deviation's, 16 of a depth, 8 of
+//     each of u and v. They decode the same way.
 #pragma once
 
 #include <array>
@@ -50,7 +51,8 @@ constexpr std::uint32_t kMostPixelFaces = (1u << 24) - 1;
 Result<PixelData> MakePixelData(const SampleBuffer& direct, const SampleBuffer& baseline,
                                 const CameraFrame& frame, bool faces_known, double noise_mm);
 
-// What ComputeDifference takes for the deviation of a pixel that both hit, with the sign of the depth difference.
+// What ComputeDifference takes for the deviation of a pixel that both hit, with the sign of the depth
+// difference.
 double SignedDeviation(const SampleBuffer& direct, const SampleBuffer& baseline, const CameraFrame& frame,
                        std::size_t pixel);
 

@@ -4,7 +4,8 @@
 //  1. A number that does not exist is null: psnr of equal pictures, a distance to nothing, odd_rays without
 //     an audit.
 //  2. Objects list at least the promised names; more may follow, none is ever renamed.
-//  3. open_edges ends after kMostListedEdges; lists of faces end after kMostListedFaces entries (the worst, or those of the lowest ids), with the full number beside them.
+//  3. open_edges ends after kMostListedEdges; lists of faces end after kMostListedFaces entries (the worst,
+//     or those of the lowest ids), with the full number beside them.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// A representation: a model as something that a camera can look at. Exact surfaces and triangles are two; whatever comes after their
-// samples (light, inspections, differences, reports) treats all of them alike.
+// A representation: a model as something that a camera can look at. Exact surfaces and triangles are two;
+// whatever comes after their samples (light, inspections, differences, reports) treats all of them alike.
 //
 //  1. Trace may be called from many threads at once, and its samples do not depend on the number of threads.
 //  2. What Trace cannot fill of a request (parameters of triangles, certificates of a mesh) it leaves empty.
@@ -46,7 +46,8 @@ class Representation {
 
   // Its role in reports and names of files: "direct", "baseline".
   virtual std::string name() const = 0;
-  // The scene of exact surfaces that it looks at; null if there is none. Lines, and inspections that need a surface, ask for it.
+  // The scene of exact surfaces that it looks at; null if there is none. Lines, and inspections that need a
+  // surface, ask for it.
   virtual const Scene* exact() const { return nullptr; }
   // Whether its samples name the model's placed faces.
   virtual bool names_faces() const { return true; }
@@ -59,7 +60,8 @@ class Representation {
 // The exact surfaces of a scene, which must outlive the representation.
 class ExactSurfaces final : public Representation {
  public:
-  // Of `options`: precision, check, tolerance, sections, and what the leaves may take; the rest is the request's.
+  // Of `options`: precision, check, tolerance, sections, and what the leaves may take; the rest is the
+  // request's.
   ExactSurfaces(const Scene& scene, DirectOptions options) : scene_(scene), options_(std::move(options)) {}
 
   std::string name() const override { return "direct"; }
@@ -72,10 +74,12 @@ class ExactSurfaces final : public Representation {
   const DirectOptions options_;
 };
 
-// The triangles of a mesh in Embree's tree. The scene, the sections and the solids must outlive the representation.
+// The triangles of a mesh in Embree's tree. The scene, the sections and the solids must outlive the
+// representation.
 class Triangles final : public Representation {
  public:
-  // `solids`: of the model, required with sections. `max_bytes`: what a tree without the faces of TraceRequest::leave_out may hold.
+  // `solids`: of the model, required with sections. `max_bytes`: what a tree without the faces of
+  // TraceRequest::leave_out may hold.
   Triangles(const BaselineScene& scene, std::span<const SectionPlane> sections, const SectionSolids* solids,
             std::uint64_t max_bytes)
       : scene_(scene), sections_(sections), solids_(solids), max_bytes_(max_bytes) {}

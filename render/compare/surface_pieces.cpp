@@ -14,7 +14,8 @@ namespace {
 
 // Roundings of a control point on its way into a box.
 constexpr double kBoxRounding = 64 * std::numeric_limits<double>::epsilon();
-// A piece is flat enough for a start when along either parameter its control points turn by no more than this, radians about.
+// A piece is flat enough for a start when along either parameter its control points turn by no more than
+// this, radians about.
 constexpr double kMostTurn = 0.125;
 // Halvings of one patch, and pieces of a surface.
 constexpr int kMostLevels = 12;
@@ -41,7 +42,8 @@ Direction LongerOf(const BezierNet& net) {
   return u >= v ? Direction::kU : Direction::kV;
 }
 
-// By how much the control points turn along a parameter: the largest second difference as a share of the longest line.
+// By how much the control points turn along a parameter: the largest second difference as a share of the
+// longest line.
 double TurnAlong(const BezierNet& net, Direction direction) {
   const bool along_u = direction == Direction::kU;
   const int degree = along_u ? net.degree_u : net.degree_v, lines = along_u ? net.degree_v : net.degree_u;

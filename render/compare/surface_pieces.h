@@ -1,7 +1,9 @@
-// The patches of one surface, cut into pieces in boxes that are turned with them: what lies near a point, and what surely does not.
+// The patches of one surface, cut into pieces in boxes that are turned with them: what lies near a point, and
+// what surely does not.
 //
 //  1. Each piece lies in its box: the box holds the convex hull of its control points, and rounding is added.
-//  2. The distance of a point to a box is never more than its distance to the piece (to rounding: kBoxRounding of the coordinates).
+//  2. The distance of a point to a box is never more than its distance to the piece (to rounding:
+//     kBoxRounding of the coordinates).
 //  3. Pieces come with the native parameters of their middle, where Newton's method may start.
 //
 //   SurfacePieces pieces(model, surface);
@@ -36,12 +38,13 @@ class SurfacePieces {
   // `model` must outlive it.
   SurfacePieces(const Model& model, std::uint32_t surface);
 
-  // Visits leaves by rising distance of their boxes, while that is below the square that visit() returned last (`squared` at first).
+  // Visits leaves by rising distance of their boxes, while that is below the square that visit() returned
+  // last (`squared` at first).
   template <typename Visit>
   void VisitNear(Vec3 point, double squared, const Visit& visit) const;
 
-  // A lower bound of the distance of `point` to the surface, by dividing pieces until the bound is at least `enough` or `most_pieces`
-  // have been looked at.
+  // A lower bound of the distance of `point` to the surface, by dividing pieces until the bound is at least
+  // `enough` or `most_pieces` have been looked at.
   double LowerBound(Vec3 point, double enough, int most_pieces) const;
 
  private:

@@ -1,7 +1,9 @@
 // Animated pictures: WebP through libwebp and libwebpmux, one file.
 //
-//  1. An animation begins again for ever. Each frame is a picture of its own (no frame leans on another), so nothing of what was smears.
-//  2. Compressed with losses that one does not see; alpha is kept as it is. One thread: the same frames give the same bytes.
+//  1. An animation begins again for ever. Each frame is a picture of its own (no frame leans on another), so
+//     nothing of what was smears.
+//  2. Compressed with losses that one does not see; alpha is kept as it is. One thread: the same frames give
+//     the same bytes.
 //  3. Frames are compressed as they come: what is held is their compressed bytes, and one frame.
 #pragma once
 

@@ -8,7 +8,8 @@
 namespace facetless {
 namespace {
 
-// The diverging map in Oklab: lightness in the middle and at the ends, chroma at the ends, and the direction of both hues.
+// The diverging map in Oklab: lightness in the middle and at the ends, chroma at the ends, and the direction
+// of both hues.
 constexpr double kMiddle = 0.975, kEnd = 0.46, kChroma = 0.165;
 constexpr double kBlue[2] = {-0.20, -0.98}, kRed[2] = {0.80, 0.60};
 
@@ -46,7 +47,8 @@ std::array<std::uint8_t, 3> SequentialColor(double t) {
 }
 
 std::array<std::uint8_t, 3> CategoryColor(std::uint32_t number) {
-  // Steps of the golden section spread any run of numbers evenly round the circle; 32 bits of it, so that they wrap exactly.
+  // Steps of the golden section spread any run of numbers evenly round the circle; 32 bits of it, so that
+  // they wrap exactly.
   constexpr std::uint32_t kGolden = 2654435769u;
   constexpr double kLightnesses[3] = {0.66, 0.82, 0.50}, kChromaOfCategories = 0.11;
   const double turn = (number * kGolden) * 0x1p-30;  // 0 … 4: a side of the square round the circle each

@@ -11,11 +11,12 @@ namespace facetless {
 // common colour blindness.
 std::array<std::uint8_t, 3> DivergingColor(double t);
 
-// sRGB of t in 0 … 1 (clamped): dark violet, green, light yellow. Even steps of t are even steps of lightness, so that
-// the order can be read without colours, too.
+// sRGB of t in 0 … 1 (clamped): dark violet, green, light yellow. Even steps of t are even steps of
+// lightness, so that the order can be read without colours, too.
 std::array<std::uint8_t, 3> SequentialColor(double t);
 
-// sRGB colours for things that are only to be told apart: neighbours in number differ in hue, and thirds in lightness.
+// sRGB colours for things that are only to be told apart: neighbours in number differ in hue, and thirds in
+// lightness.
 std::array<std::uint8_t, 3> CategoryColor(std::uint32_t number);
 
 }  // namespace facetless

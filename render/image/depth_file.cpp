@@ -96,7 +96,8 @@ T Field(TIFF* tiff, std::uint32_t tag) {
   return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : T{};
 }
 
-// A block of `width` × `height` numbers at (x, y), in rows of `stride`; what lies beyond the image is left out.
+// A block of `width` × `height` numbers at (x, y), in rows of `stride`; what lies beyond the image is left
+// out.
 template <typename T>
 void CopyBlock(const T* block, std::uint32_t stride, std::uint32_t x, std::uint32_t y, std::uint32_t width,
                std::uint32_t height, DepthImage& image) {

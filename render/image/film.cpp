@@ -12,7 +12,8 @@
 namespace facetless {
 namespace {
 
-// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere. From 1 the iterates fall until rounding stops them.
+// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere. From 1 the iterates fall until
+// rounding stops them.
 double Root(double a, int n) {
   double y = 1;
   for (;;) {

@@ -21,8 +21,8 @@
 namespace facetless {
 
 Result<void> WritePng(const std::string& path, const Image8& image);
-// An RGB picture whose bytes are numbers: no colour space is named, so no reader converts them. Packed lightly: planes of
-// data are many, and half of their bytes don't compress.
+// An RGB picture whose bytes are numbers: no colour space is named, so no reader converts them. Packed
+// lightly: planes of data are many, and half of their bytes don't compress.
 Result<void> WriteDataPng(const std::string& path, const Image8& image);
 // The same as bytes, packed well.
 Result<std::string> EncodeDataPng(const Image8& image);

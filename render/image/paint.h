@@ -1,7 +1,9 @@
 // Strokes and areas over a picture, antialiased.
 //
-//  1. Coordinates are pixels as in camera.h: the centre of pixel (i, j) is (i + 0.5, j + 0.5). What lies outside is cut off.
-//  2. Colours are mixed in linear light. On a transparent picture (4 channels) what is drawn covers: alpha grows with it.
+//  1. Coordinates are pixels as in camera.h: the centre of pixel (i, j) is (i + 0.5, j + 0.5). What lies
+//     outside is cut off.
+//  2. Colours are mixed in linear light. On a transparent picture (4 channels) what is drawn covers: alpha
+//     grows with it.
 //  3. The same bytes on every machine: no libm function is used.
 #pragma once
 

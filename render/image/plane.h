@@ -22,8 +22,8 @@ struct Plane {
 // Taps for offsets −radius … radius; taps.size() = 2·radius + 1.
 using Taps = std::vector<float>;
 
-// Beyond the border the border's pixel repeats. Sums run in single precision from the first tap to the last: the same on every machine,
-// and within 1e-6 of the largest value.
+// Beyond the border the border's pixel repeats. Sums run in single precision from the first tap to the last:
+// the same on every machine, and within 1e-6 of the largest value.
 Plane FilterRows(const Plane& plane, const Taps& taps);
 Plane FilterColumns(const Plane& plane, const Taps& taps);
 Plane Filter(const Plane& plane, const Taps& along_x, const Taps& along_y);  // rows, then columns

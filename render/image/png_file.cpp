@@ -13,8 +13,9 @@
 namespace facetless {
 namespace {
 
-// zlib's levels. Shaded surfaces are smooth along a row, and pictures of parts mostly flat. Measured on both, and on planes of data: trying
-// every filter takes two to four times as long as this one, for files between 12 % smaller and 20 % larger.
+// zlib's levels. Shaded surfaces are smooth along a row, and pictures of parts mostly flat. Measured on both,
+// and on planes of data: trying every filter takes two to four times as long as this one, for files between
+// 12 % smaller and 20 % larger.
 constexpr int kPictureLevel = 4, kLightLevel = 3, kStrongLevel = 7;
 constexpr int kFilter = PNG_FILTER_SUB;
 
@@ -46,7 +47,8 @@ void Flush(png_structp) {}
 
 void IgnoreWarning(png_structp, png_const_charp) {}
 
-// Everything that has a destructor belongs to the caller: libpng leaves this function by longjmp. False: see sink.failure.
+// Everything that has a destructor belongs to the caller: libpng leaves this function by longjmp. False: see
+// sink.failure.
 bool Encode(const Image8& image, Meaning meaning, int level, Sink& sink) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, Fail, IgnoreWarning);
   if (png == nullptr) return false;

@@ -1,7 +1,9 @@
 // Contact sheets: many pictures side by side, each with its name.
 //
-//  1. Pictures are reduced to fit kSheetTile pixels, by the mean of what each new pixel covers, in linear light; never enlarged.
-//  2. Tiles are of one size, that of the largest picture; they lie row by row on paper, which also shows through what is transparent.
+//  1. Pictures are reduced to fit kSheetTile pixels, by the mean of what each new pixel covers, in linear
+//     light; never enlarged.
+//  2. Tiles are of one size, that of the largest picture; they lie row by row on paper, which also shows
+//     through what is transparent.
 //  3. The same bytes on every machine and for any number of threads.
 #pragma once
 

@@ -15,9 +15,9 @@
 namespace facetless {
 namespace {
 
-// Glyphs on a grid where a digit and a capital are 6 high, a small letter 3.8, and the baseline 0. "M x y" begins a
-// stroke, "L x y" continues it, "A cx cy rx ry from to" is a stroke along an ellipse (angles in eighths of
-// a turn, from the right, upwards).
+// Glyphs on a grid where a digit and a capital are 6 high, a small letter 3.8, and the baseline 0. "M x y"
+// begins a stroke, "L x y" continues it, "A cx cy rx ry from to" is a stroke along an ellipse (angles in
+// eighths of a turn, from the right, upwards).
 struct GlyphSource {
   char32_t code;
   double width;

@@ -11,7 +11,8 @@
 namespace facetless {
 namespace {
 
-// Smooth shades show bands below it; above it files grow twice as fast as they gain. Method 4 is the library's own choice.
+// Smooth shades show bands below it; above it files grow twice as fast as they gain. Method 4 is the
+// library's own choice.
 constexpr float kQuality = 90;
 constexpr int kMethod = 4;
 

@@ -1,15 +1,19 @@
 // How smoothly neighbouring faces meet: position, normal and curvature along every edge that two faces share.
 //
-//  1. At kPlaces + 1 places along the 3D edge, ends included, each face answers with the foot of the place on its surface: from the
-//     p-curve, refined by Newton on the surface. gap_mm is the distance of both feet, angle_deg that of the outward normals.
-//  2. Curvature is the normal curvature across the edge, of the section perpendicular to it. Where normals agree along an edge, surfaces
-//     are curvature continuous exactly where this one number agrees (Pegna and Wolter 1992). The jump is relative to the larger of both.
-//  3. Faces of an open shell may be oriented against each other: their coedges tell, and one normal is turned.
-//  4. An edge has the grade of its worst place. kGap: feet are farther apart than twice the edge's tolerance in the file
-//     (which each face may use up), or kPositionShare of the diagonal where that is larger. kG0: an angle above kAngleDeg.
-//     kG1: a jump of more than kCurvatureShare of the curvature and of kFlatShare/diagonal. kG2: none of these.
-//  5. Degenerate places (a pole on the edge) are left out; an edge without another place has no grade and is counted. Edges of one face
-//     with itself (seams) take part; breaks inside a face do not.
+//  1. At kPlaces + 1 places along the 3D edge, ends included, each face answers with the foot of the place on
+//     its surface: from the p-curve, refined by Newton on the surface. gap_mm is the distance of both feet,
+//     angle_deg that of the outward normals.
+//  2. Curvature is the normal curvature across the edge, of the section perpendicular to it. Where normals
+//     agree along an edge, surfaces are curvature continuous exactly where this one number agrees (Pegna and
+//     Wolter 1992). The jump is relative to the larger of both.
+//  3. Faces of an open shell may be oriented against each other: their coedges tell, and one normal is
+//     turned.
+//  4. An edge has the grade of its worst place. kGap: feet are farther apart than twice the edge's tolerance
+//     in the file (which each face may use up), or kPositionShare of the diagonal where that is larger. kG0:
+//     an angle above kAngleDeg. kG1: a jump of more than kCurvatureShare of the curvature and of
+//     kFlatShare/diagonal. kG2: none of these.
+//  5. Degenerate places (a pole on the edge) are left out; an edge without another place has no grade and is
+//     counted. Edges of one face with itself (seams) take part; breaks inside a face do not.
 //  6. Everything is in part coordinates: a prototype is measured once, however often it is placed.
 #pragma once
 

@@ -6,8 +6,9 @@
 namespace facetless {
 namespace {
 
-// The extent of one direction, as a share of the other's, below which second derivatives are mostly lost: at the share c from a pole
-// they cancel to c² of themselves, so that 2^-53·2^40 of the curvature is rounding there, the last that a colour could show.
+// The extent of one direction, as a share of the other's, below which second derivatives are mostly lost: at
+// the share c from a pole they cancel to c² of themselves, so that 2^-53·2^40 of the curvature is rounding
+// there, the last that a colour could show.
 constexpr double kLeastExtent = 0x1p-20;
 
 // The second fundamental form in the frame's basis, outside positive.

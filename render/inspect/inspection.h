@@ -1,10 +1,11 @@
 // What an inspection picture shows, and with which settings: the value behind --shade.
 //
 //  1. kStudio is the picture of render/shade; everything else is drawn by render/inspect.
-//  2. zebra, isophotes, reflection, draft and back need a normal, faces and unseen a face id: both tracers have them (a foreign mesh
-//     names no faces). curvature needs second derivatives and thickness the exact solid: only the direct renderer has them.
-//  3. Text is NAME or NAME:KEY=VALUE,KEY=VALUE…; a value may hold commas itself, as a direction does. FormatInspection gives the
-//     text with every setting of the kind, and ParseInspection reads it back.
+//  2. zebra, isophotes, reflection, draft and back need a normal, faces and unseen a face id: both tracers
+//     have them (a foreign mesh names no faces). curvature needs second derivatives and thickness the exact
+//     solid: only the direct renderer has them.
+//  3. Text is NAME or NAME:KEY=VALUE,KEY=VALUE…; a value may hold commas itself, as a direction does.
+//     FormatInspection gives the text with every setting of the kind, and ParseInspection reads it back.
 #pragma once
 
 #include <cstdint>

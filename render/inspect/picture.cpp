@@ -32,7 +32,8 @@ Vec3 Linear(const Color& color) {
 constexpr Rgb kNoNumber = {150, 150, 150};
 constexpr Rgb kPlain = {205, 208, 212}, kSignal = {204, 30, 140}, kWarning = {230, 159, 0};
 
-// The classes of each kind, in the order of Painter::ClassOf. Colours differ for every common colour blindness (Okabe and Ito).
+// The classes of each kind, in the order of Painter::ClassOf. Colours differ for every common colour
+// blindness (Okabe and Ito).
 std::vector<InspectionClass> ClassesOf(const Inspection& inspection) {
   const auto classes = [](std::initializer_list<std::pair<const char*, Rgb>> list) {
     std::vector<InspectionClass> out;
@@ -141,7 +142,8 @@ class Painter {
   std::vector<Vec3> class_colors_;
 };
 
-// Where a sample is and how it is seen; `normal` is zero where the tracer could not find one, and then that of the viewer.
+// Where a sample is and how it is seen; `normal` is zero where the tracer could not find one, and then that
+// of the viewer.
 struct Seen {
   Vec3 position, normal, toward;
 };

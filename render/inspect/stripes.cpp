@@ -11,8 +11,8 @@ namespace {
 constexpr double kFarthest = 10;
 // The share of a lamp in its period.
 constexpr double kLineShare = 0.4;
-// Borders of stripes are moved by this share of one: else planes that lie along an axis would lie on a border, and rounding
-// would decide.
+// Borders of stripes are moved by this share of one: else planes that lie along an axis would lie on a
+// border, and rounding would decide.
 constexpr double kShift = 0.25;
 
 Stripe Alternating(double stripes) {

@@ -53,7 +53,8 @@ std::optional<double> Thickness::At(std::uint32_t face, const Placement& placeme
                                     Vec3 outward) const {
   if (tree_of_face_[face] == kNoIndex) return std::nullopt;
   const SolidTree& tree = *trees_[tree_of_face_[face]];
-  // In the part's own coordinates the direction is no unit vector, and t stays the distance in placed millimetres.
+  // In the part's own coordinates the direction is no unit vector, and t stays the distance in placed
+  // millimetres.
   const Vec3 inward = Unplaced(placement, -outward);
   const double length = Length(inward);
   if (!(length > 0) || !std::isfinite(length)) return std::nullopt;

@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kNone = INFINITY;
 constexpr double kLowShare = 0.02, kHighShare = 0.98;
-// A curvature below this share of 1/diagonal bends the whole model by less than an eight-thousandth of its size: flat.
+// A curvature below this share of 1/diagonal bends the whole model by less than an eight-thousandth of its
+// size: flat.
 constexpr double kFlat = 1e-3;
 
 double Chosen(const Curvature& curvature, CurvatureKind kind) {

@@ -1,12 +1,13 @@
-// The numbers behind an inspection picture: curvature, draft, thickness per sample, and what they are like as a whole.
+// The numbers behind an inspection picture: curvature, draft, thickness per sample, and what they are like as
+// a whole.
 //
-//  1. With the samples' native parameters (SampleBuffer::uv) normals and derivatives are those of the surface in double; without, draft
-//     is of the samples' own normals, and curvature and thickness are kBadUsage.
+//  1. With the samples' native parameters (SampleBuffer::uv) normals and derivatives are those of the surface
+//     in double; without, draft is of the samples' own normals, and curvature and thickness are kBadUsage.
 //  2. No number is +inf, as in a depth image: nothing hit, a pole, an open shell. Never NaN.
-//  3. A robust range runs from the 2nd to the 98th percentile of the numbers; for curvature it is symmetric about 0, and never
-//     narrower than what is flat for a model of this size. Thickness begins at 0.
-//  4. The outside is the file's, or with Orient::kViewer the side that is seen: a surface that is drawn inside out then has the draft,
-//     curvature and thickness of one that is not.
+//  3. A robust range runs from the 2nd to the 98th percentile of the numbers; for curvature it is symmetric
+//     about 0, and never narrower than what is flat for a model of this size. Thickness begins at 0.
+//  4. The outside is the file's, or with Orient::kViewer the side that is seen: a surface that is drawn
+//     inside out then has the draft, curvature and thickness of one that is not.
 //  5. The same values for any number of threads and any instruction set: no libm but sqrt.
 #pragma once
 
@@ -22,7 +23,8 @@
 
 namespace facetless {
 
-// Whether the kind has numbers at all, their name and unit as a legend has them ("mean curvature", "1/mm"), and whether 0 divides them.
+// Whether the kind has numbers at all, their name and unit as a legend has them ("mean curvature", "1/mm"),
+// and whether 0 divides them.
 struct Quantity {
   std::string name, unit;
   bool has_sign = false;
@@ -30,14 +32,16 @@ struct Quantity {
 bool HasValues(InspectionKind kind);
 Quantity QuantityOf(const Inspection& inspection);
 
-// Whether the viewer sees the surface from inside, by more than the rounding of a normal in float32 (kSettled).
+// Whether the viewer sees the surface from inside, by more than the rounding of a normal in float32
+// (kSettled).
 inline constexpr double kSettled = 0x1p-20;  // eight units in the last place
 bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i);
 
 // Whether the tracer must fill uv for Values to be exact.
 bool WantsUv(InspectionKind kind);
 
-// Requires HasValues. `scene` is the model's, or null: a mesh's samples. Errors: kBadUsage (law 1), kSizeMismatch, kCancelled.
+// Requires HasValues. `scene` is the model's, or null: a mesh's samples. Errors: kBadUsage (law 1),
+// kSizeMismatch, kCancelled.
 Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scene,
                                            const SampleBuffer& samples, const CameraFrame& frame,
                                            const Inspection& inspection, const Execution& execution);

@@ -6,8 +6,8 @@
 //     and max.
 //  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2 or AVX-512,
 //     or one lane of plain C++ with FACETLESS_SCALAR_KERNEL. A Real is a double, or a float with
-//     FACETLESS_FLOAT_KERNEL. Everything lives in a namespace of the target's, so that no two files define one
-//     symbol twice.
+//     FACETLESS_FLOAT_KERNEL. Everything lives in a namespace of the target's, so that no two files define
+//     one symbol twice.
 //  3. A Wide holds doubles in every kernel: depths, of which a float has too few digits. Its masks are bits.
 #pragma once
 

@@ -1,4 +1,5 @@
-// Normals of the lanes' roots in one certified leaf. Included once by each tile_kernel_<isa>.cpp, through tile_kernel.inl.h.
+// Normals of the lanes' roots in one certified leaf. Included once by each tile_kernel_<isa>.cpp, through
+// tile_kernel.inl.h.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +10,8 @@
 namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 namespace {
 
-// Below this sine of the angle between the tangents, or ratio of their lengths, most digits of a normal are rounding.
+// Below this sine of the angle between the tangents, or ratio of their lengths, most digits of a normal are
+// rounding.
 #if defined(FACETLESS_FLOAT_KERNEL)
 constexpr double kSingular = 0x1p-6;
 #else
@@ -21,8 +23,8 @@ struct Normal {
   unsigned known;  // lanes in which it is
 };
 
-// The cross product of the derivatives by s and t of the leaf's points at roots (s, t). Once per hit: degrees as
-// constants would gain a hundredth of a trace, and double the time to build.
+// The cross product of the derivatives by s and t of the leaf's points at roots (s, t). Once per hit: degrees
+// as constants would gain a hundredth of a trace, and double the time to build.
 inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane s, Lane t,
                        const ViewAxes& axes) {
   const int p = leaf.degree_u, q = leaf.degree_v;
@@ -42,8 +44,8 @@ inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane 
     h2s = Fnma(b2, w.ds, h2s);
     h2t = Fnma(b2, w.dt, h2t);
   }
-  // Undo C, to pixels and then to mm; and the depth with them. One factor for all keeps squares of squares in the
-  // range of a float, however small the leaf.
+  // Undo C, to pixels and then to mm; and the depth with them. One factor for all keeps squares of squares in
+  // the range of a float, however small the leaf.
   const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
   const double to_x = axes.pixel_x / determinant, to_y = axes.pixel_y / determinant;
   const double along_x = std::max(std::fabs(to_x * leaf.c22), std::fabs(to_x * leaf.c12)),

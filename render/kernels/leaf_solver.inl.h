@@ -1,5 +1,5 @@
-// The lanes' Newton-Cramer iteration on one certified leaf, and the depths of what it finds (leaf.h has the laws). Included once by each
-// tile_kernel_<isa>.cpp, through tile_kernel.inl.h.
+// The lanes' Newton-Cramer iteration on one certified leaf, and the depths of what it finds (leaf.h has the
+// laws). Included once by each tile_kernel_<isa>.cpp, through tile_kernel.inl.h.
 #pragma once
 
 #include "render/kernels/lanes.h"

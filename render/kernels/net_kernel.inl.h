@@ -1,4 +1,5 @@
-// The bodies of NetOperations, included once by each net_kernel_<isa>.cpp after its target is set. See nurbs/net_operations.h.
+// The bodies of NetOperations, included once by each net_kernel_<isa>.cpp after its target is set. See
+// nurbs/net_operations.h.
 
 #include <cmath>
 
@@ -27,7 +28,8 @@ inline int Degree(int degree) {
 
 // Halving.
 
-// Of the line of N+1 points `step` apart; N < 0: `degree` of them. The largest magnitudes so far, with the line's.
+// Of the line of N+1 points `step` apart; N < 0: `degree` of them. The largest magnitudes so far, with the
+// line's.
 template <int N>
 inline Planes HalveLine(const double* in, int degree, int step, double* low, double* high, Planes largest) {
   const int n = Degree<N>(degree);
@@ -72,7 +74,8 @@ void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet*
 
 // Centred monomials.
 
-// One line of a net, `step` apart, by the matrix written out: its even and odd rows share sums and differences.
+// One line of a net, `step` apart, by the matrix written out: its even and odd rows share sums and
+// differences.
 template <int N>
 inline void LineToMonomials(const double* in, double* out, int step) {
   if constexpr (N == 1) {
@@ -155,8 +158,8 @@ template <int P, int Q>
 inline Bounds Bound(const double* monomials, int degree_u, int degree_v) {
   const int pu = Degree<P>(degree_u), pv = Degree<Q>(degree_v);
   const double* r = kEnlargedPowers.value;
-  // Terms of s^i·t^j are r^(i+j) at most; along a row their sum, and its first and second moments by j. Constant and
-  // linear terms apart: only values count the latter.
+  // Terms of s^i·t^j are r^(i+j) at most; along a row their sum, and its first and second moments by j.
+  // Constant and linear terms apart: only values count the latter.
   Planes value = Same(0), by_s = Same(0), by_t = Same(0), second = Same(0);
   for (int i = 0; i <= pu; ++i) {
     Planes sum = Same(0), first = Same(0), second_t = Same(0);
@@ -182,8 +185,8 @@ inline Bounds Bound(const double* monomials, int degree_u, int degree_v) {
   return b;
 }
 
-// ‖I − H'‖ to expect after halving in u or in v: the monomial s^i·t^j shrinks by 2^−i or 2^−j, and the row of C
-// that belongs to the halved direction doubles.
+// ‖I − H'‖ to expect after halving in u or in v: the monomial s^i·t^j shrinks by 2^−i or 2^−j, and the row of
+// C that belongs to the halved direction doubles.
 template <int P, int Q>
 inline Verdict AfterHalving(const double* monomials, bool weight_varies, int degree_u, int degree_v) {
   const int pu = Degree<P>(degree_u), pv = Degree<Q>(degree_v);
@@ -212,8 +215,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
             n = (pu + 1) * stride;
   constexpr int kSize = P > 0 ? kNetComponents * (P + 1) * (Q + 1) : kNumbers;
 
-  // Shift to the pixel of the middle control points, and in orthographic views to their depth, so that what follows
-  // has the leaf's size and not the image's.
+  // Shift to the pixel of the middle control points, and in orthographic views to their depth, so that what
+  // follows has the leaf's size and not the image's.
   const int middle = (pu / 2) * stride + pv / 2;
   const double w_middle = rule.weight_varies ? net.at(middle, kW) : 1;
   if (!(w_middle > 0)) return {};
@@ -330,8 +333,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
                  q_slope = rule.depth_varies ? bound.Slope(kQ) : 0;
     const double q_low = 1 - q_rest;
     if (!(q_middle > 0 && q_low > 0)) return fail();
-    // depth = scale + scale·(w − q)/(1 + q), w and q without their constant terms. From afar, a rational patch
-    // has a w and a q that vary together, and their difference hardly at all.
+    // depth = scale + scale·(w − q)/(1 + q), w and q without their constant terms. From afar, a rational
+    // patch has a w and a q that vary together, and their difference hardly at all.
     leaf->depth_scale = w0 / q_middle;
     double difference = w_rest, difference_slope = slope;
     if (rule.depth_varies) {

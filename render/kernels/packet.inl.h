@@ -1,5 +1,5 @@
-// The walk of one packet of samples through the tile's leaves, front to back. Included once by each tile_kernel_<isa>.cpp, through
-// tile_kernel.inl.h.
+// The walk of one packet of samples through the tile's leaves, front to back. Included once by each
+// tile_kernel_<isa>.cpp, through tile_kernel.inl.h.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint32_t kNoLeaf = 0xffffffff;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of the
-// tile on.
+// One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of
+// the tile on.
 class Packet {
  public:
   explicit Packet(const TileJob& job)
@@ -253,8 +253,9 @@ class Packet {
     return true;
   }
 
-  // Takes note of a lane's second hit and of those after it. When the error intervals of two hits overlap, either may be the
-  // nearest: the smallest possible depth is recorded. A hit without a bound has a doubt and is left out.
+  // Takes note of a lane's second hit and of those after it. When the error intervals of two hits overlap,
+  // either may be the nearest: the smallest possible depth is recorded. A hit without a bound has a doubt and
+  // is left out.
   void NoteLeast(int lane, double depth, double error) {
     if (!(depth - error < Reach(lane))) return;
     if (!several_) std::fill_n(least_, kPacketLanes, kInfinity);

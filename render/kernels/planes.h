@@ -1,9 +1,9 @@
-// Planes: one point of a projected net, all its components (X, Y, W, Q) side by side, for code that treats them alike. Written
-// once, built per instruction set.
+// Planes: one point of a projected net, all its components (X, Y, W, Q) side by side, for code that treats
+// them alike. Written once, built per instruction set.
 //
 //  1. Every operation rounds as IEEE 754 says and gives the same bits on every target; nothing is fused.
-//  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2, or plain C++ with
-//     FACETLESS_SCALAR_KERNEL. Everything lives in a namespace of the target's.
+//  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2, or plain C++
+//     with FACETLESS_SCALAR_KERNEL. Everything lives in a namespace of the target's.
 #pragma once
 
 #include <cmath>

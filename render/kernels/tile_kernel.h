@@ -7,12 +7,13 @@
 //  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a
 //     miss or pin the root down to kSolverTolerance; then it is frozen. Lanes never influence each other, so
 //     all builds give the same bits.
-//  3. The kernel knows numbers only. Trimming, borders of patches and leaves without a certificate are the HitResolver's.
+//  3. The kernel knows numbers only. Trimming, borders of patches and leaves without a certificate are the
+//     HitResolver's.
 //  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
-//     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds to
-//     the leaf's depth in double.
-//  5. A doubt counts from the depth at which it arose: what a nearer hit hides is no doubt. Where every hit is asked
-//     for, nothing is hidden, and all doubts of a ray count.
+//     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds
+//     to the leaf's depth in double.
+//  5. A doubt counts from the depth at which it arose: what a nearer hit hides is no doubt. Where every hit
+//     is asked for, nothing is hidden, and all doubts of a ray count.
 //
 // A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V);
 // with F = (X − x_R·W, Y − y_R·W) formed first, Cramer's rule on F and its derivatives is the same step
@@ -70,7 +71,8 @@ class HitResolver {
                             std::uint8_t* doubt) = 0;
   // Whether a root on the border of its patch is the leaf's own; adds to *doubt and to hit->error.
   virtual bool OwnsBorderRoot(const Leaf& leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) = 0;
-  // Adds the roots of a leaf without a certificate that are nearer than `limit`. Returns the doubts that belong to no root.
+  // Adds the roots of a leaf without a certificate that are nearer than `limit`. Returns the doubts that
+  // belong to no root.
   virtual std::uint8_t SolveHardLeaf(const Leaf& leaf, double x, double y, double limit, RootSink* roots) = 0;
   // Takes a hit of sample row·tile_size + column of the tile, where TileJob::every_hit is set.
   virtual void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = 0;
@@ -103,8 +105,8 @@ struct TileJob {
   double* t = nullptr;
   std::uint32_t* leaf = nullptr;
   std::uint8_t* doubt = nullptr;
-  // Of hits, unit normals along ds × dt of the leaf's parameters, and what they need; zero where the two are too close
-  // to parallel, or the leaf has no certificate. Null: not wanted.
+  // Of hits, unit normals along ds × dt of the leaf's parameters, and what they need; zero where the two are
+  // too close to parallel, or the leaf has no certificate. Null: not wanted.
   std::array<float, 3>* normal = nullptr;
   ViewAxes axes;
   TileCounters* counters = nullptr;

@@ -11,7 +11,8 @@ namespace facetless {
 namespace {
 
 constexpr int kKinds = static_cast<int>(kLineClassNames.size());
-// How far a polyline may be off what it stands for in an SVG file; with the lines' own flatness below 0.05 px.
+// How far a polyline may be off what it stands for in an SVG file; with the lines' own flatness below 0.05
+// px.
 constexpr double kSvgTolerance = 0.015;
 
 // Straight pieces of the lines, dashed where they are to be.

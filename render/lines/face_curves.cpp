@@ -21,8 +21,8 @@ constexpr double kPixelsPerCell = 12;
 constexpr int kMostCells = 512;          // in one direction of a face
 constexpr double kPlaceWidth = 0x1p-48;  // of a cell's side: all bits of a parameter
 constexpr int kMostRefinements = 16;     // halvings of a chord: enough for a window of 1e-8 of the radius
-// What is added to the value, as a share of its largest: curves along the grid's own lines, and along seams, then lie
-// on one side of them, and what vanishes everywhere vanishes nowhere.
+// What is added to the value, as a share of its largest: curves along the grid's own lines, and along seams,
+// then lie on one side of them, and what vanishes everywhere vanishes nowhere.
 constexpr double kBias = 1e-9;
 
 // Below this sine of the angle between the tangents, or ratio of their lengths, du × dv is mostly rounding.

@@ -15,8 +15,8 @@ struct LineOptions {
   Execution execution;                 // cancelled, the call ends with whatever there is
 };
 
-// `samples`: of the same view, or of Supersampled of it, with their frame. Lines end a little beside the picture, and come
-// in an order that depends on nothing but model and view.
+// `samples`: of the same view, or of Supersampled of it, with their frame. Lines end a little beside the
+// picture, and come in an order that depends on nothing but model and view.
 std::vector<ViewLine> FindLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
                                 const SampleBuffer& samples, const CameraFrame& sample_frame,
                                 const LineOptions& options);

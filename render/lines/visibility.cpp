@@ -10,7 +10,8 @@ namespace facetless {
 namespace {
 
 constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
-// Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own face.
+// Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own
+// face.
 constexpr double kSteepest = 30;
 // How far beside a line one looks for what lies behind it, samples.
 constexpr double kBeside = 2;

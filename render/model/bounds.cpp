@@ -9,8 +9,8 @@
 namespace facetless {
 namespace {
 
-// Hulls are taken after at most this many halvings of a Bézier piece: the hull of an eighth of a turn then exceeds the arc by 3e-4 of the
-// radius.
+// Hulls are taken after at most this many halvings of a Bézier piece: the hull of an eighth of a turn then
+// exceeds the arc by 3e-4 of the radius.
 constexpr int kHalvings = 4;
 
 // Points whose hull holds a face.
@@ -84,8 +84,8 @@ PointGrid Transposed(const PointGrid& patch) {
   return out;
 }
 
-// Halvings along a direction that make the whole of it at least kCells cells: on a full turn the hull then exceeds an arc by less than half
-// a per cent of its radius. Straight directions need none.
+// Halvings along a direction that make the whole of it at least kCells cells: on a full turn the hull then
+// exceeds an arc by less than half a per cent of its radius. Straight directions need none.
 int HalvingsFor(int degree, std::size_t spans) {
   if (degree == 1) return 0;
   constexpr std::size_t kCells = 32;
@@ -151,8 +151,8 @@ void AppendSurfaceHull(const Model& model, const Face& face, SpanToBezier to_bez
   }
 }
 
-// True if the surface's extent in every direction is reached on its border: it is made of straight lines that leave the face
-// through its loops.
+// True if the surface's extent in every direction is reached on its border: it is made of straight lines that
+// leave the face through its loops.
 bool IsDevelopable(SurfaceKind kind) {
   return kind == SurfaceKind::kPlane || kind == SurfaceKind::kCylinder || kind == SurfaceKind::kCone ||
          kind == SurfaceKind::kExtrusion;
@@ -212,7 +212,8 @@ std::vector<Box3> InstanceBounds(const Model& model, SpanToBezier to_bezier) {
   }
   std::vector<std::uint32_t> placed(model.parts.size(), 0);
   for (const Instance& instance : model.instances) ++placed[instance.part];
-  // A part that is placed often is replaced by the corners of its box, turned: looser by at most the turn, and quick.
+  // A part that is placed often is replaced by the corners of its box, turned: looser by at most the turn,
+  // and quick.
   constexpr std::uint32_t kOften = 64;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     if (placed[p] <= kOften || hulls[p].first.empty()) continue;

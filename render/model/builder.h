@@ -11,14 +11,17 @@
 //     builder.AddInstance({});
 //     Result<Model> model = std::move(builder).Finish();
 //
-//  1. Each element belongs to the owner that was added last: a face and a solid to the part, a loop to the face, a coedge to the loop, a
-//     trim segment to the coedge, an edge segment to the edge. Edges and vertices may be added at any time before they are named.
+//  1. Each element belongs to the owner that was added last: a face and a solid to the part, a loop to the
+//     face, a coedge to the loop, a trim segment to the coedge, an edge segment to the edge. Edges and
+//     vertices may be added at any time before they are named.
 //  2. Every Add… that makes an element others can name returns its index.
-//  3. The builder fills in what follows from the rest, and overwrites what the caller wrote there: all ranges and first points, a face's
-//     surface, Solid::part, Edge::coedge_count, Instance::first_placed_face, degrees of segments, Surface::rational where a weight is not
-//     1, and the model's bounds unless SetBounds said them.
-//  4. Finish() validates: it returns a model for which Validate() holds, or Validate()'s error. kBadUsage: an element was added
-//     before its owner, or a surface has more or fewer control points than its spans and degrees need.
+//  3. The builder fills in what follows from the rest, and overwrites what the caller wrote there: all ranges
+//     and first points, a face's surface, Solid::part, Edge::coedge_count, Instance::first_placed_face,
+//     degrees of segments, Surface::rational where a weight is not 1, and the model's bounds unless SetBounds
+//     said them.
+//  4. Finish() validates: it returns a model for which Validate() holds, or Validate()'s error. kBadUsage: an
+//     element was added before its owner, or a surface has more or fewer control points than its spans and
+//     degrees need.
 #pragma once
 
 #include <cstdint>

@@ -23,8 +23,8 @@ namespace facetless {
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
-// The highest degree of a surface, a p-curve or an edge: the most that OpenCASCADE, with which the importer reads, accepts
-// (Geom_BSplineSurface::MaxDegree).
+// The highest degree of a surface, a p-curve or an edge: the most that OpenCASCADE, with which the importer
+// reads, accepts (Geom_BSplineSurface::MaxDegree).
 inline constexpr int kMaxDegree = 25;
 
 // A half-open run [first, first + count) of one of Model's vectors.
@@ -57,7 +57,8 @@ const char* SurfaceKindName(SurfaceKind kind);  // "plane", "cylinder", …: the
 // How a span's Bézier parameter t ∈ [0,1] runs through its native interval [begin, end].
 enum class SpanMap : std::uint8_t {
   kLinear,  // native = begin + t·(end − begin)
-  kHalfAngle,  // NURBS arc: with m the centre and h half the width, (2t − 1)·tan(h/2) = tan((native − m)/2); h < π/2
+  // NURBS arc: with m the centre and h half the width, (2t − 1)·tan(h/2) = tan((native − m)/2); h < π/2
+  kHalfAngle,
 };
 
 // One knot span of a surface in one direction, in native parameters; begin < end.

@@ -12,8 +12,8 @@
 namespace facetless {
 namespace {
 
-// A patch's largest weight: beyond, products with coordinates and errors of one unit roundoff leave the range in
-// which a double keeps all its digits.
+// A patch's largest weight: beyond, products with coordinates and errors of one unit roundoff leave the range
+// in which a double keeps all its digits.
 constexpr double kLeastWeight = 1e-250, kGreatestWeight = 1e250;
 
 // Consecutive trim segments meet to within rounding of a division by the weight and one shift by a period: a

@@ -17,7 +17,8 @@ double PolygonLength(const Model& model, const Edge& edge) {
 }
 
 EdgeUses::EdgeUses(const Model& model) : first_(model.edges.size() + 1, 0) {
-  // Count the uses of each edge, one place further on, and add the counts up: that is where each edge's uses begin.
+  // Count the uses of each edge, one place further on, and add the counts up: that is where each edge's uses
+  // begin.
   for (const Face& face : model.faces)
     for (const Coedge& coedge : CoedgesOf(model, face))
       if (coedge.edge != kNoIndex) ++first_[coedge.edge + 1];

@@ -7,10 +7,12 @@
 //     for (const PlacedFace placed : PlacedFacesOf(model, instance))
 //       if (model.faces[placed.face].name == name) return placed.id;
 //
-//  1. A range refers to the model and copies nothing: it allocates no memory, and must not outlive the model's vectors. An EdgeUses is a
-//     table of its own, and stays right as long as the model's topology does not change.
+//  1. A range refers to the model and copies nothing: it allocates no memory, and must not outlive the
+//     model's vectors. An EdgeUses is a table of its own, and stays right as long as the model's topology
+//     does not change.
 //  2. Elements come in the model's own order: the loops of a face, and in each the coedges.
-//  3. The model is one that Validate() accepts, or at least the ranges that are walked lie within its vectors.
+//  3. The model is one that Validate() accepts, or at least the ranges that are walked lie within its
+//     vectors.
 #pragma once
 
 #include <cstddef>
@@ -167,7 +169,8 @@ inline double LargestGap(const Model& model, const Face& face) {
   return gap;
 }
 
-// The length of the polygons through the control points of an edge's segments, in millimetres; 0 if it is degenerate.
+// The length of the polygons through the control points of an edge's segments, in millimetres; 0 if it is
+// degenerate.
 double PolygonLength(const Model& model, const Edge& edge);
 
 // The faces of the instance's part.

@@ -4,8 +4,8 @@
 //  1. kLinear: native = begin + t·(end − begin). kHalfAngle, with m the centre and h half the width of the
 //     span: (2t − 1)·tan(h/2) = tan((native − m)/2).
 //  2. Ends map to ends exactly, in both directions: begin ↔ 0, end ↔ 1.
-//  3. Trigonometry is that of base/trigonometry.h: the same bits on every machine. Errors are a few units in the last place of
-//     the larger of |native| and the span's width.
+//  3. Trigonometry is that of base/trigonometry.h: the same bits on every machine. Errors are a few units in
+//     the last place of the larger of |native| and the span's width.
 //  4. Arguments slightly outside the span extrapolate smoothly. Require |native − m| < 3 for kHalfAngle.
 #pragma once
 

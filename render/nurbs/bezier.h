@@ -1,5 +1,5 @@
-// Tensor-product Bézier nets of several components. What is done to every one of them is in net_operations.h; here is what is
-// done to few: extending, and the matrices of the change to centred monomials.
+// Tensor-product Bézier nets of several components. What is done to every one of them is in net_operations.h;
+// here is what is done to few: extending, and the matrices of the change to centred monomials.
 //
 //  1. A net holds (degree_u+1)·(degree_v+1) coefficients, u-major, each with its components side by side:
 //     value[kNetComponents·(k·(degree_v+1) + l) + c].
@@ -49,8 +49,8 @@ struct OwnedNet {
   }
 };
 
-// Re-expresses component `c` of `net`, and its error, over [−low, 1 + high] of one direction's parameter; low, high >= 0, and
-// small, because extrapolation magnifies rounding by (1 + 2·(low + high))^degree.
+// Re-expresses component `c` of `net`, and its error, over [−low, 1 + high] of one direction's parameter;
+// low, high >= 0, and small, because extrapolation magnifies rounding by (1 + 2·(low + high))^degree.
 void Extend(BezierNet* net, NetComponent c, Direction direction, double low, double high);
 
 // Row i of the matrix that takes the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i,
@@ -61,8 +61,8 @@ const MonomialMatrix& CenteredMonomialMatrix(int degree);
 // The largest degree for which loops of known length are compiled; most surfaces have no higher one.
 inline constexpr int kMaxFixedDegree = 3;
 
-// Calls run.template operator()<P, Q>() with the degrees as constants where both lie in [1, kMaxFixedDegree], and with −1 for
-// both otherwise: loops that the compiler knows the length of cost half.
+// Calls run.template operator()<P, Q>() with the degrees as constants where both lie in [1, kMaxFixedDegree],
+// and with −1 for both otherwise: loops that the compiler knows the length of cost half.
 template <typename Run>
 inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
   // One switch inside another, because no packed key of the two degrees can then stand for another pair.

@@ -6,9 +6,9 @@ namespace facetless {
 // Every third step halves, so 150 are more than the 53 halvings that doubles have, thrice.
 inline constexpr int kMostBracketSteps = 200;
 
-// The place in [0, 1], to within `width`, at which f changes from the sign of f(0) to that of f(1), given as f_0 and
-// f_1. Regula falsi (Illinois) with a halving at every third step: superlinear where f is smooth, and never more than
-// thrice the steps of bisection.
+// The place in [0, 1], to within `width`, at which f changes from the sign of f(0) to that of f(1), given as
+// f_0 and f_1. Regula falsi (Illinois) with a halving at every third step: superlinear where f is smooth, and
+// never more than thrice the steps of bisection.
 template <typename Function>
 double BracketedRoot(const Function& f, double f_0, double f_1, double width) {
   double a = 0, b = 1;

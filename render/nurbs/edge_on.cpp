@@ -6,7 +6,8 @@
 namespace facetless {
 namespace {
 
-// Dividing by the weight, the difference to a point and the product with the normal: rounding of the coordinates.
+// Dividing by the weight, the difference to a point and the product with the normal: rounding of the
+// coordinates.
 constexpr double kRounding = 8 * 0x1p-53;
 
 }  // namespace
@@ -41,9 +42,9 @@ LineImage FitLine(const BezierNet& net) {
   if (!(length > 0)) return line;
   line.normal_x = -along_y / length;
   line.normal_y = along_x / length;
-  // The control points hold the patch between two parallels. Both ends of the line are off, and so is each point.
-  // Each by its own: the image of a point with next to no weight may be off by anything, and pulls no surface
-  // with it.
+  // The control points hold the patch between two parallels. Both ends of the line are off, and so is each
+  // point. Each by its own: the image of a point with next to no weight may be off by anything, and pulls no
+  // surface with it.
   double farthest = 0;
   line.is_line = true;
   for (int i = 0; i < net.points(); ++i) {

@@ -65,8 +65,8 @@ enum LeafFlag : std::uint16_t {
 };
 
 struct Leaf {
-  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: the values of a
-  // BezierNet.
+  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: the
+  // values of a BezierNet.
   const double* coefficients = nullptr;
   const float* coefficients32 = nullptr;      // instead of the others, for a kernel in single precision
   double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
@@ -92,9 +92,10 @@ struct Leaf {
   }
 };
 
-// Whether a root lies on a border of its patch, within its error, or beyond it in the overlap. Beyond, the surface is
-// the neighbour's, and may turn away there. (Where leaves of one patch overlap, both are the same surface.) A side
-// that reaches farther than the overlap does so on purpose, across the gap to an edge, and is left out.
+// Whether a root lies on a border of its patch, within its error, or beyond it in the overlap. Beyond, the
+// surface is the neighbour's, and may turn away there. (Where leaves of one patch overlap, both are the same
+// surface.) A side that reaches farther than the overlap does so on purpose, across the gap to an edge, and
+// is left out.
 inline bool OnPatchBorder(const Leaf& leaf, double s, double t) {
   const double inside = 1 - leaf.root_error, overlap = 1 + leaf.overlap();
   return (s < -inside && leaf.u_mid - leaf.u_half == 0 && leaf.s_low >= -overlap) ||
@@ -117,7 +118,8 @@ struct Verdict {
 };
 
 // How far the depth of a point is off for the net's error alone, depths being at most `far` in magnitude and
-// the divisor (Q in perspective, else W) at least `divisor`; infinite where that is no more than its own error.
+// the divisor (Q in perspective, else W) at least `divisor`; infinite where that is no more than its own
+// error.
 inline double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor) {
   const double own = rule.perspective ? net.error[kW] : net.error[kQ];
   const double of_divisor = rule.perspective ? net.error[kQ] : net.error[kW];

@@ -62,8 +62,9 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
 
-// Whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no digit of its weights, and so near
-// the middle of the window that no piece of it could be told to lie outside. Halving makes no error smaller and no number larger.
+// Whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no digit of
+// its weights, and so near the middle of the window that no piece of it could be told to lie outside. Halving
+// makes no error smaller and no number larger.
 bool IsLost(const BezierNet& net, double half_window) {
   // Between lost and told apart there must be room: what has a part of both is halved.
   constexpr double kDigits = 1024, kRoom = 4;
@@ -93,10 +94,12 @@ Leaf HardLeaf(const BezierNet& net, DepthRule rule, bool edge_on) {
   return leaf;
 }
 
-// Whether the net's corners alone show that its image is no line: they span more than its errors and rounding could.
+// Whether the net's corners alone show that its image is no line: they span more than its errors and rounding
+// could.
 bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window) {
   const double size = std::max(std::max(-box.x_low, box.x_high), std::max(-box.y_low, box.y_high));
-  // Of a corner: the net's own error, by the size instead of the window's, and rounding. FitLine allows four of them.
+  // Of a corner: the net's own error, by the size instead of the window's, and rounding. FitLine allows four
+  // of them.
   const double error = 64 * (box.error * std::max(1.0, size / half_window) + 0x1p-49 * size);
   const int corners[] = {0, net.degree_v, net.points() - net.stride(), net.points() - 1};
   double x[4], y[4];
@@ -114,8 +117,8 @@ bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window
 }  // namespace
 
 std::uint64_t NodeLimit(double samples, int degree_u, int degree_v) {
-  // A piece without a certificate ends at kHardSamples, and boxes of neighbours overlap; a patch of higher degrees folds over
-  // itself more often.
+  // A piece without a certificate ends at kHardSamples, and boxes of neighbours overlap; a patch of higher
+  // degrees folds over itself more often.
   constexpr double kLeastNodes = 1 << 14, kNodesPerSample = 4;
   return static_cast<std::uint64_t>(kLeastNodes + kNodesPerSample * std::max(degree_u, degree_v) * samples);
 }
@@ -197,8 +200,8 @@ void LeafSplitter::Visit(const Node& node) {
     if (trim == RectClass::kOutside) return;
   }
 
-  // Give up what no halving can place: also what lies across the eye plane down to the last level, where the near plane has
-  // taken all that is merely near the eye. One leaf says so of the whole patch.
+  // Give up what no halving can place: also what lies across the eye plane down to the last level, where the
+  // near plane has taken all that is merely near the eye. One leaf says so of the whole patch.
   const bool last_level = node.level >= kMaxLevels;
   if ((!box.in_front && last_level) ||
       (!(box.in_front && box.error < half_window) && IsLost(net, half_window))) {
@@ -244,8 +247,8 @@ void LeafSplitter::Visit(const Node& node) {
     const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
     if ((certified && (trimmed_small || last_level)) || hard) {
       if (hard) leaf = HardLeaf(net, patch_->rule, edge_on);
-      // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as large a share of the patch's
-      // work as the pieces that they would make.
+      // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as
+      // large a share of the patch's work as the pieces that they would make.
       if (hard && !edge_on)
         node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
       leaf.near_depth = box.near_depth - leaf.depth_error;

@@ -50,7 +50,8 @@ struct SplitBudget {
   bool Stopped() const { return Exhausted() || (cancel && cancel->load(std::memory_order_relaxed)); }
 };
 
-// Storage of coefficients: grows in blocks, each of a share of what is there already, never moves, freed as a whole.
+// Storage of coefficients: grows in blocks, each of a share of what is there already, never moves, freed as a
+// whole.
 class CoefficientArena {
  public:
   double* Allocate(std::size_t count);
@@ -68,8 +69,8 @@ struct SplitPatch {
   const FaceTrim* trim = nullptr;
   RectClass trim_class = RectClass::kMixed;  // of the whole patch
   std::uint32_t placed_face = 0, patch = 0;
-  // The Bézier parameters that the net spans: beyond [0,1] where the patch is continued past the border of its
-  // face.
+  // The Bézier parameters that the net spans: beyond [0,1] where the patch is continued past the border of
+  // its face.
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
   // Law 3. No patch of a sound model comes near to its nodes: see NodeLimit.
   std::uint64_t max_nodes = std::numeric_limits<std::uint64_t>::max();

@@ -1,7 +1,8 @@
 // What a file itself leaves open: the edges at which its faces don't meet, however exactly they are traced.
 //
-//  1. Of solids: an edge that is used by one face only, or by more than two, or twice in the same sense (a face is
-//     the wrong way round). Of all shapes: an edge that lies farther off one of its faces than its own tolerance.
+//  1. Of solids: an edge that is used by one face only, or by more than two, or twice in the same sense (a
+//     face is the wrong way round). Of all shapes: an edge that lies farther off one of its faces than its
+//     own tolerance.
 //  2. Collapsed edges, and those of faces that are no solid's and used once, are as they should be.
 //  3. Worst first: holes before gaps; holes by length, gaps by width.
 #pragma once

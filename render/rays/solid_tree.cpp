@@ -10,22 +10,27 @@
 namespace facetless {
 namespace {
 
-// A piece is flat enough when its control points lie within this share of its diagonal of a bilinear patch: an arc of 11 degrees.
-// From the middle of such a piece Newton has to go less than a width and meets a Jacobian that turns by as much.
+// A piece is flat enough when its control points lie within this share of its diagonal of a bilinear patch:
+// an arc of 11 degrees. From the middle of such a piece Newton has to go less than a width and meets a
+// Jacobian that turns by as much.
 constexpr double kFlatness = 0.05;
 constexpr int kMostHalvings = 12;  // of one patch, in both directions together
-// Roots within this share of a piece's width beyond its border count: neighbours overlap, so none falls between them.
+// Roots within this share of a piece's width beyond its border count: neighbours overlap, so none falls
+// between them.
 constexpr double kOverlap = 0x1p-20;
 // Newton may leave its piece by this many widths on the way.
 constexpr double kStray = 1.5;
 constexpr int kMostSteps = 12;
-// A piece turns by less than 17 degrees from its middle to a corner: seen from its middle at a larger sine it has no fold.
+// A piece turns by less than 17 degrees from its middle to a corner: seen from its middle at a larger sine it
+// has no fold.
 constexpr double kGrazing = 0.3;
 constexpr int kStarts = 4;  // in each direction, where it may have one
-// A root is one when what is left is within this of the coordinates' size: 2^-52, times the operations of an evaluation.
+// A root is one when what is left is within this of the coordinates' size: 2^-52, times the operations of an
+// evaluation.
 constexpr double kResidual = 0x1p-46;
 constexpr std::uint32_t kPiecesPerLeaf = 4;
-// Nodes on the way that are still to be visited: one per level of a tree that halves fewer than 2^32 pieces, and two.
+// Nodes on the way that are still to be visited: one per level of a tree that halves fewer than 2^32 pieces,
+// and two.
 constexpr int kDeepest = 40;
 
 // A patch's net over a part of its Bézier square.
@@ -59,7 +64,8 @@ Net SplitLower(Net& net, bool along_u) {
   return lower;
 }
 
-// How far the control points are from the bilinear patch of the corners along each direction, as a share of the diagonal.
+// How far the control points are from the bilinear patch of the corners along each direction, as a share of
+// the diagonal.
 struct Bend {
   double u = 0, v = 0;
 };

@@ -1,11 +1,14 @@
 // Rays in any direction against the exact faces of one solid.
 //
-//  1. Patches are cut into pieces that are nearly parallelograms (kFlatness), and a tree of boxes stands over the pieces that the
-//     trimming does not rule out. Each piece that a ray may meet is solved by Newton on the surface itself, in native parameters: the
-//     distance is exact to rounding, whatever the pieces are like.
-//  2. A root counts if its parameters lie within its piece, to kOverlap of its width, and inside the face's trimming; within the gap of
-//     an edge it counts for both faces, so that no ray slips out between them. The nearest one is the answer.
-//  3. Of a ray that touches a surface without crossing it either answer may come back: nothing is certified here, unlike in a picture.
+//  1. Patches are cut into pieces that are nearly parallelograms (kFlatness), and a tree of boxes stands over
+//     the pieces that the trimming does not rule out. Each piece that a ray may meet is solved by Newton on
+//     the surface itself, in native parameters: the distance is exact to rounding, whatever the pieces are
+//     like.
+//  2. A root counts if its parameters lie within its piece, to kOverlap of its width, and inside the face's
+//     trimming; within the gap of an edge it counts for both faces, so that no ray slips out between them.
+//     The nearest one is the answer.
+//  3. Of a ray that touches a surface without crossing it either answer may come back: nothing is certified
+//     here, unlike in a picture.
 //  4. Immutable once built; queries allocate nothing. No libm but sqrt: the same bits everywhere.
 #pragma once
 

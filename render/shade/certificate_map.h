@@ -2,8 +2,8 @@
 //
 //  1. Certified hits are light grey, certified misses white; every other sample has the colour of its gravest
 //     doubt, the last of render/view/doubt.h, hit or not.
-//  2. A band below the view names the colours with the number of samples of each; doubts that do not occur are
-//     left out.
+//  2. A band below the view names the colours with the number of samples of each; doubts that do not occur
+//     are left out.
 #pragma once
 
 #include "render/image/film.h"

@@ -8,7 +8,8 @@
 
 namespace facetless {
 
-// Draws shade.h's law 5 over `film`, which was shaded from `samples`. Requires equal sizes. Runs in the caller's task arena.
+// Draws shade.h's law 5 over `film`, which was shaded from `samples`. Requires equal sizes. Runs in the
+// caller's task arena.
 void DrawEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
                Film& film);
 

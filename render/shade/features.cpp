@@ -25,11 +25,13 @@ Sample Take(const SampleBuffer& samples, const CameraFrame& frame, std::size_t p
   return sample;
 }
 
-// By how much the depth changes from `from` to the other ray along the tangent plane of `from`; infinite if that is seen edge-on.
+// By how much the depth changes from `from` to the other ray along the tangent plane of `from`; infinite if
+// that is seen edge-on.
 double PredictedChange(const Sample& from, const Ray& other) {
   const double facing = Dot(from.normal, other.direction);
   if (!(facing < 0)) return INFINITY;
-  // Depths relative to the hit, so that nothing cancels: the other ray at this depth, and on along its direction.
+  // Depths relative to the hit, so that nothing cancels: the other ray at this depth, and on along its
+  // direction.
   const Vec3 beside = (other.origin - from.ray.origin) + from.depth * (other.direction - from.ray.direction);
   return -Dot(from.normal, beside) / facing;
 }

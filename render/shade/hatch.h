@@ -1,7 +1,7 @@
 // Hatching of cut faces: parallel lines in the picture's plane, as drawings have them.
 //
-//  1. Lines are kHatchSpacing pixels apart and stand still in the picture. The first solid's run at 45°, the second's
-//     at 135°, others between, so that neighbours are told apart.
+//  1. Lines are kHatchSpacing pixels apart and stand still in the picture. The first solid's run at 45°, the
+//     second's at 135°, others between, so that neighbours are told apart.
 //  2. The cover of a line is that of a sample one pixel wide: smooth with one sample per pixel too.
 //  3. No libm function.
 #pragma once

@@ -44,7 +44,8 @@ Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options
   return {};
 }
 
-// A unit vector of the model's axes in the viewer's: right, up, towards the viewer. Unit vectors stay so, to rounding.
+// A unit vector of the model's axes in the viewer's: right, up, towards the viewer. Unit vectors stay so, to
+// rounding.
 Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
   return {Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
 }

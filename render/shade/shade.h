@@ -48,7 +48,8 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
 // What Shade shows where nothing is hit: red, green, blue times alpha, and alpha; linear.
 std::array<float, 4> BackgroundLight(Background background);
 
-// Law 6 alone: hatches the pixel of a cap's sample, x and y from the film's corner; leaves others as they are.
+// Law 6 alone: hatches the pixel of a cap's sample, x and y from the film's corner; leaves others as they
+// are.
 void HatchCap(const ShadeOptions& options, std::uint32_t face, double x, double y,
               std::array<float, 4>* pixel);
 

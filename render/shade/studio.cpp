@@ -25,7 +25,8 @@ const Light kKey = {Normalized({-0.50, 0.72, 0.66}), {1.46, 1.37, 1.25}, 0.25};
 const Light kFill = {Normalized({0.82, -0.12, 0.45}), {0.17, 0.20, 0.25}, 0.60};
 // Light from everywhere: a bright ceiling, a warm floor.
 constexpr Vec3 kCeiling = {0.215, 0.225, 0.245}, kFloor = {0.105, 0.098, 0.090};
-// Highlights: how much of the key a surface mirrors, tight and wide; and the rim, where surfaces mirror the ceiling.
+// Highlights: how much of the key a surface mirrors, tight and wide; and the rim, where surfaces mirror the
+// ceiling.
 constexpr double kTight = 0.13, kWide = 0.03, kRim = 0.24;
 // Where the shoulder begins: below, light passes unchanged.
 constexpr double kShoulder = 0.60;

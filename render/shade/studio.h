@@ -16,8 +16,8 @@ class StudioView {
   explicit StudioView(Vec3 toward);
 
   Vec3 toward() const { return toward_; }
-  // Reflected light, linear, 0 … 1 per channel. `normal` is a unit vector with normal · toward >= 0; `albedo` is
-  // linear.
+  // Reflected light, linear, 0 … 1 per channel. `normal` is a unit vector with normal · toward >= 0; `albedo`
+  // is linear.
   Vec3 Light(Vec3 normal, Vec3 albedo) const;
 
  private:

@@ -19,8 +19,8 @@ constexpr double kDerivativeSlack = 2;
 constexpr double kNewtonPixels = 1.0 / 4;
 constexpr int kNewtonSteps = 12;
 constexpr int kMostHalvings = 96;
-// What makes a hit certain: the area that the tangents span on the screen, as a share of what they could, the distance to the border
-// of the patch in Bézier parameters, and the residual in pixels.
+// What makes a hit certain: the area that the tangents span on the screen, as a share of what they could, the
+// distance to the border of the patch in Bézier parameters, and the residual in pixels.
 constexpr double kLeastSine = 1e-2, kBorderShare = 1e-6, kResidualPixels = 1e-7;
 // A hit counts as nearer than another by more than this share of the model's diagonal, besides all errors.
 constexpr double kDepthShare = 1e-9;
@@ -206,7 +206,8 @@ RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double dep
   return RayCheck::kClear;
 }
 
-// Whether the ray certainly hits the patch nearer than `limit`: halves the patch, seen from the ray's two planes.
+// Whether the ray certainly hits the patch nearer than `limit`: halves the patch, seen from the ray's two
+// planes.
 bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face, std::uint32_t patch,
                                      double x, double y, double limit, Budget* budget) const {
   const Model& model = *scene_.model;
@@ -216,8 +217,8 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
   const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
   const std::size_t n = surface.PointsPerPatch();
 
-  // A control point as the ray sees it: its distances to the two planes, times its weight on the screen; that weight; and its
-  // depth times the weight of the surface.
+  // A control point as the ray sees it: its distances to the two planes, times its weight on the screen; that
+  // weight; and its depth times the weight of the surface.
   struct Seen {
     double across, down, scale, depth, weight;
   };

@@ -1,16 +1,20 @@
 // CertificateCheck: a second opinion on certified samples, in plain arithmetic on the model's own patches.
 //
-// A certificate proves the mathematics and not the program: a kernel that runs with wrong loop lengths certifies wrong
-// pixels. This check shares no code with what it judges: it knows no leaf, no projected net and no kernel.
+// A certificate proves the mathematics and not the program: a kernel that runs with wrong loop lengths
+// certifies wrong pixels. This check shares no code with what it judges: it knows no leaf, no projected net
+// and no kernel.
 //
-//  1. A root holds if the point of the patch at the root's parameters, placed and projected as camera.h says, lies on the
-//     sample's ray and at the sample's depth, within the bounds that the sample states and the rounding of this check.
-//  2. A ray is clear if halving every patch on its way finds no point of the surface that lies nearer than the sample's
-//     depth by more than its error and that certainly belongs to its face: well inside its patch, away from every edge's
-//     band, and not seen at grazing incidence. A ray that needs more than kMaxCheckedPieces pieces stays open.
+//  1. A root holds if the point of the patch at the root's parameters, placed and projected as camera.h says,
+//     lies on the sample's ray and at the sample's depth, within the bounds that the sample states and the
+//     rounding of this check.
+//  2. A ray is clear if halving every patch on its way finds no point of the surface that lies nearer than
+//     the sample's depth by more than its error and that certainly belongs to its face: well inside its
+//     patch, away from every edge's band, and not seen at grazing incidence. A ray that needs more than
+//     kMaxCheckedPieces pieces stays open.
 //  3. A contradiction is a defect of the program, never of the file. The tracer puts the sample in doubt
 //     (kDoubtContradicted) and counts it.
-//  4. Immutable; any number of threads may ask. The same bytes on every machine: plain arithmetic in a fixed order.
+//  4. Immutable; any number of threads may ask. The same bytes on every machine: plain arithmetic in a fixed
+//     order.
 //
 //   const CertificateCheck check(scene.data(), frame);
 //   if (!check.RootHolds({instance, face, patch, u, v, error_u, error_v, x, y, depth, depth_error})) …
@@ -47,7 +51,8 @@ class CertificateCheck {
   // Law 1.
   bool RootHolds(const StatedRoot& root) const;
 
-  // Law 2, for the ray through pixel coordinates (x, y) whose nearest hit is stated at `depth` (infinite: a miss).
+  // Law 2, for the ray through pixel coordinates (x, y) whose nearest hit is stated at `depth` (infinite: a
+  // miss).
   RayCheck CheckRay(double x, double y, double depth, double depth_error) const;
 
  private:

@@ -7,8 +7,8 @@
 
 namespace facetless {
 
-// Sorts by sample and depth. Of the roots that two leaves of one face own in common (RootTwin) one is left. The order
-// is total: it depends on nothing but the view.
+// Sorts by sample and depth. Of the roots that two leaves of one face own in common (RootTwin) one is left.
+// The order is total: it depends on nothing but the view.
 void PutInOrder(const PreparedView& view, std::vector<Crossing>* crossings);
 
 }  // namespace facetless

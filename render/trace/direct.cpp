@@ -19,8 +19,8 @@
 namespace facetless {
 namespace {
 
-// Asks the independent check about the root of sample `k` of a tile, if it is certified and one of the share that is checked. Roots
-// of hard leaves have been asked about.
+// Asks the independent check about the root of sample `k` of a tile, if it is certified and one of the share
+// that is checked. Roots of hard leaves have been asked about.
 std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
                          CheckStats* stats) {
   if (!shared.check || !shared.IsRootChecked(column, row) || tile.doubt[k] != 0 || tile.leaf[k] == kNoIndex)
@@ -32,11 +32,12 @@ std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int 
                           tile.error[k], stats);
 }
 
-// Asks the independent check whether the rays of some samples of a tile, hits and misses, are clear up to the stated depth, and puts
-// those in doubt that are not.
+// Asks the independent check whether the rays of some samples of a tile, hits and misses, are clear up to the
+// stated depth, and puts those in doubt that are not.
 void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   if (!shared.check) return;
-  // So many rays of every tile, or one ray of every so many tiles, at places that are the same on every machine.
+  // So many rays of every tile, or one ray of every so many tiles, at places that are the same on every
+  // machine.
   const int rays = std::max(1, TileTracer::kSamples / shared.rays_per_checked_ray);
   const std::uint32_t tiles =
       static_cast<std::uint32_t>(std::max(1, shared.rays_per_checked_ray / TileTracer::kSamples));

@@ -29,12 +29,15 @@ enum class Precision : std::uint8_t {
   kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth
 };
 
-// How many certified samples CertificateCheck (certificate_check.h) tests again; none where DirectOptions::leave_out is set.
+// How many certified samples CertificateCheck (certificate_check.h) tests again; none where
+// DirectOptions::leave_out is set.
 enum class CheckLevel : std::uint8_t {
   kAuto,  // kShare with Precision::kCertified, kAll with an audit, else kNone
   kNone,
-  kShare,  // one root in kRootsPerCheckedRoot (of leaves without a certificate, every one), one ray in kRaysPerCheckedRay
-  kAll,    // every root, and one ray in kRaysPerAuditedRay
+  // one root in kRootsPerCheckedRoot (of leaves without a certificate, every one), one ray in
+  // kRaysPerCheckedRay
+  kShare,
+  kAll,  // every root, and one ray in kRaysPerAuditedRay
 };
 // Chosen so that the share costs less than a tenth of TraceDirect's instructions (docs/accuracy-proof.md).
 inline constexpr int kRootsPerCheckedRoot = 16;
@@ -66,7 +69,8 @@ struct DirectOptions {
   bool audit = false;           // count every crossing of every ray; of the whole model, sections or not
   std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
-  // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an audit, whose solids would be open.
+  // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an
+  // audit, whose solids would be open.
   const std::vector<bool>* leave_out = nullptr;
 };
 

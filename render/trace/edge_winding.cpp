@@ -11,8 +11,8 @@ constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
 // Halvings until a stretch counts by its ends alone: it is shorter than the rounding of its points.
 constexpr int kMaxHalvings = 52;
 
-// A projected Bézier segment relative to the pixel, (x·W, y·W, W) with W > 0: the signs of x and y are those of
-// the first two components.
+// A projected Bézier segment relative to the pixel, (x·W, y·W, W) with W > 0: the signs of x and y are those
+// of the first two components.
 bool CrossesOdd(Vec3* p, int degree, int halvings) {
   bool above = true, below = true, left = true, right = true;
   for (int i = 0; i <= degree; ++i) {

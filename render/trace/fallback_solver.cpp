@@ -16,8 +16,8 @@ FallbackSolver::~FallbackSolver() = default;
 
 namespace {
 
-// The range of the depth over a piece, the net's error included. Requires W, in perspective Q, beyond its error;
-// infinite otherwise.
+// The range of the depth over a piece, the net's error included. Requires W, in perspective Q, beyond its
+// error; infinite otherwise.
 struct DepthRange {
   double near = INFINITY, far = -INFINITY;
 };

@@ -4,10 +4,10 @@
 //     be certified are solved and proven like any leaf. The rest is halved.
 //  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
 //     proof: a tangency, a pole, a cusp, met to that precision.
-//  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved; one that was given up (kLeafGivenUp) is
-//     proven to be missed, or kDoubtLimit.
-//  4. A leaf that needs more than kMaxPieces pieces for a ray ends with kDoubtUnresolved, and a ray that has used up its
-//     RayWork ends with kDoubtLimit. Nothing is dropped silently.
+//  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved; one that was given up
+//     (kLeafGivenUp) is proven to be missed, or kDoubtLimit.
+//  4. A leaf that needs more than kMaxPieces pieces for a ray ends with kDoubtUnresolved, and a ray that has
+//     used up its RayWork ends with kDoubtLimit. Nothing is dropped silently.
 //  5. Bounds are those of the exact surface: the net's own error is part of them.
 #pragma once
 
@@ -25,11 +25,12 @@ namespace facetless {
 inline constexpr double kFloorSamples = 0x1p-36;
 inline constexpr int kMaxPieces = 4096;
 
-// What may still be spent on one ray, in control points looked at: all leaves without a certificate that the ray meets share
-// it. The same ray spends the same work on every machine.
+// What may still be spent on one ray, in control points looked at: all leaves without a certificate that the
+// ray meets share it. The same ray spends the same work on every machine.
 class RayWork {
  public:
-  // About 2.5 ms of one core. The most that a ray of samples/ or of public CAD files was seen to need is 6,600, in a propeller.
+  // About 2.5 ms of one core. The most that a ray of samples/ or of public CAD files was seen to need is
+  // 6,600, in a propeller.
   static constexpr std::int64_t kLimit = std::int64_t{1} << 18;
 
   void Spend(std::int64_t control_points) { left_ -= control_points; }
@@ -53,8 +54,8 @@ class FallbackSolver {
   explicit FallbackSolver(const NetOperations& nets);
   ~FallbackSolver();
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
-  // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `work` is the ray's. Requires a leaf
-  // with kLeafHard.
+  // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `work` is the
+  // ray's. Requires a leaf with kLeafHard.
   std::uint8_t Solve(const Leaf& leaf, double x, double y, double limit, RayWork* work,
                      std::vector<FallbackRoot>* roots);
 

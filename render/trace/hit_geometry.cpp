@@ -54,8 +54,8 @@ struct Tangents {
   double depth;
 };
 
-// What Tangents needs of a certified leaf: derivatives of G and the jets of W and Q. `q` stays as it is where the
-// leaf has no plane for it.
+// What Tangents needs of a certified leaf: derivatives of G and the jets of W and Q. `q` stays as it is where
+// the leaf has no plane for it.
 struct LeafJets {
   Jet g1, g2, w{1, 0, 0}, q;
 };

@@ -225,8 +225,8 @@ class Preparation {
     }
   }
 
-  // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may lie
-  // there, and the rays between the two are ours.
+  // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may
+  // lie there, and the rays between the two are ours.
   static void ContinuePastBorder(const Surface& surface, const FaceData& data, std::uint32_t i,
                                  std::uint32_t j, BezierNet& net, SplitPatch* split) {
     if (i == 0) split->u_low = split->u_map.ToBezier(data.u_low);

@@ -224,8 +224,8 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   const Coedge& one = model.coedges[answer.coedge];
   const EdgeSide side = edges.SideOf(one.edge, answer.edge_parameter, x, y);
   if (side.side == Side::kUnknown) return {};
-  // At grazing incidence the band in (u,v) is wide, and so may the error box be; seen along the ray neither is.
-  // What lies farther off is another stretch of the edge: its side says nothing of this hit.
+  // At grazing incidence the band in (u,v) is wide, and so may the error box be; seen along the ray neither
+  // is. What lies farther off is another stretch of the edge: its side says nothing of this hit.
   if (OutOfReach(one, side, mm_per_px)) return {};
   const bool keeps = EdgeKeeps(one, answer.material_left, side.side, jacobian_positive);
   EdgeDecision decision{keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop, side.distance_px > side.error_px};

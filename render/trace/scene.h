@@ -14,8 +14,8 @@ struct FaceData {
   FaceTrim trim;
   Box3 bounds;                     // of the patches, continued as below; part coordinates
   std::vector<RectClass> patches;  // where each patch lies in the trimming, whatever the view
-  // The native rectangle that the patches are continued to: the grid's, and beyond it where the face ends with
-  // the grid and its edges lie off the surface by a gap.
+  // The native rectangle that the patches are continued to: the grid's, and beyond it where the face ends
+  // with the grid and its edges lie off the surface by a gap.
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
   bool u_low_continued = false, u_high_continued = false, v_low_continued = false, v_high_continued = false;
 };

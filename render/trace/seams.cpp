@@ -24,8 +24,9 @@ constexpr double kRoundingPx = 0x1p-20;
 // A stretch of edge is walked along its chord once it bends by no more than this, in samples.
 constexpr double kFlatPx = 1.0 / 64;
 constexpr int kMaxHalvings = 40;
-// Where a face misses its edge by more than this share of the edge's length, one of the two is wrong (the importer warns from 1 % on). A gap of that kind
-// that is wider than so many samples in the picture is seen as what it is: asking all the samples in it took a minute and a half for three faces.
+// Where a face misses its edge by more than this share of the edge's length, one of the two is wrong (the
+// importer warns from 1 % on). A gap of that kind that is wider than so many samples in the picture is seen
+// as what it is: asking all the samples in it took a minute and a half for three faces.
 constexpr double kOffSurface = 2e-3;
 constexpr double kMostReachPx = 8;
 
@@ -321,8 +322,8 @@ class Finder {
     budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf)), std::memory_order_relaxed);
   }
 
-  // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest point
-  // is known to half the digits only, and rays there and back are to meet the same one.
+  // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest
+  // point is known to half the digits only, and rays there and back are to meet the same one.
   double Settled(const Edge& edge, double parameter) const {
     const EdgeSegment& segment = SegmentAt(model_, edge, parameter);
     double length = 0, weight = INFINITY;

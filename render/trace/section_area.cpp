@@ -18,31 +18,33 @@ namespace {
 
 // Blocks of the first pass, and pieces that a block is divided into.
 constexpr int kFirstBlocks = 128, kPieces = 8;
-// A block is good when it disagrees with its halves by less than this share of the area; a thousand such blocks stay
-// three digits below the millionth that a section's area is asked to.
+// A block is good when it disagrees with its halves by less than this share of the area; a thousand such
+// blocks stay three digits below the millionth that a section's area is asked to.
 constexpr double kBlockTolerance = 1e-12;
-// Divisions by eight of a block of 1/128 of the extent: 2^-31 of it, where chords that end like a square root are
-// known to 2^-46.
+// Divisions by eight of a block of 1/128 of the extent: 2^-31 of it, where chords that end like a square root
+// are known to 2^-46.
 constexpr int kMostLevels = 8;
 constexpr std::size_t kMostDivided = 4096;  // blocks, in all levels together: a quarter of a million rows
 // Faces thinner than this share of the extent have no room for an area that anybody could ask for.
 constexpr double kThinnestFace = 1e-6;
-// A face lies in the plane if its control points do, to the rounding of a model whose numbers went through a text
-// file and a few placements: 2^-36 of the size. The plane is moved by four times that.
+// A face lies in the plane if its control points do, to the rounding of a model whose numbers went through a
+// text file and a few placements: 2^-36 of the size. The plane is moved by four times that.
 constexpr double kCoincident = 0x1p-36, kMoves = 4;
 // Where the plane is tangent at its new place, too, it goes on, twice as far each time.
 constexpr int kMostMoves = 4;
 // Pieces of surfaces that one look at a plane may divide: a tenth of a second.
 constexpr std::size_t kMostPieces = 1 << 16;
-// Below this height, as a share of the size, a surface's own rounding hides what is above the plane and what is below.
+// Below this height, as a share of the size, a surface's own rounding hides what is above the plane and what
+// is below.
 constexpr double kFinestHeight = 0x1p-48;
-// Rows that may come out undecided, each after the fallback solver's full budget of some milliseconds; then blocks that hold such rows are
-// left as they are.
+// Rows that may come out undecided, each after the fallback solver's full budget of some milliseconds; then
+// blocks that hold such rows are left as they are.
 constexpr std::uint64_t kMostUndecidedRows = 1024;
 // Roundings of a chord's two ends, of the model's size, for each of the rows of a block.
 constexpr double kChordRounding = 0x1p-48;
 
-// Weights of the open formulas of four and eight equidistant midpoints, by row: exact to degree three and seven.
+// Weights of the open formulas of four and eight equidistant midpoints, by row: exact to degree three and
+// seven.
 constexpr std::array<double, 4> kFour = {13.0 / 48, 11.0 / 48, 11.0 / 48, 13.0 / 48};
 constexpr std::array<double, kBlockRows> kEight = {295627.0 / 1935360, 71329.0 / 1935360,  471771.0 / 1935360,
                                                    128953.0 / 1935360, 128953.0 / 1935360, 471771.0 / 1935360,
@@ -87,7 +89,8 @@ Block Integrate(double begin, double end, const SectionRow* rows) {
       sum->area_mm2 += width * kEight[i] * chord.area_mm2;
     }
   }
-  // What happens between the last row and the neighbour's shows in neither formula, but in the neighbour's row.
+  // What happens between the last row and the neighbour's shows in neither formula, but in the neighbour's
+  // row.
   const double before = Difference(Continued(rows + 5, -1), rows[-1].length),
                after = Difference(Continued(rows + 2, 1), rows[kBlockRows].length);
   block.area = width * eight;

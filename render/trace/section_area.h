@@ -1,19 +1,23 @@
 // The area of a cut: how much of a section plane lies inside closed solids, in mm².
 //
-//  1. Rays run in the plane, along rows of a direction that is parallel to few things people draw. All crossings of a
-//     row, by parity, give the exact lengths of its chords inside each solid. Other planes clip the rows: what is
-//     measured is the cap that a view shows.
-//  2. The lengths are integrated across the rows in blocks of eight, by the open formula that is exact to degree
-//     seven. A block that disagrees with its two halves of four rows, or with the neighbours' next rows, is divided by
-//     eight and measured anew, down to where nothing changes or the budget of rows ends: chords end like square roots,
-//     and those ends get small blocks. Small blocks also go to places where the box of a face is
-//     thinner than a block, or where a part of the cut is (section_contact.h finds such parts).
-//  3. error_mm2 is the sum of ErrorParts. `rows` is an estimate: the disagreements of the blocks that remain. The others are bounds.
-//  4. A face that lies in the plane, or touches it, makes the rays of the plane run along it, where no crossing can be told from
-//     none. The area is then that of a plane moved by moved_mm: to the kept side where a face lies in the plane, as section.h's
-//     law 4 has it, else to the side where less changes. The faces are named, and what the move may change is in error_mm2.
+//  1. Rays run in the plane, along rows of a direction that is parallel to few things people draw. All
+//     crossings of a row, by parity, give the exact lengths of its chords inside each solid. Other planes
+//     clip the rows: what is measured is the cap that a view shows.
+//  2. The lengths are integrated across the rows in blocks of eight, by the open formula that is exact to
+//     degree seven. A block that disagrees with its two halves of four rows, or with the neighbours' next
+//     rows, is divided by eight and measured anew, down to where nothing changes or the budget of rows ends:
+//     chords end like square roots, and those ends get small blocks. Small blocks also go to places where the
+//     box of a face is thinner than a block, or where a part of the cut is (section_contact.h finds such
+//     parts).
+//  3. error_mm2 is the sum of ErrorParts. `rows` is an estimate: the disagreements of the blocks that remain.
+//     The others are bounds.
+//  4. A face that lies in the plane, or touches it, makes the rays of the plane run along it, where no
+//     crossing can be told from none. The area is then that of a plane moved by moved_mm: to the kept side
+//     where a face lies in the plane, as section.h's law 4 has it, else to the side where less changes. The
+//     faces are named, and what the move may change is in error_mm2.
 //  5. The same bits for any number of threads.
-//  6. The work is bounded: blocks by kMostDivided, subdivision by a number of pieces, and rows that cannot be decided divide no block.
+//  6. The work is bounded: blocks by kMostDivided, subdivision by a number of pieces, and rows that cannot be
+//     decided divide no block.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +36,9 @@ struct SectionArea {
   struct ErrorParts {
     double rows = 0;  // the blocks' disagreements, and rounding
     double odd =
-        0;  // rows that cross a solid an odd number of times or are undecided, with their whole way through the model,
+        // rows that cross a solid an odd number of times or are undecided, with their whole way through the
+        // model,
+        0;
     // and the errors of the other rows' crossings
     double move = 0;    // what the surfaces cover between the plane and where it was moved
     double gaps = 0;    // the cut's length in each face times the largest gap at the face's edges

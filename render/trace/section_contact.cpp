@@ -14,8 +14,8 @@
 namespace facetless {
 namespace {
 
-// What the components of a net stand for here, each times the weight: height above the plane, place along the scan's axis, place
-// along its rays.
+// What the components of a net stand for here, each times the weight: height above the plane, place along the
+// scan's axis, place along its rays.
 constexpr NetComponent kHeight = kX, kAxis = kY, kWeight = kW, kAlong = kQ;
 // Roundings of a placed control point's height: three products and three sums, twice.
 constexpr double kHeightRounding = 16 * std::numeric_limits<double>::epsilon();
@@ -209,7 +209,8 @@ class Subdivision {
     return std::min(bounds.axis.width() * bounds.along.width(), bounds.speed[0] * bounds.speed[1]);
   }
 
-  // A sliver along the cut is long, and as flat as it is narrow: only what is wide both ways touches the plane.
+  // A sliver along the cut is long, and as flat as it is narrow: only what is wide both ways touches the
+  // plane.
   static double Wide(const CellBounds& bounds) { return std::min(bounds.speed[0], bounds.speed[1]); }
 
   void Push(std::unique_ptr<Cell> cell, const CellBounds& bounds) {
@@ -278,8 +279,9 @@ class Subdivision {
           bounds.tilt[0] * net.degree_u >= bounds.tilt[1] * net.degree_v ? Direction::kU : Direction::kV);
   }
 
-  // Whether the height, monotone along `direction`, comes from one side of the slab and leaves on the other on every line of that
-  // direction, or ends within it: as it does where the cut runs along a border of patches.
+  // Whether the height, monotone along `direction`, comes from one side of the slab and leaves on the other
+  // on every line of that direction, or ends within it: as it does where the cut runs along a border of
+  // patches.
   bool Crosses(const BezierNet& net, int direction) const {
     bool rising = true, falling = true;
     const int count = direction == 0 ? net.degree_v : net.degree_u;

@@ -9,8 +9,8 @@
 namespace facetless {
 namespace {
 
-// Slope of the rays against the axes of the plane that the model's axes give: of the golden ratio, which no drawing
-// has by chance. A face at a right angle to the plane is then hardly ever parallel to them.
+// Slope of the rays against the axes of the plane that the model's axes give: of the golden ratio, which no
+// drawing has by chance. A face at a right angle to the plane is then hardly ever parallel to them.
 constexpr double kSlope = 0.38196601125010515;
 
 // The plane's own axis that is farthest from its normal, turned.
@@ -124,7 +124,8 @@ double SectionRows::WayThroughModel(const Ray& ray) const {
 }
 
 Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int count) const {
-  // A view along the plane, one pixel wide: its right is the normal, its column of pixel centres the scan axis.
+  // A view along the plane, one pixel wide: its right is the normal, its column of pixel centres the scan
+  // axis.
   Camera camera;
   camera.name = "section";
   camera.width_px = 1;

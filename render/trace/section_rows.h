@@ -1,9 +1,11 @@
-// Rows of rays that run in a section plane, and the lengths that they spend inside closed solids. Private to trace/.
+// Rows of rays that run in a section plane, and the lengths that they spend inside closed solids. Private to
+// trace/.
 //
-//  1. The scan axis lies in the plane, at a right angle to the rays; a row's place on it is its distance from the
-//     scan's origin. Both directions are fixed in the plane by its normal alone, turned away from the model's axes.
-//  2. A row is a ray of an orthographic view one pixel wide, with its centre in the plane: everything that holds
-//     for views holds for it.
+//  1. The scan axis lies in the plane, at a right angle to the rays; a row's place on it is its distance from
+//     the scan's origin. Both directions are fixed in the plane by its normal alone, turned away from the
+//     model's axes.
+//  2. A row is a ray of an orthographic view one pixel wide, with its centre in the plane: everything that
+//     holds for views holds for it.
 #pragma once
 
 #include <atomic>
@@ -38,7 +40,9 @@ struct SectionRow {
   double length = 0;  // inside any solid, mm
   double error = 0;   // of the ends of its chords
   double unsure =
-      0;  // its way through the model's box where a solid is crossed an odd number of times or a crossing may be missing
+      // its way through the model's box where a solid is crossed an odd number of times or a crossing may be
+      // missing
+      0;
   bool odd = false, undecided = false;       // why `unsure` is not 0; undecided: the fallback solver gave up
   std::vector<SectionArea::OfSolid> solids;  // lengths, here
 };

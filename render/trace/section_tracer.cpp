@@ -72,7 +72,8 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       const std::size_t out = std::size_t(row) * samples->width + column;
       const std::uint8_t doubt = tracer->empty() ? 0 : tracer->doubt[i * kTileSize + j];
       Found found = Look(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
-      // Roots of hard leaves have been asked about. Whether the ray is clear depends on what the planes remove: it is not asked.
+      // Roots of hard leaves have been asked about. Whether the ray is clear depends on what the planes
+      // remove: it is not asked.
       if (shared_.check && found.crossing && found.doubt == 0) {
         const Leaf& leaf = shared_.view.tiles->leaves()[found.crossing->leaf];
         const TileHit& hit = found.crossing->hit;

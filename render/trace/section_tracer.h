@@ -1,8 +1,8 @@
 // Tiles of a view that is cut open: all crossings of each ray, and what section.h makes of them.
 //
 //  1. One per thread, like the TileTracer that it asks. The planes and the solids are shared and only read.
-//  2. A sample is certified if nothing on its whole ray is in doubt: a crossing that is missing or one too many beyond
-//     the plane would turn a cap into a view of what lies behind it, or the other way round.
+//  2. A sample is certified if nothing on its whole ray is in doubt: a crossing that is missing or one too
+//     many beyond the plane would turn a cap into a view of what lies behind it, or the other way round.
 //  3. A cap's normal is the plane's, its depth the plane's own on the ray, its uv 0.
 #pragma once
 
@@ -44,7 +44,8 @@ class SectionTracer {
   SectionDecision decision_;
 };
 
-// A crossing's error as sections take it. One without a bound is in doubt already, and its depth is the best there is.
+// A crossing's error as sections take it. One without a bound is in doubt already, and its depth is the best
+// there is.
 inline double ErrorOf(const Crossing& crossing) {
   return std::isfinite(crossing.hit.error) ? crossing.hit.error : 0;
 }

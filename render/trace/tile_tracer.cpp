@@ -26,7 +26,8 @@ std::optional<PatchBorder> BorderOf(double u, double error_u, double v, double e
 }
 
 // A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges
-// the other side of the seam may have left it to this one. Where the patch is continued it lies where it lies.
+// the other side of the seam may have left it to this one. Where the patch is continued it lies where it
+// lies.
 double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
   const double overlap = 2 * leaf_overlap * half;
   if (!low_continued && bezier < 0 && bezier >= -overlap) return 0;
@@ -262,8 +263,8 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
                             : Native{where.u_map->ToNative(where.u), reach_u, reach_v, rate_v};
   };
   const auto here = native(own, root);
-  // And in depth, which changes by its error where the root moves by its own. The ends of a surface that does not
-  // close may lie behind each other.
+  // And in depth, which changes by its error where the root moves by its own. The ends of a surface that does
+  // not close may lie behind each other.
   const auto depth_reach = [](const Root& at, double error) {
     return error * (4 + kBorderOverlap / std::min(at.error_s, at.error_t));
   };

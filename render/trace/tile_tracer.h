@@ -48,11 +48,12 @@ struct TraceShared {
   struct LeafRoot {
     double s, t, error_s, error_t;
   };
-  // Asks `check` about a certified hit of the ray through (x, y), relative to the image centre. Returns kDoubtContradicted or 0.
-  // Requires a check.
+  // Asks `check` about a certified hit of the ray through (x, y), relative to the image centre. Returns
+  // kDoubtContradicted or 0. Requires a check.
   std::uint8_t CheckRoot(const Leaf& leaf, const LeafRoot& root, double x, double y, double depth,
                          double error, CheckStats* stats) const;
-  // Whether the root of a certified sample is one of the share that is asked about. The pattern meets every place in a packet.
+  // Whether the root of a certified sample is one of the share that is asked about. The pattern meets every
+  // place in a packet.
   bool IsRootChecked(int column, int row) const {
     return ((column + 7 * row) & (roots_per_checked_root - 1)) == 0;
   }
@@ -75,8 +76,9 @@ struct Crossing {
   std::uint8_t doubt;
 };
 
-// Whether two roots of one face may be one root that two leaves own, for all that tells them apart: both lie on
-// the border of their leaves, or were met without proof, and their depths agree to within the solver's error.
+// Whether two roots of one face may be one root that two leaves own, for all that tells them apart: both lie
+// on the border of their leaves, or were met without proof, and their depths agree to within the solver's
+// error.
 struct RootTwin {
   RootTwin(const Leaf& leaf, const TileHit& hit);
   bool Is(const RootTwin& other) const {
@@ -124,12 +126,12 @@ class TileTracer final : private HitResolver {
   TrimAnswer QueryTrim(const Leaf& leaf, const Root& root, double cosine) const;
   // Where the ray through (x, y), relative to the image centre, lies in the arrays of the tile.
   int SampleAt(double x, double y) const;
-  // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed. Returns false if the ray's work
-  // does not suffice for all of them.
+  // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed. Returns false
+  // if the ray's work does not suffice for all of them.
   template <typename Found>
   bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
-  // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds to
-  // *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
+  // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds
+  // to *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
   bool OwnsBorderRoot(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
                       std::uint8_t* doubt);
   // The root of the same ray in the patch across the border.
@@ -142,7 +144,8 @@ class TileTracer final : private HitResolver {
   // Whether the face has the root again on the other side of the seam that `answer` names.
   bool OnSeam(const Leaf& leaf, const Root& root, const TrimAnswer& answer, double depth, double x, double y);
   bool IsInsideFace(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
-  // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they should.
+  // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they
+  // should.
   std::uint8_t SolveSeam(const Leaf& leaf, double x, double y, RootSink* roots);
 
   // As HitResolver.

@@ -1,11 +1,12 @@
 // A plot of points on two logarithmic axes, as SVG and PNG from one drawing (cairo).
 //
-//  1. Positive numbers lie where they belong. An x of at most x_floor, zero included, has no place on a logarithmic axis: it is
-//     drawn in a band of its own on the left, which says so, behind a break in the axis.
-//  2. Series differ in colour and in shape, points on the front are filled and others hollow: it reads in grey, too. The paper is
-//     white on any page.
-//  3. Labels avoid each other, the markers and the border as far as there is room; one that had to go farther has a line to its
-//     point.
+//  1. Positive numbers lie where they belong. An x of at most x_floor, zero included, has no place on a
+//     logarithmic axis: it is drawn in a band of its own on the left, which says so, behind a break in the
+//     axis.
+//  2. Series differ in colour and in shape, points on the front are filled and others hollow: it reads in
+//     grey, too. The paper is white on any page.
+//  3. Labels avoid each other, the markers and the border as far as there is room; one that had to go farther
+//     has a line to its point.
 //  4. The same plot gives the same bytes, on one machine: fonts and cairo are the system's.
 #pragma once
 

@@ -22,8 +22,9 @@ struct LabelPlace {
   bool leader = false;  // so far from its point that a line should lead there
 };
 
-// A place for each label, in the order given: the first of the places around its point, near ones first, that costs least. What it costs
-// is the area shared with labels already placed and with `obstacles`, what sticks out of `bounds`, and a little for distance.
+// A place for each label, in the order given: the first of the places around its point, near ones first, that
+// costs least. What it costs is the area shared with labels already placed and with `obstacles`, what sticks
+// out of `bounds`, and a little for distance.
 std::vector<LabelPlace> PlaceLabels(const std::vector<LabelRequest>& labels,
                                     const std::vector<PlotBox>& obstacles, const PlotBox& bounds);
 

@@ -1,10 +1,11 @@
 // Speed against accuracy: what a view costs, and what it gets wrong, for every setting of both tracers.
 //
-//  1. A point is one setting of one tracer in one view. Its errors are against the reference: the same rays, traced
-//     directly and certified. A point that could not be measured says why, and takes part in nothing else.
-//  2. Costs are complete: the mesh pays for meshing and its tree, the direct tracer for its patches, its trimming structures and its
-//     leaves. What both need, reading the file, neither pays. prepare_ms, trace_ms and shade_ms are disjoint, and total_ms is
-//     their sum.
+//  1. A point is one setting of one tracer in one view. Its errors are against the reference: the same rays,
+//     traced directly and certified. A point that could not be measured says why, and takes part in nothing
+//     else.
+//  2. Costs are complete: the mesh pays for meshing and its tree, the direct tracer for its patches, its
+//     trimming structures and its leaves. What both need, reading the file, neither pays. prepare_ms,
+//     trace_ms and shade_ms are disjoint, and total_ms is their sum.
 //  3. Errors below `floor_mm` are equal: the reference does not know itself any better.
 //  4. Nothing here measures: numbers in, orders and sentences out. trade_measure.h makes the numbers.
 #pragma once
@@ -75,23 +76,24 @@ enum class TradeCost : std::uint8_t { kTime, kMemory };
 // Milliseconds or bytes.
 double CostOf(const TradePoint& point, TradeCost cost);
 
-// Indices of the measured points that no other beats, by error descending: no other point is as good in both error and cost and
-// better in one. Of points that are equal in both, all are in it.
+// Indices of the measured points that no other beats, by error descending: no other point is as good in both
+// error and cost and better in one. Of points that are equal in both, all are in it.
 std::vector<std::size_t> ParetoFront(const std::vector<TradePoint>& points, TradeCost cost,
                                      ErrorMeasure measure, double floor_mm);
 
 // Sets on_time_front and on_memory_front.
 void MarkFronts(std::vector<TradePoint>& points, ErrorMeasure measure, double floor_mm);
 
-// The settings of a sweep, coarse first. Each deflection goes with the widest angle. A narrower one joins a deflection
-// where it changes something that is seen: an angle decides for arcs whose radius is below deflection / (1 − cos(angle/2)), and is
-// tried where that radius is between 1 % and a third of the diagonal (smaller arcs are hardly seen; above, the deflection decides nothing).
+// The settings of a sweep, coarse first. Each deflection goes with the widest angle. A narrower one joins a
+// deflection where it changes something that is seen: an angle decides for arcs whose radius is below
+// deflection / (1 − cos(angle/2)), and is tried where that radius is between 1 % and a third of the diagonal
+// (smaller arcs are hardly seen; above, the deflection decides nothing).
 std::vector<TradeSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg);
 // fast, standard with each tolerance, standard, certified.
 std::vector<TradeSetting> DirectSettings(std::vector<double> tolerances);
 
-// True if `a` is a mesh that refines `b`: a smaller deflection, or the same with no wider an angle. What b's budget did not allow, a's
-// would hardly.
+// True if `a` is a mesh that refines `b`: a smaller deflection, or the same with no wider an angle. What b's
+// budget did not allow, a's would hardly.
 bool Refines(const TradeSetting& a, const TradeSetting& b);
 
 }  // namespace facetless

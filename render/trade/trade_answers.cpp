@@ -26,7 +26,8 @@ std::optional<std::size_t> CheapestWithin(const std::vector<TradePoint>& points,
   return best;
 }
 
-// y at x on the line through two points, all in logarithms. Requires positive numbers, and x between x0 and x1.
+// y at x on the line through two points, all in logarithms. Requires positive numbers, and x between x0 and
+// x1.
 double LogInterpolate(double x, double x0, double y0, double x1, double y1) {
   if (x0 == x1) return y1;
   const double t = (std::log(x) - std::log(x0)) / (std::log(x1) - std::log(x0));
@@ -46,7 +47,8 @@ std::vector<std::size_t> Ladder(const std::vector<TradePoint>& points, double an
   return ladder;
 }
 
-// The deflection at which the ladder of `angular_deg` crosses the limit, if two measured neighbours enclose it.
+// The deflection at which the ladder of `angular_deg` crosses the limit, if two measured neighbours enclose
+// it.
 std::optional<double> CrossingDeflection(const std::vector<TradePoint>& points, double angular_deg,
                                          bool pixels, double limit, ErrorMeasure measure) {
   const std::vector<std::size_t> ladder = Ladder(points, angular_deg);
@@ -210,8 +212,8 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   }
   answer.finest_mm = error_of(front.back());
 
-  // Between breakpoints what direct costs is constant, and what the mesh costs falls as errors grow: so direct is cheaper up to a
-  // breakpoint if it is there, with what is good enough below it.
+  // Between breakpoints what direct costs is constant, and what the mesh costs falls as errors grow: so
+  // direct is cheaper up to a breakpoint if it is there, with what is good enough below it.
   std::vector<double> breakpoints;
   for (const std::size_t i : front) breakpoints.push_back(error_of(i));
   for (std::size_t i = 0; i < points.size(); ++i)

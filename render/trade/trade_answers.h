@@ -1,9 +1,12 @@
 // What the measured points of a view answer, as numbers and as sentences.
 //
-//  1. Between neighbouring measured points of one ladder, logarithms are interpolated linearly: time and error both follow powers of the
-//     deflection. Beyond the measured range nothing is extrapolated; the sentence says where it ends.
-//  2. A point that was not measured is no answer, but is named with its reason where a finer one was asked for.
-//  3. Sentences give two significant digits (quantity_text.h): times on a shared machine are not known better.
+//  1. Between neighbouring measured points of one ladder, logarithms are interpolated linearly: time and
+//     error both follow powers of the deflection. Beyond the measured range nothing is extrapolated; the
+//     sentence says where it ends.
+//  2. A point that was not measured is no answer, but is named with its reason where a finer one was asked
+//     for.
+//  3. Sentences give two significant digits (quantity_text.h): times on a shared machine are not known
+//     better.
 #pragma once
 
 #include <optional>

@@ -132,8 +132,8 @@ Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera
   const bool perspective = camera.projection == Projection::kPerspective;
   reference.mm_per_pixel =
       std::max(frame.pixel_x, frame.pixel_y) * (perspective ? Length(camera.target - camera.eye) : 1.0);
-  // A certified root is known to the solver's tolerance, in the parameters of a leaf that is no larger than the model. The
-  // factor 4 is for the depth's own rounding.
+  // A certified root is known to the solver's tolerance, in the parameters of a leaf that is no larger than
+  // the model. The factor 4 is for the depth's own rounding.
   reference.floor_mm = 4 * kDoubleArithmetic.tolerance * scene.model().Diagonal();
   return reference;
 }

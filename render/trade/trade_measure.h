@@ -1,9 +1,10 @@
 // Measuring one point of speed against accuracy.
 //
-//  1. Times are of a view with one sample per pixel. A run of less than kCheapMs is taken as the warm-up and followed by kRepetitions
-//     others, of which the one with the median total is the answer; a longer one is taken as it is.
-//  2. The picture that FLIP looks at has the reference's samples per pixel: so FLIP sees what the tracer does, and not how finely
-//     it samples.
+//  1. Times are of a view with one sample per pixel. A run of less than kCheapMs is taken as the warm-up and
+//     followed by kRepetitions others, of which the one with the median total is the answer; a longer one is
+//     taken as it is.
+//  2. The picture that FLIP looks at has the reference's samples per pixel: so FLIP sees what the tracer
+//     does, and not how finely it samples.
 //  3. The reference is direct, certified, of the same rays; its own cost is no point.
 #pragma once
 
@@ -35,7 +36,8 @@ struct TradeReference {
   double floor_mm = 0;               // what the reference does not know itself
 };
 
-// The samples per pixel that a picture of this size is given: 16, or fewer where that would be more than kMostPictureSamples.
+// The samples per pixel that a picture of this size is given: 16, or fewer where that would be more than
+// kMostPictureSamples.
 inline constexpr std::uint64_t kMostPictureSamples = std::uint64_t{1} << 26;
 int PictureSamples(int width_px, int height_px);
 
@@ -43,8 +45,9 @@ int PictureSamples(int width_px, int height_px);
 Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera,
                                         const TradeViewOptions& options);
 
-// A point with view and error numbers. What is paid once per model is the caller's: convert_ms, scene_ms, mesh_ms, build_ms,
-// mesher_peak_bytes; CompleteCosts then forms the sums. Errors: those of RenderView, RenderMesh and ComputeDifference.
+// A point with view and error numbers. What is paid once per model is the caller's: convert_ms, scene_ms,
+// mesh_ms, build_ms, mesher_peak_bytes; CompleteCosts then forms the sums. Errors: those of RenderView,
+// RenderMesh and ComputeDifference.
 Result<TradePoint> MeasureDirect(const Scene& scene, const TradeReference& reference,
                                  const TradeSetting& setting, const TradeViewOptions& options);
 Result<TradePoint> MeasureMesh(const BaselineScene& baseline, const Model& model,

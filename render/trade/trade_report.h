@@ -27,8 +27,8 @@ void AnswerQuestions(TradeView& view, const TradeLimits& limits);
 // All sentences, in the order of reading.
 std::vector<std::string> Sentences(const TradeView& view);
 
-// One entry of the report's trade.points: numbers in ms, mm, bytes, pixels; "skipped" with the reason in place of
-// numbers for a point that was not measured.
+// One entry of the report's trade.points: numbers in ms, mm, bytes, pixels; "skipped" with the reason in
+// place of numbers for a point that was not measured.
 nlohmann::json TradePointJson(const TradePoint& point, const std::string& view);
 // One entry of the report's trade.answers.
 nlohmann::json LimitAnswerJson(const LimitAnswer& answer, const TradeView& view);

@@ -14,8 +14,8 @@ constexpr int kMaxPixels = 65536;
 // The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16 /
 // sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
 constexpr double kMinUpSine = 1e-6;
-// Lengths, mm, between which products of four of them, and of what leaves divide them into, stay far inside the
-// range of a double, and a length inside that of a float.
+// Lengths, mm, between which products of four of them, and of what leaves divide them into, stay far inside
+// the range of a double, and a length inside that of a float.
 constexpr double kLeastLength = 1e-30, kGreatestLength = 1e30;
 // nearest depth that a perspective view shows, of the model's diagonal
 constexpr double kNearShare = 1e-9;

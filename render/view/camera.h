@@ -77,8 +77,8 @@ struct NamedViewOptions {
 inline constexpr double kMostMargin = 0.45;
 
 // What a camera that looks at the centre of `bounds` needs to show all of it: the height of an orthographic
-// window, or the distance of a perspective eye from the centre. Only the camera's direction, field of view and
-// size in pixels count. Errors: kBadUsage (those of MakeFrame; bounds that are empty).
+// window, or the distance of a perspective eye from the centre. Only the camera's direction, field of view
+// and size in pixels count. Errors: kBadUsage (those of MakeFrame; bounds that are empty).
 struct BoxFit {
   double height_mm = 0, distance_mm = 0;
 };
@@ -90,10 +90,10 @@ Result<BoxFit> FitBox(const Camera& camera, const Box3& bounds, double margin);
 Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection projection, int width_px,
                          int height_px, const NamedViewOptions& options = {});
 
-// `count` cameras around `first`'s target, beginning where it stands: each is turned about the axis that is up
-// by a further 1/count of a turn, eye to the right, so that the model turns to the left. Where `fit` is given,
-// all get the one window or distance that shows it from each of them; else they keep `first`'s. Names are
-// `first`'s with the frame's number. Errors: those of FitBox.
+// `count` cameras around `first`'s target, beginning where it stands: each is turned about the axis that is
+// up by a further 1/count of a turn, eye to the right, so that the model turns to the left. Where `fit` is
+// given, all get the one window or distance that shows it from each of them; else they keep `first`'s. Names
+// are `first`'s with the frame's number. Errors: those of FitBox.
 struct TurntableFit {
   Box3 bounds;
   double margin = 0;

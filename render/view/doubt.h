@@ -14,7 +14,9 @@ enum Doubt : std::uint8_t {
   kDoubtCoincident = 16,  // another face lies within the error of the hit's depth
   kDoubtUnresolved = 32,  // neither hit nor miss
   kDoubtLimit =
-      64,  // a patch that needed too many leaves, or a ray that needed too much work, was given up: neither hit nor miss
+      // a patch that needed too many leaves, or a ray that needed too much work, was given up: neither hit
+  // nor miss
+  64,
   kDoubtContradicted =
       128,  // the independent check of a certificate contradicts it (trace/certificate_check.h)
 };

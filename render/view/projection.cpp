@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kEpsilon = 0x1p-53;
 // Units of rounding: an axis is a normalised cross product, pulled back by the placement and divided by the
-// pixel size, and its dot product adds three products; placing the eye subtracts a translation and adds three products.
+// pixel size, and its dot product adds three products; placing the eye subtracts a translation and adds three
+// products.
 constexpr double kAxisUnits = 16, kPlacingUnits = 8;
 
 // The placement's linear part, transposed, applied to a camera axis: the axis in part coordinates.
@@ -25,8 +26,8 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
       down_((1 / frame.pixel_y) * Pull(placement, frame.down)),
       forward_(Pull(placement, frame.forward)),
       perspective_(frame.projection == Projection::kPerspective) {
-  // The eye in part coordinates (exactly so for a rigid placement), and what that leaves over. Both are relative
-  // to where the part is placed: a part far from the origin loses no digits, if the eye is near it.
+  // The eye in part coordinates (exactly so for a rigid placement), and what that leaves over. Both are
+  // relative to where the part is placed: a part far from the origin loses no digits, if the eye is near it.
   const Vec3 translation{placement.m[0][3], placement.m[1][3], placement.m[2][3]};
   const Vec3 eye = frame.eye - translation;
   origin_ = Pull(placement, eye);

@@ -24,8 +24,8 @@ class ViewProjection {
   };
   // Requires p.w > 0; `p` is (w·x, w·y, w·z, w) in part coordinates.
   Point operator()(Vec4 p) const;
-  // Bounds the errors of the components of what p gives, by net component: the placement's, the camera's axes'
-  // and the arithmetic's rounding together.
+  // Bounds the errors of the components of what p gives, by net component: the placement's, the camera's
+  // axes' and the arithmetic's rounding together.
   Point Error(Vec4 p) const;
   bool perspective() const { return perspective_; }
 

@@ -1,14 +1,15 @@
-// Section planes: what a view shows of a model that is cut open. No boundary representation is changed; every ray
-// decides for itself.
+// Section planes: what a view shows of a model that is cut open. No boundary representation is changed; every
+// ray decides for itself.
 //
-//  1. A plane removes the side that its normal points to. Of several planes, what is kept is the intersection of the
-//     kept sides: along a ray an interval of depths.
-//  2. What is kept of a closed solid is closed again: where a ray enters the kept interval inside a closed solid, it
-//     meets the plane's *cap* there. Inside is said by parity: the solid is crossed an odd number of times beyond
-//     that point. Each placed solid counts for itself; where several overlap, the cap is that of the lowest id.
+//  1. A plane removes the side that its normal points to. Of several planes, what is kept is the intersection
+//     of the kept sides: along a ray an interval of depths.
+//  2. What is kept of a closed solid is closed again: where a ray enters the kept interval inside a closed
+//     solid, it meets the plane's *cap* there. Inside is said by parity: the solid is crossed an odd number
+//     of times beyond that point. Each placed solid counts for itself; where several overlap, the cap is that
+//     of the lowest id.
 //  3. Faces of no closed solid are cut, and have no cap.
-//  4. A crossing that no number tells from the plane belongs to the removed side. A face that lies in a plane is
-//     thus replaced by the cap of what it bounds on the kept side, or leaves nothing.
+//  4. A crossing that no number tells from the plane belongs to the removed side. A face that lies in a plane
+//     is thus replaced by the cap of what it bounds on the kept side, or leaves nothing.
 //  5. Caps have face ids of their own, above those of the placed faces: one for each plane and placed solid.
 #pragma once
 
@@ -30,7 +31,8 @@ struct SectionPlane {
 
 inline constexpr std::size_t kMostSectionPlanes = 16;
 
-// kBadUsage: more planes than that, a normal that is no unit vector, a point that is not finite or nearly not.
+// kBadUsage: more planes than that, a normal that is no unit vector, a point that is not finite or nearly
+// not.
 Result<void> CheckSections(std::span<const SectionPlane> planes);
 
 // The placed solids of a model, numbered by instance and solid, and the ids of their caps.

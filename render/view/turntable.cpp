@@ -10,8 +10,8 @@
 namespace facetless {
 namespace {
 
-// Cosine and sine of step/count of a turn, the same on every processor: by the rational form in the tangent of
-// half the angle, within an eighth of a turn of the nearest axis. Quarters of a turn are exact.
+// Cosine and sine of step/count of a turn, the same on every processor: by the rational form in the tangent
+// of half the angle, within an eighth of a turn of the nearest axis. Quarters of a turn are exact.
 Vec2 OnTurn(int step, int count) {
   const int quarter = (8 * step + count) / (2 * count);                         // the nearest, rounded up
   const double rest = static_cast<double>(4 * step - quarter * count) / count;  // in quarters, ±1/2

@@ -34,8 +34,8 @@ TopoDS_Shape Blade();
 // holes.
 TopoDS_Shape Freeform();
 
-// A closed body of revolution, 60 mm wide. From the foot up its faces meet in a corner, G1 (radii 25 and 12, height 20), G0 (a groove
-// of 8 degrees), G2, and a corner.
+// A closed body of revolution, 60 mm wide. From the foot up its faces meet in a corner, G1 (radii 25 and 12,
+// height 20), G0 (a groove of 8 degrees), G2, and a corner.
 TopoDS_Shape Vase();
 
 // What the IGES file holds: a curved sheet with a round hole, a trimmed part of a cylinder, a plate with

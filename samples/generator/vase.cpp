@@ -51,8 +51,8 @@ TopoDS_Shape Vase() {
   poles(4) = neck;
   const Handle(Geom_BezierCurve) cubic = new Geom_BezierCurve(poles);
 
-  // An arc with the tangent and the curvature that the cubic ends with, 2/3 of the second control point's distance to the
-  // tangent by the square of the handle: G2.
+  // An arc with the tangent and the curvature that the cubic ends with, 2/3 of the second control point's
+  // distance to the tangent by the square of the handle: G2.
   const gp_Vec across = Heading(240);
   const double radius = 1.5 * kHandle * kHandle / gp_Vec(neck, poles(2)).Dot(across);
   const gp_Pnt center = neck.Translated(radius * across);

@@ -28,7 +28,8 @@ std::string PlaceOf(std::string_view text, std::size_t end) {
   return "line " + std::to_string(line) + ", column " + std::to_string(before.size() - line_start + 1);
 }
 
-// What nlohmann-json says behind "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error ".
+// What nlohmann-json says behind "[json.exception.parse_error.101] parse error at line 1, column 2: syntax
+// error ".
 std::string ReasonOf(const std::string& message) {
   const std::size_t place = message.find(": ");
   std::string reason = place == std::string::npos ? message : message.substr(place + 2);

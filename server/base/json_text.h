@@ -9,8 +9,8 @@
 
 namespace facetless {
 
-// The value that `text` is. `what` names the text in errors: "the part \"options\"". Errors: kBadUsage (no JSON: the message has line,
-// column and what was expected there; a name that an object has twice).
+// The value that `text` is. `what` names the text in errors: "the part \"options\"". Errors: kBadUsage (no
+// JSON: the message has line, column and what was expected there; a name that an object has twice).
 Result<nlohmann::json> ParseJsonText(const std::string& text, const std::string& what,
                                      bool ignore_comments = false);
 

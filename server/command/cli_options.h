@@ -1,7 +1,7 @@
 // The options of the commands, as --help shows them.
 //
-//  1. An option of a run is a row of the option table; it is collected as JSON under its own name, and checked where requests over HTTP are
-//     (options.h): every check exists once.
+//  1. An option of a run is a row of the option table; it is collected as JSON under its own name, and
+//     checked where requests over HTTP are (options.h): every check exists once.
 #pragma once
 
 #include <string>

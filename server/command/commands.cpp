@@ -54,7 +54,8 @@ int LossExitCode(const RunOptions& options, const Model& model, std::size_t unme
 
 constexpr std::size_t kMostNamed = 20;  // faces, on standard error
 
-// The faces of which the mesher made no triangle, by the importer's own answer, which is checked like any other text of another process.
+// The faces of which the mesher made no triangle, by the importer's own answer, which is checked like any
+// other text of another process.
 std::vector<std::string> UnmeshedOf(const nlohmann::json& summary) {
   std::vector<std::string> names;
   const auto meshes = summary.find("meshes");

@@ -97,8 +97,8 @@ struct ChildPlan {
   _exit(127);
 }
 
-// Takes from root what it has beyond its own files, but for reading: files to import may be somebody else's. For
-// others there is nothing to take, and the calls fail.
+// Takes from root what it has beyond its own files, but for reading: files to import may be somebody else's.
+// For others there is nothing to take, and the calls fail.
 void DropCapabilities() {
   prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
   for (int capability = 0; capability < 64; ++capability) {

@@ -95,8 +95,8 @@ void AddPaths(std::string_view list, std::vector<std::string>& paths) {
   }
 }
 
-// What the importer may reach: its input, its directory, itself with the libraries and resources that it needs,
-// and what libraries ask about the machine.
+// What the importer may reach: its input, its directory, itself with the libraries and resources that it
+// needs, and what libraries ask about the machine.
 FileAccess ImporterFiles(const std::string& program, const std::string& input, const std::string& directory) {
   FileAccess access;
   access.writable = {directory};
@@ -179,8 +179,8 @@ void ReportProgress(std::string_view line, const ImportRequest& request, StageCl
   if (request.progress) request.progress(clock.stage(), fraction);
 }
 
-// What an importer that died had noted of where it was (import/crash_note.h), in its own folder within `directory`; only letters, digits
-// and '#' are believed.
+// What an importer that died had noted of where it was (import/crash_note.h), in its own folder within
+// `directory`; only letters, digits and '#' are believed.
 std::string LastEntity(const std::string& directory) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
@@ -228,7 +228,8 @@ bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
          outcome.peak_address_bytes > limits.memory_bytes - limits.memory_bytes / 8;
 }
 
-// The error that a finished child stands for; nothing if it exited by itself. `entity`: where it died of a signal.
+// The error that a finished child stands for; nothing if it exited by itself. `entity`: where it died of a
+// signal.
 std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& child_limits,
                               const std::string& name, const ImportLimits& limits, const StageClock& clock,
                               const std::string& entity) {
@@ -289,8 +290,8 @@ const char* DeathCause(const ChildOutcome& outcome, const ChildLimits& child_lim
   return outcome.signal == SIGKILL || RanOutOfMemory(outcome, child_limits) ? "memory" : "crash";
 }
 
-// Words of the importer's: cut, on one line, with a question mark for each byte that is no printable ASCII and no
-// part of a longer UTF-8 sequence.
+// Words of the importer's: cut, on one line, with a question mark for each byte that is no printable ASCII
+// and no part of a longer UTF-8 sequence.
 std::string Printable(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at < text.size() && out.size() < kMessageBytes;) {
@@ -321,8 +322,8 @@ std::optional<Error> AnsweredError(const nlohmann::json& answer, const std::stri
   return Error{ErrorCodeFromName(text("code")), message.empty() ? name + ": no reason given" : message};
 }
 
-// Nothing, or why what should be a file of the importer's is none: links, pipes and devices would lead us elsewhere,
-// or block.
+// Nothing, or why what should be a file of the importer's is none: links, pipes and devices would lead us
+// elsewhere, or block.
 std::optional<Error> OutputError(const std::string& path, const std::string& name) {
   struct stat info = {};
   const auto broken = [&](const char* what) {
@@ -400,7 +401,8 @@ ChildLimits LimitsOfChild(const ImportRequest& request) {
   return child;
 }
 
-// What became of an importer: nothing and its answer in `files`, or why it failed, with the cause in one word.
+// What became of an importer: nothing and its answer in `files`, or why it failed, with the cause in one
+// word.
 std::optional<MeshFailure> FailureOf(const ChildOutcome& outcome, const ChildLimits& child_limits,
                                      const ImportRequest& request, const StageClock& clock,
                                      const std::vector<std::string>& outputs, ImportedFiles& files) {

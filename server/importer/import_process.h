@@ -1,15 +1,16 @@
 // Runs `facetless-import` on one file: the only way from a CAD file to a Model.
 //
 //  1. The importer is a process of its own (child_process.h), under limits of memory, processor time, wall
-//     time, threads, files and what it writes, without sockets, processes or signals to others (sandbox.h), in
-//     an empty directory of its own, beside which it may read its input and the system's libraries alone
+//     time, threads, files and what it writes, without sockets, processes or signals to others (sandbox.h),
+//     in an empty directory of its own, beside which it may read its input and the system's libraries alone
 //     (file_access.h).
 //  2. Whatever the file does to it, RunImporter returns either files or one Error, and leaves nothing behind
 //     but what ImportedFiles owns.
 //  3. Nothing that the importer says is trusted: its files are regular ones that only this directory names,
 //     its answer is checked before it is used, and what it says in words is cut and made printable.
-//  4. The importer writes the model first, whole, and then makes the meshes. Meshing has a budget of time of its own. Where the caller says
-//     that the model alone is of use (model_suffices), a mesher that fails costs the meshes and not the model.
+//  4. The importer writes the model first, whole, and then makes the meshes. Meshing has a budget of time of
+//     its own. Where the caller says that the model alone is of use (model_suffices), a mesher that fails
+//     costs the meshes and not the model.
 //  5. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
 //     another one.
 #pragma once
@@ -60,16 +61,16 @@ struct ImportRequest {
   const std::atomic<bool>* cancel = nullptr;
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
-  // Called on the caller's thread when the model is whole and the mesher begins. The importer still runs and could change its files, so
-  // that who wants the model now must copy it first.
+  // Called on the caller's thread when the model is whole and the mesher begins. The importer still runs and
+  // could change its files, so that who wants the model now must copy it first.
   std::function<void(const std::string& model_path)> model_written;
-  // Called if the importer did not end by itself, or its answer could not be used. `cause` is crash, timeout, memory,
-  // output (files too many or too large), threads or answer.
+  // Called if the importer did not end by itself, or its answer could not be used. `cause` is crash, timeout,
+  // memory, output (files too many or too large), threads or answer.
   std::function<void(const std::string& cause)> died;
 };
 
-// Why there is no mesh. `reason` is timeout, memory, crash, output (files too many or too large), threads or failed (the mesher's own
-// answer, which `error` has).
+// Why there is no mesh. `reason` is timeout, memory, crash, output (files too many or too large), threads or
+// failed (the mesher's own answer, which `error` has).
 struct MeshFailure {
   std::string reason;
   Error error;
@@ -87,9 +88,9 @@ struct ImportedFiles {
   std::uint64_t peak_address_bytes = 0;  // what ImportLimits::memory_mb limits
 };
 
-// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last
-// words, or what was wrong with its answer); kLimitExceeded (names the limit, and the option that raises it where there is one); kCancelled; kInternal (no importer);
-// and whatever the importer reports.
+// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last words,
+// or what was wrong with its answer); kLimitExceeded (names the limit, and the option that raises it where
+// there is one); kCancelled; kInternal (no importer); and whatever the importer reports.
 Result<ImportedFiles> RunImporter(const ImportRequest& request);
 
 // The error code with the given stable name; kInternal for a name that no code has.

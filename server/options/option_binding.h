@@ -22,8 +22,9 @@ struct IsOptional<std::optional<T>> : std::true_type {};
 
 }  // namespace binding_detail
 
-// Binds an option to the member of RunOptions that `member` returns, of constant options and of others: what its type can hold is read by the
-// row's range or choices. An enumeration's values are the choices in their order.
+// Binds an option to the member of RunOptions that `member` returns, of constant options and of others: what
+// its type can hold is read by the row's range or choices. An enumeration's values are the choices in their
+// order.
 template <typename Member>
 OptionBinding Bound(Member member) {
   using Target = std::remove_reference_t<decltype(member(std::declval<RunOptions&>()))>;

@@ -1,8 +1,11 @@
-// The options of a run: one table, of which the command line, --help, requests over HTTP and what makes two of them the same are made. openapi.json,
-// docs/cli.md and docs/api.md are held to it by tests/unit/server/option_table_test.cpp. A new option is one row of AllOptions() (option_rows.cpp).
+// The options of a run: one table, of which the command line, --help, requests over HTTP and what makes two
+// of them the same are made. openapi.json, docs/cli.md and docs/api.md are held to it by
+// tests/unit/server/option_table_test.cpp. A new option is one row of AllOptions() (option_rows.cpp).
 //
-//  1. A name is that of JSON: the command line's without the dashes in front, and with _ for - inside: --deflection-mm is "deflection_mm".
-//  2. A row says who may give the option: commands by their bits, requests over HTTP unless the owner is another than the caller.
+//  1. A name is that of JSON: the command line's without the dashes in front, and with _ for - inside:
+//     --deflection-mm is "deflection_mm".
+//  2. A row says who may give the option: commands by their bits, requests over HTTP unless the owner is
+//     another than the caller.
 //  3. Whoever uses the options takes a table, so that a test can hand in one with another row.
 //
 //  OptionRow row = {.name = "margin", .kind = OptionKind::kNumber, .group = "Views", .commands = kCamera, .value = "SHARE",
@@ -85,7 +88,8 @@ const OptionRow* FindOption(std::string_view written, const OptionTable& table =
 std::vector<std::string> OptionNames(const OptionTable& table = AllOptions());
 // "--deflection-mm".
 std::string FlagOf(const OptionRow& row);
-// The addresses whose requests take the option: of "renders", "comparisons" and "trades". None where it has another owner.
+// The addresses whose requests take the option: of "renders", "comparisons" and "trades". None where it has
+// another owner.
 std::vector<std::string> AddressesOf(const OptionRow& row);
 
 // "0 … 0.45", "at least 0", "more than 0"; "" where the kind has no range.
@@ -94,7 +98,8 @@ std::string RangeText(const OptionRow& row);
 std::string UsualText(const OptionRow& row);
 // "Free share of the picture on each side (0 … 0.45; default: 0.05)".
 std::string HelpText(const OptionRow& row);
-// The row of the table in docs/api.md: "| `margin` | number, 0 … 0.45 | 0.05 | renders, comparisons, trades |".
+// The row of the table in docs/api.md: "| `margin` | number, 0 … 0.45 | 0.05 | renders, comparisons, trades
+// |".
 std::string ApiRow(const OptionRow& row);
 
 }  // namespace facetless

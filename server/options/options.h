@@ -1,7 +1,8 @@
 // What a caller may ask of a run. The command line and the HTTP service both fill it from JSON, so a name, a
 // range and an error message exist once.
 //
-//  1. Which options there are, their ranges and defaults, and what they exclude is in the option table (option_table.h).
+//  1. Which options there are, their ranges and defaults, and what they exclude is in the option table
+//     (option_table.h).
 //  2. An unknown name, a wrong type, a number out of range and two options that contradict each other are
 //     kBadUsage; the message names the option and what is allowed.
 #pragma once
@@ -43,7 +44,8 @@ struct TradeOptions {
   ErrorMeasure measure = ErrorMeasure::kP99;
 };
 
-// What everything after the import may take if no option says otherwise, seconds: no input keeps a run going for ever.
+// What everything after the import may take if no option says otherwise, seconds: no input keeps a run going
+// for ever.
 inline constexpr double kRunTimeoutS = 600, kTradeTimeoutS = 3600;
 
 struct RunOptions {
@@ -82,15 +84,16 @@ struct RunOptions {
 // Error: kBadUsage.
 Result<RunOptions> ParseOptions(const nlohmann::json& json, const OptionTable& table = AllOptions());
 
-// One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up"
-// the axis that is up (what `top` draws upwards if that is the view direction), "projection" that of the
-// options, "height" (orthographic) what shows `bounds` from every side with the margin, "fov_y_deg" 40, "name" as given, "width" and "height_px" those of
-// the options. So a camera of a report can be given back as it is. Error: kBadUsage.
+// One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up" the
+// axis that is up (what `top` draws upwards if that is the view direction), "projection" that of the options,
+// "height" (orthographic) what shows `bounds` from every side with the margin, "fov_y_deg" 40, "name" as
+// given, "width" and "height_px" those of the options. So a camera of a report can be given back as it is.
+// Error: kBadUsage.
 Result<Camera> ParseCamera(const nlohmann::json& json, const RunOptions& options, const Box3& bounds,
                            const std::string& default_name);
 
-// How many samples a run takes: pixels × samples per pixel × views, and those of a turntable's frames. It needs no model. Error: kBadUsage
-// (a camera).
+// How many samples a run takes: pixels × samples per pixel × views, and those of a turntable's frames. It
+// needs no model. Error: kBadUsage (a camera).
 Result<std::uint64_t> CountSamples(const RunOptions& options);
 
 // The cameras of a run, their names distinct. Error: kBadUsage.

@@ -1,4 +1,5 @@
-// How pictures are arranged, coloured and labelled: the group "Pictures" of the option table, and margin and up.
+// How pictures are arranged, coloured and labelled: the group "Pictures" of the option table, and margin and
+// up.
 #pragma once
 
 #include <string>
@@ -20,8 +21,8 @@ struct PictureOptions {
   double turntable_s = 6;
 };
 
-// Whether `command` ("render", "compare", "trade", "bench", "regress") can do what the options ask for. Error: kBadUsage names the option
-// that it cannot.
+// Whether `command` ("render", "compare", "trade", "bench", "regress") can do what the options ask for.
+// Error: kBadUsage names the option that it cannot.
 Result<void> CheckPictureOptions(const PictureOptions& options, const std::string& command);
 
 }  // namespace facetless

@@ -1,5 +1,5 @@
-// The option `shade`: what pictures show. A string, as the command line has it, or in JSON an object with the same settings:
-// {"name": "zebra", "stripes": 24, "axis": [0, 0, 1]}.
+// The option `shade`: what pictures show. A string, as the command line has it, or in JSON an object with the
+// same settings: {"name": "zebra", "stripes": 24, "axis": [0, 0, 1]}.
 #pragma once
 
 #include <nlohmann/json.hpp>

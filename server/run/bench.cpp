@@ -57,7 +57,8 @@ class FileImporter {
       : request_(request), model_(model), settings_(settings) {}
 
   Result<BenchMesh> Tessellate(double deflection) {
-    // A mesher that has just started waits for its memory: where it is quick, the second of two meshes counts.
+    // A mesher that has just started waits for its memory: where it is quick, the second of two meshes
+    // counts.
     constexpr double kQuickMeshMs = 200;
     double& last_ms = last_mesh_ms_[deflection];
     ImportRequest request = request_;

@@ -1,9 +1,10 @@
-// `facetless bench`: the tables of docs/performance-files.md and docs/performance-published.md, measured here and now.
+// `facetless bench`: the tables of docs/performance-files.md and docs/performance-published.md, measured here
+// and now.
 //
-//  1. Files are imported as for `render`; of every mesh the importer's process tells how long the mesher alone took, and
-//     OpenCASCADE's exact intersector is asked there, too.
-//  2. --published measures the papers' tables instead, on scenes of our own; a file then gives the leaves for the comparison of
-//     acceleration structures.
+//  1. Files are imported as for `render`; of every mesh the importer's process tells how long the mesher
+//     alone took, and OpenCASCADE's exact intersector is asked there, too.
+//  2. --published measures the papers' tables instead, on scenes of our own; a file then gives the leaves for
+//     the comparison of acceleration structures.
 #pragma once
 
 #include <string>
@@ -30,8 +31,8 @@ struct BenchReport {
   std::string plot;  // SVG
 };
 
-// `request` has what all imports share (limits, cancel); options: cameras, size, threads. Errors: those of Import, kBadUsage
-// (cameras), kCancelled, and those of RenderView.
+// `request` has what all imports share (limits, cancel); options: cameras, size, threads. Errors: those of
+// Import, kBadUsage (cameras), kCancelled, and those of RenderView.
 Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
                              const RunOptions& options, const BenchSettings& settings,
                              const RunContext& context);

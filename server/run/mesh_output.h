@@ -14,12 +14,13 @@
 
 namespace facetless {
 
-// `mesh` without the placements that `model`'s file hides, and how many those are. Requires that the mesh is the model's.
+// `mesh` without the placements that `model`'s file hides, and how many those are. Requires that the mesh is
+// the model's.
 std::size_t LeaveOutHidden(const Model& model, Mesh& mesh);
 
-// Writes `mesh` to `path`, and says on return, in sentences for a person, what a reader of the files has to know: triangles, whether they
-// are watertight, what was left out, and what the format cannot hold. Errors: kBadUsage (everything is hidden), those of EncodeMesh,
-// kWriteFailed.
+// Writes `mesh` to `path`, and says on return, in sentences for a person, what a reader of the files has to
+// know: triangles, whether they are watertight, what was left out, and what the format cannot hold. Errors:
+// kBadUsage (everything is hidden), those of EncodeMesh, kWriteFailed.
 Result<std::vector<std::string>> WriteMeshFiles(const Model& model, Mesh mesh, MeshFormat format,
                                                 bool show_hidden, const std::string& path);
 

@@ -44,9 +44,10 @@ struct TurntableRun {
   std::function<void(double fraction)> progress;
 };
 
-// Writes turntable.001.png, … and turntable.webp around the first view; the report's "turntable": {"up", "seconds", "frames": [names], "camera": of the
-// first frame, "timing_ms"}, and the animation in `files`, under "turntable". One frame is held at a time. Errors: those
-// of ResolveCameras, RenderView, Animation and WritePng.
+// Writes turntable.001.png, … and turntable.webp around the first view; the report's "turntable": {"up",
+// "seconds", "frames": [names], "camera": of the first frame, "timing_ms"}, and the animation in `files`,
+// under "turntable". One frame is held at a time. Errors: those of ResolveCameras, RenderView, Animation and
+// WritePng.
 Result<nlohmann::json> RenderTurntable(const TurntableRun& run, nlohmann::json& files);
 
 }  // namespace facetless

@@ -77,8 +77,9 @@ std::string Filled(std::string_view text,
   return filled;
 }
 
-// Reports are mailed around: of all views together, so many pixels of data at first, and fewer where the whole would become larger than
-// so many bytes. What is reduced beyond the last stride says too little; then the report is larger.
+// Reports are mailed around: of all views together, so many pixels of data at first, and fewer where the
+// whole would become larger than so many bytes. What is reduced beyond the last stride says too little; then
+// the report is larger.
 constexpr double kMostEmbeddedPixels = 1.1e6;
 constexpr std::size_t kMostBytes = 2'700'000;
 constexpr int kMostStride = 6;

@@ -2,8 +2,8 @@
 //
 //  1. Pictures are embedded as data URIs; so are the report itself (as JSON), the style and the script. It
 //     opens from a disk, a mail or an artifact store alike, in light and dark, and prints.
-//  2. Pixel data (render/compare/pixel_data.h) are embedded reduced, so that four views of 1024² stay below 3 MB; plots and
-//     the heat map are drawn from numbers.
+//  2. Pixel data (render/compare/pixel_data.h) are embedded reduced, so that four views of 1024² stay below 3
+//     MB; plots and the heat map are drawn from numbers.
 //  3. No text of the report can become markup or script, whatever names a CAD file carries.
 #pragma once
 

@@ -136,7 +136,8 @@ class MeshCheck {
   }
 
  private:
-  // A coarse mesh shares nine tenths of its pixels with the model, a part of an assembly rarely less than a tenth.
+  // A coarse mesh shares nine tenths of its pixels with the model, a part of an assembly rarely less than a
+  // tenth.
   static constexpr double kLeastShared = 0.05;
   // Shares of the model's size, and of the pixels.
   static constexpr double kMostApart = 0.1, kMostOpposite = 0.9;
@@ -303,7 +304,8 @@ class Run {
   Deadline deadline_;
 };
 
-// Pictures, depths and lines of the exact surfaces alone: a render, or a comparison that has nothing to compare with.
+// Pictures, depths and lines of the exact surfaces alone: a render, or a comparison that has nothing to
+// compare with.
 Result<Json> RunExact(const ImportedModel& whole, const NoBaseline* why, const RunOptions& options,
                       const std::string& directory, const RunContext& context) {
   const auto shown = ShownModel::Of(whole, nullptr, options.picture.arrangement);

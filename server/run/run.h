@@ -3,12 +3,12 @@
 //
 //  1. The command line and the HTTP service call these same functions.
 //  2. For each view, DIR receives NAME.direct.png, NAME.depth.tif, NAME.aov.exr if AOVs were asked for that
-//     need it, NAME.lines.svg if asked for, NAME.legend.png and NAME.inspection.tif of an inspection that has them, and for
-//     a comparison NAME.baseline.png, NAME.baseline-depth.tif, NAME.difference.png and NAME.pixel-….png
-//     (render/compare/pixel_data.h; of views up to kMostPixelData pixels); with mesh_deviation mesh.bin
-//     (render/compare/mesh_deviation.h); for the run, report.json and report.html, these last. Each file is replaced as a
-//     whole.
-//     With --sheet there is sheet.png, with --turntable turntable.001.png, … and turntable.webp.
+//     need it, NAME.lines.svg if asked for, NAME.legend.png and NAME.inspection.tif of an inspection that has
+//     them, and for a comparison NAME.baseline.png, NAME.baseline-depth.tif, NAME.difference.png and
+//     NAME.pixel-….png (render/compare/pixel_data.h; of views up to kMostPixelData pixels); with
+//     mesh_deviation mesh.bin (render/compare/mesh_deviation.h); for the run, report.json and report.html,
+//     these last. Each file is replaced as a whole. With --sheet there is sheet.png, with --turntable
+//     turntable.001.png, … and turntable.webp.
 //  3. The report is what docs/api.md says; its "views" entries carry "files", from a role ("direct", "depth",
 //     …) to a name in DIR.
 #pragma once
@@ -30,7 +30,8 @@ namespace facetless {
 using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
 
 // Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
-// report that is written while the mesher still works. `message` is one sentence, which names the file, what ran out and the remedy.
+// report that is written while the mesher still works. `message` is one sentence, which names the file, what
+// ran out and the remedy.
 struct NoBaseline {
   std::string reason, message;
 };
@@ -54,7 +55,8 @@ Result<ImportedModel> Import(const ImportRequest& request);
 
 // Loads a mesh of our own, or says why it is of no use.
 Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model);
-// Whether the failure of a baseline of our own, of the given code, leaves the exact half of a comparison as it is.
+// Whether the failure of a baseline of our own, of the given code, leaves the exact half of a comparison as
+// it is.
 bool CostsTheBaselineOnly(ErrorCode code);
 
 struct RunContext {
@@ -78,7 +80,8 @@ Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions
 // Without a baseline where a mesh of our own cannot be traced.
 Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
                                   const std::string& directory, const RunContext& context);
-// The exact half of a comparison: the report says in "no_baseline" why there is no other, and its verdict has exit code kExitNoBaseline.
+// The exact half of a comparison: the report says in "no_baseline" why there is no other, and its verdict has
+// exit code kExitNoBaseline.
 Result<nlohmann::json> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
                                           const RunOptions& options, const std::string& directory,
                                           const RunContext& context);

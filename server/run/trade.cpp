@@ -194,8 +194,8 @@ class Sweep {
 
   // Runs the importer for one deflection, and builds the tree.
   Result<Tessellation> Tessellate(const TradeSetting& setting) {
-    // Where meshing was quick last time, several meshes of one import make a median: one step of the sweep multiplies the time by
-    // much less than 600.
+    // Where meshing was quick last time, several meshes of one import make a median: one step of the sweep
+    // multiplies the time by much less than 600.
     constexpr double kQuickMeshMs = 100;
     constexpr int kMeshRepetitions = 3;
     const int repetitions = last_mesh_ms_ < kQuickMeshMs ? kMeshRepetitions : 1;
@@ -353,7 +353,8 @@ class Sweep {
     return result;
   }
 
-  // A sentence if other programs had work for more than half of a core. Reading the file is part of the minute, too.
+  // A sentence if other programs had work for more than half of a core. Reading the file is part of the
+  // minute, too.
   std::string BusyText() const {
     constexpr double kQuiet = 1.5;
     if (load_at_start_ <= kQuiet) return "";

@@ -1,8 +1,8 @@
 // The verdict on a run: what decides its exit code, and the sentences that say so.
 //
-//  1. A run fails where a threshold is broken, where there is a problem, and under --strict where something was lost, a face has no
-//     triangle, or the file's unit is not known.
-//     Besides, a comparison without a baseline has not passed, whatever the thresholds are; it has an exit code of its own.
+//  1. A run fails where a threshold is broken, where there is a problem, and under --strict where something
+//     was lost, a face has no triangle, or the file's unit is not known. Besides, a comparison without a
+//     baseline has not passed, whatever the thresholds are; it has an exit code of its own.
 //  2. Whatever makes a run fail has a sentence, which names the option to change or the place to look.
 #pragma once
 
@@ -30,9 +30,10 @@ struct Findings {
   bool unit_known = true;             // the file says in which unit it is, or --unit does
 };
 
-// The report's "verdict": {"passed", "strict", "lost", "unmeshed", "unit_known", "problems": [sentence], "broken": [{"view", "threshold",
-// "limit", "value"}], "exit_code"}. exit_code: 2 if the run fails (law 1); else 5 if there is no baseline, which is among the problems; else 1 if something was lost or a face has no triangle; else 0. A value that does not exist
-// (null: infinite) breaks every threshold.
+// The report's "verdict": {"passed", "strict", "lost", "unmeshed", "unit_known", "problems": [sentence],
+// "broken": [{"view", "threshold", "limit", "value"}], "exit_code"}. exit_code: 2 if the run fails (law 1);
+// else 5 if there is no baseline, which is among the problems; else 1 if something was lost or a face has no
+// triangle; else 0. A value that does not exist (null: infinite) breaks every threshold.
 nlohmann::json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& values,
                            const Findings& findings = {});
 

@@ -34,7 +34,8 @@ class ViewFiles {
   // The AOVs that are asked for. The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options);
 
-  // Adds "files", a name by role, and timing_ms.files to the view's entry of the report. Errors: those of the writers.
+  // Adds "files", a name by role, and timing_ms.files to the view's entry of the report. Errors: those of the
+  // writers.
   Result<void> Write(nlohmann::json& view, int threads) const;
 
  private:

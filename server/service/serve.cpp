@@ -191,7 +191,8 @@ int Serve(const ServeOptions& options) {
   limits.max_upload_bytes = options.max_upload_mb << 20;
   limits.max_samples = options.max_samples;
   limits.operations_apart = apart;
-  // Where nobody needs a key and only this machine reaches the service, its visitors' browsers are the way in for others.
+  // Where nobody needs a key and only this machine reaches the service, its visitors' browsers are the way in
+  // for others.
   if ((anonymous.value() && OnlyThisMachineReaches(address.value().host)) || !options.allow_host.empty() ||
       !options.allow_origin.empty())
     limits.hosts = HostPolicy(SplitList(options.allow_host), SplitList(options.allow_origin));
@@ -232,7 +233,8 @@ int Serve(const ServeOptions& options) {
                          std::to_string(options.queue) + " may wait"));
   while (!InterruptFlag() && !serving.ended()) std::this_thread::sleep_for(kPoll);
 
-  // Stop: nothing new, a few seconds for what runs; the rest waits for the next start. Who watches hears of it to the end.
+  // Stop: nothing new, a few seconds for what runs; the rest waits for the next start. Who watches hears of
+  // it to the end.
   const bool asked = InterruptFlag();
   log.Write(ServiceEntry("stopping"));
   std::thread grace([&] { jobs.Stop(kGraceSeconds); });

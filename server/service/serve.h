@@ -28,13 +28,13 @@ struct ServeOptions {
 // $XDG_CACHE_HOME/facetless, else $HOME/.cache/facetless, else ./facetless-data.
 std::string DefaultDataDirectory();
 
-// Whoever has no key (keys.h) is let in on an address that only this machine reaches, elsewhere not, unless the options say
-// otherwise. It does not start where nobody could come in.
+// Whoever has no key (keys.h) is let in on an address that only this machine reaches, elsewhere not, unless
+// the options say otherwise. It does not start where nobody could come in.
 //
-// Prints the address to standard output when it is ready, and that of ops_listen on a second line, and its log
-// (service_log.h) to standard error, until SIGINT or SIGTERM: then it accepts nothing more, gives running jobs a few
-// seconds, puts those that are not finished back into the queue for the next start, and returns an exit code. Health and
-// metrics are answered until the end where they have a listener of their own.
+// Prints the address to standard output when it is ready, and that of ops_listen on a second line, and its
+// log (service_log.h) to standard error, until SIGINT or SIGTERM: then it accepts nothing more, gives running
+// jobs a few seconds, puts those that are not finished back into the queue for the next start, and returns an
+// exit code. Health and metrics are answered until the end where they have a listener of their own.
 int Serve(const ServeOptions& options);
 
 }  // namespace facetless

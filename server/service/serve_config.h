@@ -2,8 +2,8 @@
 //
 //  1. In rising precedence: the default; a file (--config, or FACETLESS_SERVE_CONFIG); the environment, where
 //     --max-upload is FACETLESS_SERVE_MAX_UPLOAD; the command line. An empty variable is none.
-//  2. A file is JSON if it begins with {, else TOML: one value for each option, by its name without the dashes in front, with _ or -
-//     inside, at the top or in a section [serve]. An unknown name is an error.
+//  2. A file is JSON if it begins with {, else TOML: one value for each option, by its name without the
+//     dashes in front, with _ or - inside, at the top or in a section [serve]. An unknown name is an error.
 //  3. Every value goes through the same checks, and what is wrong is said with the place that it comes from.
 #pragma once
 
@@ -35,8 +35,9 @@ class ServeConfig {
   Result<ServeOptions> Resolve();
 
   bool print() const { return print_; }  // --print-config
-  // {"listen": {"value": "127.0.0.1:8080", "source": "default"}, "jobs": {"value": 4, "source": "environment",
-  // "name": "FACETLESS_SERVE_JOBS"}, …} as Resolve left it; the name of a file's values is its path.
+  // {"listen": {"value": "127.0.0.1:8080", "source": "default"}, "jobs": {"value": 4, "source":
+  // "environment", "name": "FACETLESS_SERVE_JOBS"}, …} as Resolve left it; the name of a file's values is its
+  // path.
   nlohmann::json Description() const;
 
  private:

@@ -16,7 +16,8 @@ using PatchGrid = SurfaceGrid;
 // The finished model; throws the builder's sentence if it is not valid.
 Model Finished(ModelBuilder builder);
 
-// For each grid a face without loops (the whole patch grid), one part, one instance; bounds from the control points.
+// For each grid a face without loops (the whole patch grid), one part, one instance; bounds from the control
+// points.
 Model ModelOf(const std::vector<PatchGrid>& grids);
 // So many unit squares side by side, for tests that look at no geometry.
 Model Squares(int faces);
@@ -35,9 +36,9 @@ PatchGrid Rectangle(Vec3 origin, Vec3 a, Vec3 b);
 // Over |x|, |y| ≤ 1 two planes that fall from the ridge x = z = 0 to z = −5: one face of two patches.
 PatchGrid Roof();
 
-// A box from the origin to `size`, one closed solid whose faces share edges. The p-curves run along the faces'
-// borders; each edge is a parabola with control points up to `gap_mm` off the line, and each vertex lies as far
-// off its corner, in directions that `seed` says.
+// A box from the origin to `size`, one closed solid whose faces share edges. The p-curves run along the
+// faces' borders; each edge is a parabola with control points up to `gap_mm` off the line, and each vertex
+// lies as far off its corner, in directions that `seed` says.
 Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed);
 
 // A sphere of longitude × latitude quads with exact normals, around the part's origin.

@@ -5,8 +5,8 @@
 
 namespace facetless {
 
-// A new, empty folder below $TMPDIR or /tmp, removed with all that is in it at the object's end. OpenCASCADE reads its
-// settings from such a one, too.
+// A new, empty folder below $TMPDIR or /tmp, removed with all that is in it at the object's end. OpenCASCADE
+// reads its settings from such a one, too.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -1,10 +1,11 @@
 // Who may do what: one decision per request, before its body is read.
 //
-//  1. A key that is given (Authorization: Bearer …) must be a good one. Without one a caller is "", if callers without
-//     a key are let in at all. The page, its files, /healthz and /readyz are for everybody; /metrics is too where it
-//     has a listener of its own, and elsewhere for keys with the scope admin.
+//  1. A key that is given (Authorization: Bearer …) must be a good one. Without one a caller is "", if
+//     callers without a key are let in at all. The page, its files, /healthz and /readyz are for everybody;
+//     /metrics is too where it has a listener of its own, and elsewhere for keys with the scope admin.
 //  2. What a key made is seen by that key only; for everybody else it is not there (404).
-//  3. Each decision about a key, or the lack of one, is one line for the log, with the key's id and never the key.
+//  3. Each decision about a key, or the lack of one, is one line for the log, with the key's id and never the
+//     key.
 #pragma once
 
 #include <chrono>

@@ -1,9 +1,10 @@
 // Keys: who may use the service, and for what.
 //
-//  1. A key is a text "facetless_<id>_<secret>" that is shown once, when it is made. The secret has 256 random bits; kept
-//     is its SHA-256, so that whoever reads the database can't come in.
+//  1. A key is a text "facetless_<id>_<secret>" that is shown once, when it is made. The secret has 256
+//     random bits; kept is its SHA-256, so that whoever reads the database can't come in.
 //  2. The id is no secret: it is the owner of what the key makes (store.h, job_store.h), and stands in logs.
-//  3. A revoked key is refused from the next request on. What it made stays, for nobody, until it is given up.
+//  3. A revoked key is refused from the next request on. What it made stays, for nobody, until it is given
+//     up.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +44,8 @@ class KeyStore {
   Result<std::vector<AccessKey>> List();
   // False if there is no such key.
   Result<bool> Revoke(const std::string& id);
-  // The key that `text` is; nothing if it is none, or revoked. Takes as long whatever is wrong with the secret.
+  // The key that `text` is; nothing if it is none, or revoked. Takes as long whatever is wrong with the
+  // secret.
   std::optional<AccessKey> Verify(const std::string& text);
 
  private:

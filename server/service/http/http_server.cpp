@@ -32,7 +32,8 @@ constexpr const char* kRequestIdHeader = "X-Request-Id";
 constexpr int kSpareThreads = 32;
 // Connections that wait for a thread, of more clients than there are threads.
 constexpr int kBacklog = 512;
-// Health and metrics: the second answers while the first waits for somebody slow, and nobody may be slow for long.
+// Health and metrics: the second answers while the first waits for somebody slow, and nobody may be slow for
+// long.
 constexpr int kOperationsThreads = 2;
 constexpr int kPatienceSeconds = 30, kOperationsPatienceSeconds = 2;
 
@@ -218,8 +219,8 @@ class BodyReader {
   std::uint64_t total_ = 0;
 };
 
-// A request that asked whether it may send its body (Expect: 100-continue), and may. Its handler comes next on this
-// thread: a connection carries one request.
+// A request that asked whether it may send its body (Expect: 100-continue), and may. Its handler comes next
+// on this thread: a connection carries one request.
 std::optional<HttpRequest>& Admitted() {
   thread_local std::optional<HttpRequest> request;
   return request;
@@ -295,7 +296,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
       operations ? kOperationsThreads : service.limits().waiters + service.limits().listeners + kSpareThreads;
   const int patience = operations ? kOperationsPatienceSeconds : kPatienceSeconds;
   server.new_task_queue = [threads] { return new Workers(threads); };
-  // The library's own options share a port with whoever else does; two services would get half of the requests each.
+  // The library's own options share a port with whoever else does; two services would get half of the
+  // requests each.
   int bound_socket = -1;
   server.set_socket_options([&bound_socket](int socket) {
     bound_socket = socket;
@@ -381,8 +383,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
                                            std::to_string(listener.port) +
                                            ": in use, or no address of this machine"};
-  // The library lets five connections wait; the sixth of a burst would try again a second later. The system reads a
-  // longer list into the same socket.
+  // The library lets five connections wait; the sixth of a burst would try again a second later. The system
+  // reads a longer list into the same socket.
   server.set_socket_options(nullptr);
   listen(bound_socket, kBacklog);
   return self;

@@ -19,7 +19,8 @@ struct PageRequest {
   std::string after;  // "" for the first page
 };
 
-// Error: kBadUsage: a limit out of range, an `after` of other characters or length than an id, and any other name.
+// Error: kBadUsage: a limit out of range, an `after` of other characters or length than an id, and any other
+// name.
 Result<PageRequest> ParsePageRequest(const std::map<std::string, std::string>& query, std::size_t id_digits);
 
 // Law 2. `entries` has one more than `page.limit` where there is a next page; each has an "id".

@@ -1,8 +1,8 @@
 // What the service counts, in the text format of Prometheus: docs/api.md, "Metrics", lists the names.
 //
 //  1. Everything may be called from many threads.
-//  2. No label takes what a caller chose: routes are patterns, methods and stages those that are known. So the number of
-//     series has a bound, and no name of a file or a key is among them.
+//  2. No label takes what a caller chose: routes are patterns, methods and stages those that are known. So
+//     the number of series has a bound, and no name of a file or a key is among them.
 #pragma once
 
 #include <cstdint>

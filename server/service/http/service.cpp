@@ -77,8 +77,8 @@ HttpResponse Answer(int status, const std::string& kind, const std::string& mode
   return response;
 }
 
-// An answer that was there already. Its timing_ms is of this request, which did nothing but look it up: what the work took once is in
-// kept.timing_ms.
+// An answer that was there already. Its timing_ms is of this request, which did nothing but look it up: what
+// the work took once is in kept.timing_ms.
 HttpResponse KeptAnswer(const std::string& kind, const std::string& model_id, const std::string& text,
                         Clock::time_point arrived) {
   Json report = Json::parse(text, nullptr, /*allow_exceptions=*/false);

@@ -1,13 +1,13 @@
 // The HTTP service without HTTP: requests in, responses out. docs/api.md is its contract with callers.
 //
-//  1. Handle may be called from many threads. Work is a job (jobs.h): it is in the job store before anything of
-//     it happens, and a request waits for its end only as long as the caller wants.
+//  1. Handle may be called from many threads. Work is a job (jobs.h): it is in the job store before anything
+//     of it happens, and a request waits for its end only as long as the caller wants.
 //  2. Check looks at a request before its body is read: what fails there would fail afterwards, too.
 //  3. A question that was answered before costs a look-up, however full the queue is.
 //  4. What a caller sees and may do is decided by access.h; what is another owner's is not there.
 //  5. Every error is a problem document (problem.h). No message shows where the service keeps its files.
-//  6. Where health and metrics have a listener of their own (HttpRequest::operations), there is nothing else on it, and
-//     /metrics is nowhere else.
+//  6. Where health and metrics have a listener of their own (HttpRequest::operations), there is nothing else
+//     on it, and /metrics is nowhere else.
 #pragma once
 
 #include <atomic>

@@ -1,8 +1,9 @@
-// The service's log: a line for each thing that happened, on standard error, for a person or as JSON for a program.
+// The service's log: a line for each thing that happened, on standard error, for a person or as JSON for a
+// program.
 //
 //  1. A line is one line whatever is in it, and holds no key: what looks like one is cut after its id.
-//  2. Both forms hold the ids that belong to it (request_id, trace_id, key_id, job_id): what a caller reports, a response's
-//     X-Request-Id or a problem's job_id, is found here.
+//  2. Both forms hold the ids that belong to it (request_id, trace_id, key_id, job_id): what a caller
+//     reports, a response's X-Request-Id or a problem's job_id, is found here.
 //  3. docs/api.md, "Log", lists the fields: changing one breaks somebody's search.
 #pragma once
 

@@ -1,10 +1,13 @@
-// Threads for the requests of one listener. Of requests that take no time, as many run at once as the processors can serve: a
-// hundred threads that all want two processors each wait for ninety-eight others, and one request in a hundred waits a hundred
-// times as long as the rest. Requests that wait themselves, for a job or for a slow sender, are not counted among those.
+// Threads for the requests of one listener. Of requests that take no time, as many run at once as the
+// processors can serve: a hundred threads that all want two processors each wait for ninety-eight others, and
+// one request in a hundred waits a hundred times as long as the rest. Requests that wait themselves, for a
+// job or for a slow sender, are not counted among those.
 //
 //  1. Tasks begin in the order in which they came.
-//  2. At most `processors` × 2 tasks are younger than a few milliseconds at any time; older ones are taken to be waiting for somebody.
-//  3. At most `threads` tasks run at once. Law 2 delays a task by a millisecond or so for each one ahead of it that waits itself.
+//  2. At most `processors` × 2 tasks are younger than a few milliseconds at any time; older ones are taken to
+//     be waiting for somebody.
+//  3. At most `threads` tasks run at once. Law 2 delays a task by a millisecond or so for each one ahead of
+//     it that waits itself.
 #pragma once
 
 #include <chrono>

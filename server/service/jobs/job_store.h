@@ -1,13 +1,13 @@
-// What is to be done, for whom, and what came of it. One implementation is in SQLite (sql_job_store.h); one for
-// several machines would keep the same laws.
+// What is to be done, for whom, and what came of it. One implementation is in SQLite (sql_job_store.h); one
+// for several machines would keep the same laws.
 //
-//  1. A job is `queued`, then `running`, then one of `done`, `failed`, `cancelled`, for ever. What was submitted
-//     is there after a crash of process or machine; a running job goes back to `queued` when its lease is
-//     over or its process is known to be dead.
-//  2. Every claim is an attempt with a number of its own, and only the latest may renew, finish or release: what
-//     an attempt brings that is no longer the job's is refused, so a job ends once.
-//  3. A job that was attempted `max_attempts` times without an end has failed. Its last attempt runs alone, so
-//     that a job which kills the process takes no other with it each time.
+//  1. A job is `queued`, then `running`, then one of `done`, `failed`, `cancelled`, for ever. What was
+//     submitted is there after a crash of process or machine; a running job goes back to `queued` when its
+//     lease is over or its process is known to be dead.
+//  2. Every claim is an attempt with a number of its own, and only the latest may renew, finish or release:
+//     what an attempt brings that is no longer the job's is refused, so a job ends once.
+//  3. A job that was attempted `max_attempts` times without an end has failed. Its last attempt runs alone,
+//     so that a job which kills the process takes no other with it each time.
 //  4. Claims go round the owners that have something waiting; within an owner, first come first served.
 //  5. Of one owner, two jobs with the same question never wait or run at the same time, and one retry key
 //     stands for one job.
@@ -99,12 +99,12 @@ class JobStore {
   // Gives the job back, as if it had not been claimed.
   virtual Result<bool> Release(const Job& job) = 0;
 
-  // Of a queued job: cancels it. Of a running one: notes that it shall be, whatever happens to its process. The
-  // job as it is then; nothing if there is none.
+  // Of a queued job: cancels it. Of a running one: notes that it shall be, whatever happens to its process.
+  // The job as it is then; nothing if there is none.
   virtual Result<std::optional<Job>> Cancel(const std::string& id) = 0;
   virtual std::optional<Job> Find(const std::string& id) = 0;
-  // Ids of an owner's jobs, the newest first, from the first one older than `after` on ("": the newest of all): at most `limit`. Nothing if
-  // there is no job `after` of that owner.
+  // Ids of an owner's jobs, the newest first, from the first one older than `after` on ("": the newest of
+  // all): at most `limit`. Nothing if there is no job `after` of that owner.
   virtual std::optional<std::vector<std::string>> List(const std::string& owner, const std::string& after,
                                                        std::size_t limit) = 0;
   virtual JobCounts Counts() = 0;

@@ -1,9 +1,10 @@
 // The queue at work: threads that claim jobs, run them and report what becomes of them.
 //
 //  1. `workers` jobs run at the same time at most. A job's end is in the job store before anybody is told.
-//  2. Cancel of a running job ends its work within a fraction of a second: the importer is killed with its group,
-//     the renderer polls a flag.
-//  3. Stop claims nothing more, lets running jobs go on for a while, and gives back what is not finished then.
+//  2. Cancel of a running job ends its work within a fraction of a second: the importer is killed with its
+//     group, the renderer polls a flag.
+//  3. Stop claims nothing more, lets running jobs go on for a while, and gives back what is not finished
+//     then.
 //  4. Whoever waits or listens is woken at the job's end, and at Stop when the job will not end here.
 //  5. No exception leaves a job: what it throws, lack of memory included, is its failure.
 #pragma once

@@ -12,8 +12,8 @@
 namespace facetless {
 
 struct Observer {
-  // Done, failed or cancelled, as it was stored; how long its last attempt ran, 0 if it never did. Not the difference of the job's
-  // own times: the date may have been set in between.
+  // Done, failed or cancelled, as it was stored; how long its last attempt ran, 0 if it never did. Not the
+  // difference of the job's own times: the date may have been set in between.
   std::function<void(const Job& job, double seconds)> job_ended;
   std::function<void(const std::string& stage, double seconds)> stage_ended;
   std::function<void(double rays, double seconds)> traced;  // one view of the direct renderer

@@ -105,7 +105,8 @@ class JobRun {
  private:
   bool foreign_mesh() const { return !request_.mesh.empty(); }
 
-  // Read in another unit than its own a file is another model. It needs the file: that of the upload, or the one that the model came from.
+  // Read in another unit than its own a file is another model. It needs the file: that of the upload, or the
+  // one that the model came from.
   void FindInUnit() {
     if (request_.options.unit_mm == 0 || job_.kind == "model") return;
     if (const auto own = store_.FindModel(job_.owner, request_.model_id); own && request_.file_name.empty())
@@ -199,8 +200,8 @@ class JobRun {
     return link;
   }
 
-  // What every import of the job has in common. `source` lies in the job's scratch directory under the name that
-  // it came with: reports show it.
+  // What every import of the job has in common. `source` lies in the job's scratch directory under the name
+  // that it came with: reports show it.
   Result<ImportRequest> ImportRequestFor(const std::string& path, const std::string& name) {
     auto input = UnderName(path, name);
     if (!input) return input.error();

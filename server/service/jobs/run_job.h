@@ -1,10 +1,11 @@
 // One job from its inputs to an answer in the store.
 //
-//  1. What is in the store is not made again, and what is made goes in before RunJob returns: after a crash, or
-//     at a second attempt, work goes on where it was.
-//  2. A comparison whose mesh cannot be made has the exact half alone as its answer, and says why. Meshing may take half of the job's time
-//     at most, so that time is left for that.
-//  3. The files of a run are written into a scratch directory and moved in from there: nothing of a failed run stays.
+//  1. What is in the store is not made again, and what is made goes in before RunJob returns: after a crash,
+//     or at a second attempt, work goes on where it was.
+//  2. A comparison whose mesh cannot be made has the exact half alone as its answer, and says why. Meshing
+//     may take half of the job's time at most, so that time is left for that.
+//  3. The files of a run are written into a scratch directory and moved in from there: nothing of a failed
+//     run stays.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +34,8 @@ struct JobWatch {
   const Observer* observer = nullptr;
 };
 
-// The item that holds the answer (store.h). Errors: those of the importer, of ReadModel, LoadMesh and the runs;
-// kLimitExceeded; kWriteFailed; kCancelled.
+// The item that holds the answer (store.h). Errors: those of the importer, of ReadModel, LoadMesh and the
+// runs; kLimitExceeded; kWriteFailed; kCancelled.
 Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits, const JobWatch& watch);
 
 }  // namespace facetless

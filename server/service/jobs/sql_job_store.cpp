@@ -20,8 +20,8 @@ constexpr std::int64_t kMaxEndedJobs = 100000;
 constexpr const char* kColumns =
     "id, kind, owner, question, request, state, created, started, finished, attempts, result, problem";
 
-// Seconds by which leases end: of the machine's running, which nobody sets. It begins anew with the machine, and whoever starts then
-// gives back every running job (Recover).
+// Seconds by which leases end: of the machine's running, which nobody sets. It begins anew with the machine,
+// and whoever starts then gives back every running job (Recover).
 double LeaseClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

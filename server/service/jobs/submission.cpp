@@ -107,8 +107,8 @@ Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
   return {};
 }
 
-// What the options ask for, however they are written: names with - or _, a list or one text, a default that is given or left out. Nothing else
-// tells one question from another.
+// What the options ask for, however they are written: names with - or _, a list or one text, a default that
+// is given or left out. Nothing else tells one question from another.
 Json AskedFor(const Json& given, const RunOptions& options) {
   Json asked = Json::object();
   for (const OptionRow& row : AllOptions())

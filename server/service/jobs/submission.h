@@ -1,7 +1,7 @@
 // What a POST asks for: the one way from a request to a question.
 //
-//  1. The question is a digest of what decides the answer: kind, model, mesh, options, and the program's version. Equal questions
-//     have equal answers, but for times.
+//  1. The question is a digest of what decides the answer: kind, model, mesh, options, and the program's
+//     version. Equal questions have equal answers, but for times.
 //  2. The job's request holds all that is needed to answer, so that it can run in another process.
 #pragma once
 
@@ -26,7 +26,8 @@ struct Submission {
   std::string body;  // digest of the submission as it came, for Idempotency-Key
 };
 
-// `request` must outlive the answer. Errors: kBadUsage, kLimitExceeded (more than `max_samples`): whatever can be known without the model.
+// `request` must outlive the answer. Errors: kBadUsage, kLimitExceeded (more than `max_samples`): whatever
+// can be known without the model.
 Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind,
                                    std::uint64_t max_samples);
 
@@ -48,7 +49,8 @@ struct JobRequest {
 // Error: kInternal; a request of this program's own making is well-formed.
 Result<JobRequest> ParseJobRequest(const nlohmann::json& request);
 
-// Seconds that the caller waits for the end of a job: RFC 7240's `wait`, 0 for a bare respond-async, else `usual`; at most `most`.
+// Seconds that the caller waits for the end of a job: RFC 7240's `wait`, 0 for a bare respond-async, else
+// `usual`; at most `most`.
 double WaitSeconds(const std::string& prefer, double usual, double most);
 
 }  // namespace facetless

@@ -2,9 +2,10 @@
 //
 // {"type": "urn:facetless:problem:<code>", "title", "status", "detail"}: type and status are stable, title
 // and detail are for people. The codes are those of ErrorCodeName, and for what concerns HTTP itself
-// not-found, method-not-allowed, payload-too-large, unauthorized, forbidden, rate-limited, unsupported-media-type, malformed-request, cross-site,
-// request-timeout, busy, not-ready, timeout, cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them.
-// That of a job that failed has job_id, request_id and, if there was one, trace_id too: they are in the log.
+// not-found, method-not-allowed, payload-too-large, unauthorized, forbidden, rate-limited,
+// unsupported-media-type, malformed-request, cross-site, request-timeout, busy, not-ready, timeout,
+// cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them. That of a job that failed has
+// job_id, request_id and, if there was one, trace_id too: they are in the log.
 #pragma once
 
 #include <string>
@@ -22,7 +23,8 @@ HttpResponse Problem(int status, const std::string& code, const std::string& tit
 // A problem document that was kept, as a response again.
 HttpResponse ProblemResponse(const nlohmann::json& document);
 
-// For an error of a run: 422 where the input or the options are to blame, 507 where something cannot be stored, else 500.
+// For an error of a run: 422 where the input or the options are to blame, 507 where something cannot be
+// stored, else 500.
 HttpResponse ProblemOf(const Error& error);
 
 // For a status that the transport itself answers with.

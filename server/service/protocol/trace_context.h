@@ -5,8 +5,8 @@
 
 namespace facetless {
 
-// The trace id of a traceparent header, 32 hexadecimal digits; "" for one that is not well-formed, which the standard
-// wants ignored.
+// The trace id of a traceparent header, 32 hexadecimal digits; "" for one that is not well-formed, which the
+// standard wants ignored.
 std::string TraceIdOf(const std::string& traceparent);
 
 }  // namespace facetless

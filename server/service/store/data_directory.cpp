@@ -14,11 +14,11 @@
 namespace facetless {
 namespace {
 
-// files   what lies in DIR/files.                       uses    who keeps a file: holder is an item or "job/<id>".
-// loose   files that lost a user: candidates to go.     totals  one row: bytes of all files.
-// items   models and answers, by "<owner>/model/<id>" and "<owner>/answer/<key>".
-// jobs    one row a job, kept after its end.            needs   items that a waiting or running job must find.
-// turns   when an owner's jobs were last claimed, as a count.     keys    who may come in (keys.h).
+// files   what lies in DIR/files.                       uses    who keeps a file: holder is an item or
+// "job/<id>". loose   files that lost a user: candidates to go.     totals  one row: bytes of all files.
+// items   models and answers, by "<owner>/model/<id>" and "<owner>/answer/<key>". jobs    one row a job, kept
+// after its end.            needs   items that a waiting or running job must find. turns   when an owner's
+// jobs were last claimed, as a count.     keys    who may come in (keys.h).
 constexpr const char* kSchema = R"(
 CREATE TABLE files(sha256 TEXT PRIMARY KEY, bytes INTEGER NOT NULL) WITHOUT ROWID;
 CREATE TABLE totals(bytes INTEGER NOT NULL);

@@ -3,9 +3,9 @@
 //   DIR/lock     DIR/facetless.db (with -wal and -shm beside it)     DIR/files/<first two digits>/<sha256>     DIR/tmp/
 //
 //  1. Open takes the lock; a second process is refused at once.
-//  2. The database says which files belong to what (the tables are described in data_directory.cpp). A file is on the disk
-//     before a row names it, and its rows are gone before it is removed: a crash leaves files without rows,
-//     never rows without files.
+//  2. The database says which files belong to what (the tables are described in data_directory.cpp). A file
+//     is on the disk before a row names it, and its rows are gone before it is removed: a crash leaves files
+//     without rows, never rows without files.
 //  3. A database of a newer version is refused and left as it is.
 #pragma once
 
@@ -22,8 +22,8 @@ inline constexpr int kSchemaVersion = 1;
 
 class DataDirectory {
  public:
-  // Makes it if it is absent. Errors: kWriteFailed; kBadUsage (another process has it, or it is newer than this
-  // program); kFormatBroken.
+  // Makes it if it is absent. Errors: kWriteFailed; kBadUsage (another process has it, or it is newer than
+  // this program); kFormatBroken.
   static Result<std::unique_ptr<DataDirectory>> Open(const std::string& path);
   ~DataDirectory();
   // The database alone, also while another process has the directory: for what is not about files or jobs.

@@ -1,12 +1,13 @@
 // SQLite behind a few words: the one place that knows it (docs/api.md, "What is kept").
 //
-//  1. A Database may be used from many threads: a statement has it for itself, and so has a Transaction from its
-//     start to its end.
+//  1. A Database may be used from many threads: a statement has it for itself, and so has a Transaction from
+//     its start to its end.
 //  2. What was committed is on the disk when Commit or a Run outside a transaction returns: write-ahead log,
-//     synchronous=FULL. After a crash of the process or the machine the database is as the last commit left it.
+//     synchronous=FULL. After a crash of the process or the machine the database is as the last commit left
+//     it.
 //  3. A failed statement changes nothing, and a Transaction that ends without Commit is rolled back.
-//  4. Errors: kWriteFailed (the disk is full or fails), kFormatBroken (the file is damaged or no database), else
-//     kInternal.
+//  4. Errors: kWriteFailed (the disk is full or fails), kFormatBroken (the file is damaged or no database),
+//     else kInternal.
 #pragma once
 
 #include <cstdint>

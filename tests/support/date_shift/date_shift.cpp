@@ -1,6 +1,6 @@
-// Stands between a program and the date (LD_PRELOAD): every question for the time of day is answered later by as many seconds as the
-// file DATE_SHIFT says, eight bytes of an integer, at any moment. Clocks that nobody sets are left alone. Not libfaketime: 0.9.10 locks
-// itself up when several threads ask at once.
+// Stands between a program and the date (LD_PRELOAD): every question for the time of day is answered later by
+// as many seconds as the file DATE_SHIFT says, eight bytes of an integer, at any moment. Clocks that nobody
+// sets are left alone. Not libfaketime: 0.9.10 locks itself up when several threads ask at once.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -139,7 +139,8 @@ class Front : public ::testing::Test {
 };
 
 TEST_F(Front, FiftySlowSendersDoNotHoldUpAnOrdinaryClient) {
-  // Each begins an upload that it never ends, and each has an address of its own, so that no limit of connections helps.
+  // Each begins an upload that it never ends, and each has an address of its own, so that no limit of
+  // connections helps.
   std::vector<std::unique_ptr<Client>> slow;
   for (int i = 0; i < 50; ++i) {
     slow.push_back(std::make_unique<Client>("127.0.1." + std::to_string(i + 1), port_));
@@ -154,7 +155,8 @@ TEST_F(Front, FiftySlowSendersDoNotHoldUpAnOrdinaryClient) {
 }
 
 TEST_F(Front, TheSameSendersWithoutTheFrontDoHoldItUp) {
-  // What the front is for: each slow sender takes one of the service's threads, of which there are some dozens.
+  // What the front is for: each slow sender takes one of the service's threads, of which there are some
+  // dozens.
   std::vector<std::unique_ptr<Client>> slow;
   for (int i = 0; i < 400; ++i) {
     const std::string address = "127.0." + std::to_string(1 + i / 200) + "." + std::to_string(i % 200 + 1);
@@ -174,8 +176,9 @@ TEST_F(Front, OneAddressHasSixteenConnections) {
     slow.back()->Send(Head("POST", "/v1/models?name=slow.step", 100'000) + "ok");
   };
   for (int i = 0; i < 16; ++i) add();
-  // nginx counts a connection once it has read the request's head, which may take it a while on a busy machine. If it
-  // reads ours before the last of theirs, that one is refused, and another must take its place.
+  // nginx counts a connection once it has read the request's head, which may take it a while on a busy
+  // machine. If it reads ours before the last of theirs, that one is refused, and another must take its
+  // place.
   std::string answer;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (answer.find(" 429 ") == std::string::npos && std::chrono::steady_clock::now() < end) {

@@ -500,8 +500,8 @@ TEST_F(Provocation, GetsEveryDocumentedStatusOrSaysWhichNot) {
   Keys();
   Ends();
   Crowds();
-  // A job that is given up needs three deaths of the service (HttpJobs.ThatSeeThreeDeathsAreGivenUp), DELETE work that ends
-  // late, and a disk that fills up at that moment.
+  // A job that is given up needs three deaths of the service (HttpJobs.ThatSeeThreeDeathsAreGivenUp), DELETE
+  // work that ends late, and a disk that fills up at that moment.
   Names missing = {"DELETE /v1/jobs/{id} 202", "DELETE /v1/jobs/{id} 507", "DELETE /v1/models/{id} 507"};
   for (const char* path : kWork) missing.insert(std::string("POST ") + path + " 500");
   Names unseen;

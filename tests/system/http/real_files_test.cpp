@@ -144,7 +144,8 @@ TEST(HttpRealFiles, SurvivesEveryBrokenFileOneByOneAndFourAtATime) {
   LiveServer server({"--timeout", "100"});
   std::vector<std::filesystem::path> files;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    // OpenCASCADE follows this one's circle until its stack ends, for more than --timeout where each call costs more.
+    // OpenCASCADE follows this one's circle until its stack ends, for more than --timeout where each call
+    // costs more.
     if (kSanitized && file.path().filename() == "self_ref_cycle.step")
       std::puts("self_ref_cycle.step is left out: it takes minutes under a sanitizer");
     else

@@ -15,8 +15,8 @@ namespace {
 using Json = nlohmann::json;
 using Headers = LiveServer::Headers;
 
-// Callers: without a key; with a key of each scope alone; a stranger, who may read and submit; and anna, whose things
-// they all ask for.
+// Callers: without a key; with a key of each scope alone; a stranger, who may read and submit; and anna,
+// whose things they all ask for.
 enum Caller { kNobody, kReader, kSubmitter, kAdmin, kStranger, kAnna };
 constexpr const char* kCallers[] = {"nobody", "reader", "submitter", "admin", "stranger", "anna"};
 
@@ -67,7 +67,8 @@ constexpr Row kTable[] = {
     {"GET", "/v1/jobs", {401, 200, 403, 403, 200, 200}},
     {"HEAD", "/v1/jobs", {401, 200, 403, 403, 200, 200}},
     {"DELETE", "/v1/models/{id}", {401, 403, 404, 403, 404, 204}},
-    // A file that anna has sent is new to whoever else may send it, and to her too, as she has given it up. The last, as it is theirs then.
+    // A file that anna has sent is new to whoever else may send it, and to her too, as she has given it up.
+    // The last, as it is theirs then.
     {"POST", "/v1/models", {401, 403, 201, 403, 201, 201}},
 };
 

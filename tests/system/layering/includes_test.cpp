@@ -1,9 +1,11 @@
 // Who may include whom. The rules are those of ARCHITECTURE.md, "Who may include whom": a change here is a
 // change there.
 //
-//  1. Of our own folders: server → bench, render; bench → render; import → render/base, render/model; render → render. Nothing
+//  1. Of our own folders: server → bench, render; bench → render; import → render/base, render/model; render
+//     → render. Nothing
 //  includes tests/ or samples/.
-//  2. The folders of render/ form a chain, and so do those of server/: each includes itself and those before it.
+//  2. The folders of render/ form a chain, and so do those of server/: each includes itself and those before
+//     it.
 //  3. Each third-party library has one home.
 //  4. The libraries of render/ and bench/ never print and never end the process.
 

@@ -129,7 +129,8 @@ TEST(Faults, WithoutDescriptorsItSaysSoAndGoesOn) {
   const Json job = server.JobAtItsEnd(slow.Json().value("id", ""));
   ASSERT_TRUE(job.is_object()) << "the job that was accepted is lost";
   EXPECT_TRUE(job.value("state", "") == "done" || job.contains("problem")) << job;
-  // To remove a directory takes a descriptor, too: what is left of one goes at the next start, as after a crash.
+  // To remove a directory takes a descriptor, too: what is left of one goes at the next start, as after a
+  // crash.
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   server.Start();
   ExpectSoundStore(server);

@@ -1,5 +1,5 @@
-// A service that is killed again and again, at moments that nobody chose, while clients post: afterwards no job
-// that was accepted is lost, no question has two answers, and the store is sound.
+// A service that is killed again and again, at moments that nobody chose, while clients post: afterwards no
+// job that was accepted is lost, no question has two answers, and the store is sound.
 //
 // FACETLESS_KILLS (5) and FACETLESS_SEED (a new one, printed) may be given in the environment:
 //   FACETLESS_KILLS=200 build/bin/reliability_test

@@ -1,4 +1,5 @@
-// Numbers of inspections on files: sections, thickness, meshes that do not belong to the model, through the programs.
+// Numbers of inspections on files: sections, thickness, meshes that do not belong to the model, through the
+// programs.
 #include <gtest/gtest.h>
 
 #include <array>

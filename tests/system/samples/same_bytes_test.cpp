@@ -1,4 +1,5 @@
-// The exact pictures of every sample: the same bytes with every instruction set that this machine has, and on any number of threads.
+// The exact pictures of every sample: the same bytes with every instruction set that this machine has, and on
+// any number of threads.
 #include <gtest/gtest.h>
 
 #include <filesystem>

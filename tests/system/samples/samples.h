@@ -12,8 +12,8 @@
 
 namespace facetless {
 
-// The names in expected.json: "bracket.step", "broken/empty.step". Empty without it: it is asked when a program is loaded, where
-// nothing may be thrown, and a test says that it is missing.
+// The names in expected.json: "bracket.step", "broken/empty.step". Empty without it: it is asked when a
+// program is loaded, where nothing may be thrown, and a test says that it is missing.
 inline std::vector<std::string> SampleNames() {
   std::vector<std::string> names;
   std::ifstream file(Sample("expected.json"));

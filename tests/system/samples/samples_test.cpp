@@ -1,7 +1,7 @@
 // The programs' answers about every sample, against samples/expected.json.
 //
-//  1. `facetless-import` makes a model with the faces, kinds of surface and closed solids that the file was made with, loses nothing, and
-//     bounds it by a box that holds the shape's extent and is not much wider.
+//  1. `facetless-import` makes a model with the faces, kinds of surface and closed solids that the file was
+//     made with, loses nothing, and bounds it by a box that holds the shape's extent and is not much wider.
 //  2. `facetless inspect` gives the exit code, and prints a report of a sound file.
 //  3. A broken file gives its exit code, and no model.
 

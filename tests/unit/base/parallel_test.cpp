@@ -1,5 +1,5 @@
-// Parallel loops (render/base/parallel.h), numbered by its laws. Under the thread sanitizer every test here also says that nothing but
-// a race is reported.
+// Parallel loops (render/base/parallel.h), numbered by its laws. Under the thread sanitizer every test here
+// also says that nothing but a race is reported.
 #include "render/base/parallel.h"
 
 #include <gtest/gtest.h>
@@ -109,9 +109,10 @@ TEST(Parallel, LoopsOfSeveralCallersDoNotMix) {
   return escaped[7] + (depth > 0 ? UseTheStack(depth - 1) : 0);
 }
 
-// The thread sanitizer forgets what a thread did a while ago, and with that the frames that tools/tsan.supp names:
-// between a loop's end and its stack's next use another caller keeps the threads at work. At history_size=7 the
-// while is some millions of accesses, and this finds little; at history_size=0 it found RunLoop's reason.
+// The thread sanitizer forgets what a thread did a while ago, and with that the frames that tools/tsan.supp
+// names: between a loop's end and its stack's next use another caller keeps the threads at work. At
+// history_size=7 the while is some millions of accesses, and this finds little; at history_size=0 it found
+// RunLoop's reason.
 TEST(Parallel, WhatALoopUsedOfTheStackIsTheCallersAgain) {
   std::atomic<bool> ended{false};
   std::thread other([&ended] {

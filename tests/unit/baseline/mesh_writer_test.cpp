@@ -1,4 +1,5 @@
-// Mesh files out: what is read back has the triangles, the volume, the sides and the colours of what was written.
+// Mesh files out: what is read back has the triangles, the volume, the sides and the colours of what was
+// written.
 #include "render/baseline/mesh_writer.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +25,8 @@ namespace {
 using nlohmann::json;
 using testing::BoxMesh;
 
-// A box of 1 × 2 × 3 mm with a red face, placed twice: as it is, and mirrored, twice as large, in green where a face has no colour.
+// A box of 1 × 2 × 3 mm with a red face, placed twice: as it is, and mirrored, twice as large, in green where
+// a face has no colour.
 struct Boxes {
   Model model;
   Mesh mesh;

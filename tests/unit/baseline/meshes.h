@@ -20,7 +20,8 @@ Placement Translation(Vec3 by);
 // A .glb file in memory: JSON chunk and, unless empty, BIN chunk.
 std::string Glb(const nlohmann::json& json, const std::string& bin);
 
-// One triangle (0,0,0) (1,0,0) (0,1,0) in a buffer: indices at 0 (3 uint16, padded to 8), positions at 8. Change it, then break it.
+// One triangle (0,0,0) (1,0,0) (0,1,0) in a buffer: indices at 0 (3 uint16, padded to 8), positions at 8.
+// Change it, then break it.
 struct TriangleFile {
   nlohmann::json json;
   std::string bin;

@@ -1,4 +1,5 @@
-// The baseline against closed forms: where the triangles are, how exact the depth is, and what may not change it.
+// The baseline against closed forms: where the triangles are, how exact the depth is, and what may not change
+// it.
 #include "render/baseline/tracer.h"
 
 #include <gtest/gtest.h>
@@ -173,8 +174,9 @@ TEST(Baseline, AMirroredPlacementKeepsNormalsOutward) {
 }
 
 TEST(Baseline, NoLightThroughTheSeamsOfAClosedMesh) {
-  // From inside a finely divided sphere every ray hits, along the axes too, where coordinates of directions vanish or nearly
-  // vanish; and so it is inside an instance that is turned by angles whose sines nearly vanish.
+  // From inside a finely divided sphere every ray hits, along the axes too, where coordinates of directions
+  // vanish or nearly vanish; and so it is inside an instance that is turned by angles whose sines nearly
+  // vanish.
   const Placement turned = {{{6.1e-17, -1, 1.2e-16, 0}, {1, 6.1e-17, -6.1e-17, 0}, {6.1e-17, 1.2e-16, 1, 0}}};
   for (int uses : {1, 2}) {
     Mesh mesh = OneNode(SphereMesh(1, 512, 256), turned);

@@ -1,4 +1,5 @@
-// One view from model and mesh to report: a sphere against its tessellation, where everything has a closed form.
+// One view from model and mesh to report: a sphere against its tessellation, where everything has a closed
+// form.
 #include "render/compare/compare_view.h"
 
 #include <gtest/gtest.h>
@@ -58,8 +59,8 @@ TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
     const double sagitta = Sagitta(longitudes), typical = c.difference.deviation_mm.p99;
     EXPECT_LE(typical, sagitta) << longitudes;
     EXPECT_GE(typical, 0.8 * sagitta) << longitudes;
-    // |N·D| times the difference along the ray is the distance to first order: at the rim, where the sphere bends away
-    // from the ray, it is too large.
+    // |N·D| times the difference along the ray is the distance to first order: at the rim, where the sphere
+    // bends away from the ray, it is too large.
     EXPECT_LE(c.difference.deviation_mm.max, 1.5 * sagitta) << longitudes;
     EXPECT_GT(c.difference.depth_mm.mean, 0) << "an inscribed mesh lies farther from the eye";
     if (last > 0) {

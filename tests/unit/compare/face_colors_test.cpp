@@ -18,7 +18,8 @@ using testing::Sphere;
 
 using Triple = std::array<double, 3>;
 
-// Linear light as seen without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1), and with all.
+// Linear light as seen without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1), and with
+// all.
 constexpr double kSights[4][3][3] = {
     {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
     {{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}},

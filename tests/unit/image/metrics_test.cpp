@@ -139,8 +139,9 @@ double FlipMean(const Image8& a, const Image8& b, double ppd = 67) {
 }
 
 TEST(Flip, KnownValuesOfFlatPictures) {
-  // Without features FLIP is its colour error. Black to white is a HyAB distance of 100; the largest one, green to blue with the
-  // Hunt effect, follows from their CIELAB coordinates (87.735, −86.183, 83.180) and (32.301, 79.197, −107.865).
+  // Without features FLIP is its colour error. Black to white is a HyAB distance of 100; the largest one,
+  // green to blue with the Hunt effect, follows from their CIELAB coordinates (87.735, −86.183, 83.180) and
+  // (32.301, 79.197, −107.865).
   const double da = -0.87735 * 86.183 - 0.32301 * 79.197, db = 0.87735 * 83.180 + 0.32301 * 107.865;
   const double largest = std::pow(87.735 - 32.301 + std::hypot(da, db), 0.7), knee = 0.4 * largest;
   const double white = 0.95 + 0.05 * (std::pow(100, 0.7) - knee) / (largest - knee);

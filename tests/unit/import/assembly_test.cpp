@@ -1,4 +1,5 @@
-// Assemblies: placements, names by path, colours of faces, parts and occurrences, loose sheets; and the BREP reader.
+// Assemblies: placements, names by path, colours of faces, parts and occurrences, loose sheets; and the BREP
+// reader.
 #include "import/assembly.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ Quantity_Color Srgb(double r, double g, double b) {
   return Quantity_Color(r, g, b, Quantity_TOC_sRGB);
 }
 
-// A car of one body and two wheels; the body is red with one blue face, the second wheel is green where the first is grey.
+// A car of one body and two wheels; the body is red with one blue face, the second wheel is green where the
+// first is grey.
 Handle(TDocStd_Document) Car(const char* wheels = "Räder") {
   Handle(TDocStd_Document) document = NewXcafDocument();
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());

@@ -1,4 +1,5 @@
-// Small files with one fault each: what they declare, what is shown of it, what is lost, and what is said about it. The numbers add up always.
+// Small files with one fault each: what they declare, what is shown of it, what is lost, and what is said
+// about it. The numbers add up always.
 #include <gtest/gtest.h>
 
 #include <BRepGProp.hxx>

@@ -178,7 +178,8 @@ TEST(Convert, BoundsAreConservativeAndTight) {
 }
 
 TEST(Convert, TheNormalPointsOutOfEverySolid) {
-  // The volume by the divergence theorem is positive only if Su × Sv, reversed where the face says so, points outwards.
+  // The volume by the divergence theorem is positive only if Su × Sv, reversed where the face says so, points
+  // outwards.
   const TopoDS_Shape shapes[] = {BRepPrimAPI_MakeBox(1, 2, 3).Shape(),
                                  BRepPrimAPI_MakeCylinder(1, 2).Shape()};
   for (const TopoDS_Shape& shape : shapes) {

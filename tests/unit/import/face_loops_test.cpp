@@ -119,7 +119,8 @@ TEST(FaceLoops, AHoleRunsTheOtherWay) {
   EXPECT_EQ(loops.repairs.size(), 0u);
 }
 
-// A face on `surface` whose wires are single circles at the given heights, without seams: going around once, up or down.
+// A face on `surface` whose wires are single circles at the given heights, without seams: going around once,
+// up or down.
 TopoDS_Face WithoutSeam(const Handle(Geom_Surface) & surface,
                         const std::vector<std::pair<double, bool>>& circles) {
   BRep_Builder builder;

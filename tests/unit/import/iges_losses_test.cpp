@@ -1,5 +1,5 @@
-// What an IGES file declares and OpenCASCADE makes no shape of: bodies of other kinds, subfigures that are scaled, entities that point to
-// themselves.
+// What an IGES file declares and OpenCASCADE makes no shape of: bodies of other kinds, subfigures that are
+// scaled, entities that point to themselves.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
-// Real files: nothing lost, nothing approximated but offsets, gaps no larger than the file's own, areas as a second opinion has them; what is
-// broken gives what can be saved or a sentence.
+// Real files: nothing lost, nothing approximated but offsets, gaps no larger than the file's own, areas as a
+// second opinion has them; what is broken gives what can be saved or a sentence.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,8 +51,9 @@ TEST_P(Parts, ArriveWhole) {
   EXPECT_EQ(closed, part.closed);
   // Faces know where they come from.
   for (const Face& face : model.faces) EXPECT_FALSE(face.entity.empty());
-  // A p-curve is no farther from its edge than the edge's tolerance, doubled: that is measured at other points. Tolerances of edges
-  // that touch nothing are nominal, 1e-7 mm, whatever their p-curves do: up to 1e-5 mm is let pass.
+  // A p-curve is no farther from its edge than the edge's tolerance, doubled: that is measured at other
+  // points. Tolerances of edges that touch nothing are nominal, 1e-7 mm, whatever their p-curves do: up to
+  // 1e-5 mm is let pass.
   for (const Face& face : model.faces) {
     for (const Coedge& coedge : CoedgesOf(model, face)) {
       if (coedge.edge == kNoIndex || model.edges[coedge.edge].degenerate) continue;

@@ -18,8 +18,8 @@ Result<Conversion> ConvertFile(const std::string& path);
 // Twice the signed area that all loops enclose in (u, v), by fine polygons.
 double SignedArea(const FaceLoops& loops);
 
-// The trimmed area of a face of the model: Gauss-Legendre in v between loop crossings, in u between ends of segments. Good to
-// about 1e-4 of the area.
+// The trimmed area of a face of the model: Gauss-Legendre in v between loop crossings, in u between ends of
+// segments. Good to about 1e-4 of the area.
 double TrimmedArea(const Model& model, std::uint32_t face);
 
 }  // namespace facetless

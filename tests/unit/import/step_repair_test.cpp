@@ -1,4 +1,5 @@
-// Repairs of STEP text: what goes, what is replaced, what is lost by name. And the same fault in every list of whole files, one by one.
+// Repairs of STEP text: what goes, what is replaced, what is lost by name. And the same fault in every list
+// of whole files, one by one.
 #include "import/step_repair.h"
 
 #include <gtest/gtest.h>
@@ -210,7 +211,8 @@ TEST(StepDeclaredFaces, HaveAnyNameOrNone) {
   EXPECT_EQ(faces[3].name, "y");
 }
 
-// Every list of every kind of entity, emptied one by one: the file is read, and what it declares is shown or lost.
+// Every list of every kind of entity, emptied one by one: the file is read, and what it declares is shown or
+// lost.
 class EmptyLists : public ::testing::TestWithParam<const char*> {};
 
 // Where lists of attributes begin and end, below the entity's own parentheses.

@@ -1,4 +1,5 @@
-// Texts of STEP files: every spelling of a letter that tools write comes out as that letter, for us and for OpenCASCADE.
+// Texts of STEP files: every spelling of a letter that tools write comes out as that letter, for us and for
+// OpenCASCADE.
 #include "import/step_strings.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// What a file says about how its parts look and are called: hidden items, colours of occurrences, transparency, names.
+// What a file says about how its parts look and are called: hidden items, colours of occurrences,
+// transparency, names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

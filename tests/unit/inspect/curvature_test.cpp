@@ -1,5 +1,5 @@
-// Curvature against closed forms, from the ray to the number: sphere, torus, cylinder, cone, under placements that turn, scale and
-// mirror; and against differences in extended precision on a rational free-form patch.
+// Curvature against closed forms, from the ray to the number: sphere, torus, cylinder, cone, under placements
+// that turn, scale and mirror; and against differences in extended precision on a rational free-form patch.
 #include "render/inspect/curvature.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,8 @@ Model PlacedModel(const testing::PatchGrid& grid, const Placement& placement) {
   return model;
 }
 
-// Compares every hit's number with `expected(u, v)`; NaN there: leave it out. `absolute` is what zero may be off by.
+// Compares every hit's number with `expected(u, v)`; NaN there: leave it out. `absolute` is what zero may be
+// off by.
 template <typename Expected>
 void ExpectValues(const Traced& traced, const std::string& shade, double absolute, const Expected& expected) {
   const PerSample<double> values = traced.Values(shade);
@@ -122,7 +123,8 @@ TEST(Curvature, HasNoNumberAtAPole) {
   EXPECT_FALSE(CurvatureAt(sphere.Second(1, pi / 2), 1, 2 * pi, pi));
   EXPECT_FALSE(CurvatureAt(cone.Second(1, 4), 1, 2 * pi, 4));
   EXPECT_TRUE(CurvatureAt(sphere.Second(1, pi / 2 - 1e-3), 1, 2 * pi, pi));
-  // An odd number of pixels from above: the middle one looks at the pole. Whatever it finds is a number or none.
+  // An odd number of pixels from above: the middle one looks at the pole. Whatever it finds is a number or
+  // none.
   const Traced traced(ModelOf({Sphere({0, 0, 0}, 3)}), "top", Projection::kOrthographic, 33);
   for (const double value : traced.Values("curvature")) EXPECT_FALSE(std::isnan(value));
 }

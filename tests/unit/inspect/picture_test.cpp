@@ -56,8 +56,8 @@ TEST(Zebra, StripesMeetAcrossG1AndEndAtG0) {
 }
 
 TEST(Zebra, HasAsManyStripesAsItIsTold) {
-  // Along a meridian of a ball seen from the front, the mirrored ray turns twice as fast as the normal: 180 degrees of it from pole
-  // to pole are met between −45 and 45 degrees of latitude.
+  // Along a meridian of a ball seen from the front, the mirrored ray turns twice as fast as the normal: 180
+  // degrees of it from pole to pole are met between −45 and 45 degrees of latitude.
   const Traced traced(ModelOf({testing::Sphere({0, 0, 0}, 5)}), "front", Projection::kOrthographic, 999);
   for (int stripes : {8, 15}) {
     const Film film = traced.Drawn("zebra:stripes=" + std::to_string(stripes));

@@ -128,7 +128,8 @@ TEST(ViewLines, ThatLieBehindAreHidden) {
 }
 
 TEST(ViewLines, AreWholeHoweverNearOneLooks) {
-  // Beside the silhouette of a ball of r samples a sample's plane falls by √(r/2) of them from one to the next.
+  // Beside the silhouette of a ball of r samples a sample's plane falls by √(r/2) of them from one to the
+  // next.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   for (const double height : {1e-1, 1e-3, 1e-5}) {
     Camera camera = ViewOf(model, "front", Projection::kOrthographic);
@@ -171,8 +172,8 @@ TEST(ViewLines, OfSmoothBodiesDoNotHideThemselvesHoweverManySamples) {
 }
 
 TEST(Visibility, MakesASmoothEdgeOnTheOutlineASilhouette) {
-  // Samples left of x = 50 show a plane across the view; nothing is to its right. Seen are three lines: on the outline, inside, and
-  // a sharp edge on the outline, which keeps its name.
+  // Samples left of x = 50 show a plane across the view; nothing is to its right. Seen are three lines: on
+  // the outline, inside, and a sharp edge on the outline, which keeps its name.
   Camera camera;
   camera.width_px = camera.height_px = 100;
   camera.eye = {0, 0, 10};

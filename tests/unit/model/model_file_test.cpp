@@ -1,4 +1,5 @@
-// The model file: what is written is what is read, and no bytes whatever make the reader crash or return an invalid model.
+// The model file: what is written is what is read, and no bytes whatever make the reader crash or return an
+// invalid model.
 #include "render/model/model_file.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,8 @@
 
 namespace facetless::testing {
 
-// Up to four parts, some of them empty, with up to five faces of up to three loops each; coedges share edges at random, and some have none.
+// Up to four parts, some of them empty, with up to five faces of up to three loops each; coedges share edges
+// at random, and some have none.
 inline Model RandomStructure(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(engine() % n); };

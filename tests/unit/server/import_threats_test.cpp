@@ -1,5 +1,6 @@
 // What a file that has taken over the importer could try: one test per threat, with a stand-in that tries it
-// (tests/support/fake_importer). Each must end in one clear error or in a refusal, and leave the caller as it was.
+// (tests/support/fake_importer). Each must end in one clear error or in a refusal, and leave the caller as it
+// was.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -35,7 +36,8 @@ struct Holdings {
   }
 };
 
-// An output of one megabyte, its reports, and what the allocator keeps of both; a sanitizer's keeps what is freed, and a shadow of it.
+// An output of one megabyte, its reports, and what the allocator keeps of both; a sanitizer's keeps what is
+// freed, and a shadow of it.
 constexpr std::size_t kKeptBytes = std::size_t{kSanitized ? 128 : 16} << 20;
 
 class ImportThreats : public FakeImport {

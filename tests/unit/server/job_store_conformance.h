@@ -1,4 +1,5 @@
-// The laws of the queue (server/service/jobs/job_store.h), for any implementation: a file of tests brings a host of its own and says
+// The laws of the queue (server/service/jobs/job_store.h), for any implementation: a file of tests brings a
+// host of its own and says
 //
 //   INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreConformance, testing::Values(&MakeSqlJobStoreHost));
 #pragma once

@@ -1,5 +1,5 @@
-// One row of the option table is an option everywhere: on the command line, in --help, in requests; and openapi.json and the documentation are held
-// to it.
+// One row of the option table is an option everywhere: on the command line, in --help, in requests; and
+// openapi.json and the documentation are held to it.
 #include "server/options/option_table.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,6 @@
-// Comparisons whose mesh is not made: the exact half comes first and stays. The importer is a stand-in that writes its model, begins to mesh
-// and then does what its input says (tests/support/fake_importer); the last test has the real one.
+// Comparisons whose mesh is not made: the exact half comes first and stays. The importer is a stand-in that
+// writes its model, begins to mesh and then does what its input says (tests/support/fake_importer); the last
+// test has the real one.
 #include "server/run/own_mesh.h"
 
 #include <gmock/gmock.h>
@@ -188,7 +189,8 @@ TEST_F(OwnMesh, WhoseSearchTreeIsTooLargeLeavesTheExactHalf) {
 
 TEST_F(OwnMesh, WhoseSearchTreeLeavesTooLittleForTheLeavesLeavesTheExactHalf) {
   unsetenv("FACETLESS_IMPORTER");
-  // The tree takes 9 MB, and 14 MB while it is built; the view's leaves need more than 12 MB, and less than 14.
+  // The tree takes 9 MB, and 14 MB while it is built; the view's leaves need more than 12 MB, and less than
+  // 14.
   const ChildOutcome outcome =
       RunProgram(Program("facetless"),
                  {"compare", Sample("wavy_sheet.step"), "--out", out_.File("compared"), "--samples", "1",

@@ -1,4 +1,5 @@
-// The laws of what is kept (server/service/store/store.h), for any implementation: a file of tests brings a host of its own and says
+// The laws of what is kept (server/service/store/store.h), for any implementation: a file of tests brings a
+// host of its own and says
 //
 //   INSTANTIATE_TEST_SUITE_P(Files, StoreConformance, testing::Values(&MakeFileStoreHost));
 #pragma once

@@ -1,4 +1,5 @@
-// What the tests of the server share: where files and programs are, files with a given text, and running a program.
+// What the tests of the server share: where files and programs are, files with a given text, and running a
+// program.
 #pragma once
 
 #include <cstdlib>

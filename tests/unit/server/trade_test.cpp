@@ -67,7 +67,8 @@ TEST_F(Trade, MeasuresBothTracersAndAnswers) {
   EXPECT_EQ(names, (std::set<std::string>{"fast", "standard, tolerance 1e-3", "standard", "certified",
                                           "mesh 1e-2, 30°", "mesh 1e-3, 30°"}));
 
-  // The exact one is exact, and a finer mesh is better: by what the deflection promises, 1e-3 of the diagonal.
+  // The exact one is exact, and a finer mesh is better: by what the deflection promises, 1e-3 of the
+  // diagonal.
   EXPECT_EQ(PointOf(report, "certified").at("depth_mm").at("max"), 0);
   const Json coarse = PointOf(report, "mesh 1e-2, 30°"), fine = PointOf(report, "mesh 1e-3, 30°");
   EXPECT_LT(fine.at("deviation_mm").at("p99"), coarse.at("deviation_mm").at("p99"));

@@ -55,8 +55,8 @@ Model ModelOfSpheres(const std::vector<testing::PatchGrid>& spheres) {
   return model;
 }
 
-// How often hard leaves may ask the fallback solver in a view of such a model: each patch as often as its pieces allow, and once for each
-// piece that it was given up with, at each sample.
+// How often hard leaves may ask the fallback solver in a view of such a model: each patch as often as its
+// pieces allow, and once for each piece that it was given up with, at each sample.
 std::uint64_t MostFallbacks(const Model& model) {
   const double samples = kSize * kSize;
   std::uint64_t most = 0;
@@ -78,7 +78,8 @@ RC_GTEST_PROP(BoundedWork, HoldsForDamagedNumbers, ()) {
   RC_ASSERT(stats.fallbacks <= MostFallbacks(model));
 }
 
-// Each such sphere leaves some hundred leaves that no ray can be told to miss. Many of them together use up what a ray may spend.
+// Each such sphere leaves some hundred leaves that no ray can be told to miss. Many of them together use up
+// what a ray may spend.
 TEST(BoundedWork, EndsARayByName) {
   std::vector<testing::PatchGrid> spheres;
   for (std::uint64_t seed = 0; seed < 20; ++seed) spheres.push_back(DamagedSphere(seed, 0, 72));

@@ -96,9 +96,9 @@ TEST(Direct, SphereFromEveryNamedView) {
 }
 
 TEST(Direct, PoleUnderThePixelCentre) {
-  // An odd image puts the pole of the top view exactly under the middle pixel, and a row and a column of pixels
-  // exactly on borders of patches, one of them the seam: nothing proves on which side of them a hit lies, but
-  // none may be lost.
+  // An odd image puts the pole of the top view exactly under the middle pixel, and a row and a column of
+  // pixels exactly on borders of patches, one of them the seam: nothing proves on which side of them a hit
+  // lies, but none may be lost.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   ExpectMatches(model, ViewOf(model, "top", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
                 402);
@@ -273,8 +273,8 @@ TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
 }
 
 TEST(Direct, APlaneSeenEdgeOnIsNotSplitForever) {
-  // Pixel centres lie in the plane, and neither of its parameters runs along a ray: every piece holds some of them
-  // and none has a certificate. In a close-up the pieces were millions.
+  // Pixel centres lie in the plane, and neither of its parameters runs along a ray: every piece holds some of
+  // them and none has a certificate. In a close-up the pieces were millions.
   const Model model = ModelOf({Rectangle({0, 0, 0}, {10, 3, 0}, {-2, 10, 0})});
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     Camera camera;
@@ -294,8 +294,8 @@ TEST(Direct, APlaneSeenEdgeOnIsNotSplitForever) {
 }
 
 TEST(Direct, APatchThatItsErrorsPlaceAnywhereIsInDoubtAndNotSplitForever) {
-  // One corner is so far or so heavy that rounding swallows the rest: no piece can be culled, and none has a certificate. Such
-  // were split without an end, or until the memory was full.
+  // One corner is so far or so heavy that rounding swallows the rest: no piece can be culled, and none has a
+  // certificate. Such were split without an end, or until the memory was full.
   const Vec4 corners[][2] = {{{5, 5, 0, 1e161}, {1e151, 1e248, 1e223, 1}},
                              {{5, 5, 0, 1}, {1e230, 1e240, 0, 1e-167}},
                              {{1e254, 1e254, 0, 1e-56}, {5, 5, 0, 1}},
@@ -351,8 +351,8 @@ TEST(Direct, FromVeryFarOnlyTheDistancesOwnDigitsAreLost) {
 }
 
 TEST(Direct, NoMissIsCertifiedBetweenPiecesBesideAnApex) {
-  // Pixels on the diagonals, a hundred thousand millionth of the cone's size from its apex: there the pieces of a
-  // leaf without a certificate are not much larger than the error of a root.
+  // Pixels on the diagonals, a hundred thousand millionth of the cone's size from its apex: there the pieces
+  // of a leaf without a certificate are not much larger than the error of a root.
   const Model model = ModelOf({Frustum({0, 0, 0}, 1, 0, 1)});
   const Scene scene(model);
   for (const double window : {1e-5, 1e-6, 1e-7, 1e-8}) {
@@ -367,7 +367,8 @@ TEST(Direct, NoMissIsCertifiedBetweenPiecesBesideAnApex) {
 }
 
 TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
-  // The middle column runs along meridians in which two patches meet; a silhouette or a corner of patches is not certain.
+  // The middle column runs along meridians in which two patches meet; a silhouette or a corner of patches is
+  // not certain.
   const Model model = ModelOf({Sphere({0, 0, 0}, 1)});
   for (const char* view : {"front", "top"}) {
     for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
@@ -381,8 +382,8 @@ TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
 }
 
 TEST(Direct, TheEndsOfAnOpenSpiralDoNotVouchForEachOther) {
-  // One turn of a ramp: from above, the ray through its one end passes the other, 20 mm deeper. The middle row runs along both
-  // ends on the right, and on the left along a border of patches within the ramp.
+  // One turn of a ramp: from above, the ray through its one end passes the other, 20 mm deeper. The middle
+  // row runs along both ends on the right, and on the left along a border of patches within the ramp.
   testing::PatchGrid spiral = testing::Frustum({0, 0, 0}, 10, 4, 1);
   spiral.kind = SurfaceKind::kBspline;
   for (std::size_t i = 0; i < spiral.points.size(); ++i) {

@@ -1,5 +1,5 @@
-// No light through the seams: faces that meet only to within a gap, from all sides, and with no tolerance for a
-// ray that is crossed an odd number of times.
+// No light through the seams: faces that meet only to within a gap, from all sides, and with no tolerance for
+// a ray that is crossed an odd number of times.
 #include "render/trace/seams.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,8 @@ std::size_t SeamsIn(const Model& model, const Camera& camera) {
 }
 
 TEST(Seams, AGapThatIsWideInThePictureIsSeenAsWhatItIs) {
-  // Edges that lie off their faces by some hundredths of their length: near by, the samples in the gap are as many as the picture has.
+  // Edges that lie off their faces by some hundredths of their length: near by, the samples in the gap are as
+  // many as the picture has.
   const Model model = testing::LooseBox({10, 8, 6}, 0.25, 1);
   EXPECT_GT(SeamsIn(model, From({1, 2, 3}, model.bounds, Projection::kOrthographic, 48)), 0u);
   EXPECT_EQ(SeamsIn(model, From({1, 2, 3}, model.bounds, Projection::kOrthographic, 4096)), 0u);
@@ -120,8 +121,8 @@ TEST(Seams, TheyAreThePixelsWithinReachOfAnEdge) {
 }
 
 TEST(Seams, AnOddFaceBesideAnEdgeIsGivenACrossingOnTheEdge) {
-  // Looked at along y, at an edge that bulges out of a face seen edge-on: rays under the bulge meet nothing of
-  // the faces themselves.
+  // Looked at along y, at an edge that bulges out of a face seen edge-on: rays under the bulge meet nothing
+  // of the faces themselves.
   Model model = testing::LooseBox({10, 8, 6}, 0, 1);
   for (Vec4& p : model.edge_points)
     if (p.x == 5 && p.y == 0 && p.z == 6) p.z += 1;

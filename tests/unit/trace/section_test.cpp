@@ -188,8 +188,8 @@ TEST(SectionArea, TangentToATorusAlongItsTopOrNearlySo) {
 }
 
 TEST(SectionArea, BitangentToATorusIsTwoCirclesOfVillarceau) {
-  // The plane through the centre at the angle asin(r/R): two circles of radius R that overlap between the tangent points. The
-  // solid's cut is what lies in exactly one of them.
+  // The plane through the centre at the angle asin(r/R): two circles of radius R that overlap between the
+  // tangent points. The solid's cut is what lies in exactly one of them.
   const double major = 20, minor = 6;
   const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, major, minor)}));
   const double sine = minor / major, cosine = std::sqrt(1 - sine * sine);

@@ -1,8 +1,9 @@
-// Blends as OpenCASCADE makes them: fillets, chamfers, sweeps, lofts and offsets of random solids, whose faces have degrees that no
-// hand-made sample has; rendered, audited and judged.
+// Blends as OpenCASCADE makes them: fillets, chamfers, sweeps, lofts and offsets of random solids, whose
+// faces have degrees that no hand-made sample has; rendered, audited and judged.
 //
 //  1. A blend depends on its seed alone. Each dimension is drawn on its own over its whole range.
-//  2. What OpenCASCADE cannot make, or calls invalid itself, is no blend: kinds of failure are counted, not hidden.
+//  2. What OpenCASCADE cannot make, or calls invalid itself, is no blend: kinds of failure are counted, not
+//     hidden.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
@@ -36,8 +37,8 @@ struct BlendReport {
   bool closed = false;                              // a closed solid: rays are counted
 };
 
-// Renders two views that the seed says, in certified precision with an audit, and lets the oracle judge samples.
-// Errors: those of the renderer.
+// Renders two views that the seed says, in certified precision with an audit, and lets the oracle judge
+// samples. Errors: those of the renderer.
 Result<BlendReport> JudgeBlend(const Model& model, std::uint64_t seed, int size);
 
 }  // namespace facetless

@@ -1,4 +1,5 @@
-// A fixed sample of what facetless_blends sweeps: fillets, chamfers, sweeps, lofts and offsets as OpenCASCADE makes them.
+// A fixed sample of what facetless_blends sweeps: fillets, chamfers, sweeps, lofts and offsets as OpenCASCADE
+// makes them.
 #include "tests/verify/blends/blends.h"
 
 #include <OSD.hxx>
@@ -11,7 +12,8 @@ namespace {
 class Blends : public ::testing::TestWithParam<int> {};
 
 constexpr int kPerTest = 8;
-// OpenCASCADE works on this offset for more than a minute before there is anything to render; facetless_blends gives up on it by name.
+// OpenCASCADE works on this offset for more than a minute before there is anything to render;
+// facetless_blends gives up on it by name.
 constexpr std::uint64_t kSlowSeed = 24;
 
 TEST_P(Blends, AreRenderedWithoutALeakAndAsTheOracleSays) {

@@ -44,7 +44,8 @@ Verdict Decide(const Ray& ray, double ours, double reference, double tolerance, 
   claim = exact.Judge(ray, std::min(ours, reference), tolerance);
   if (claim.standing == Standing::kEdge)
     return claim.inside_edge == ours_is_nearer ? Verdict::kEdgeForOurs : Verdict::kEdgeForReference;
-  // Both on one surface, apart by more than the tolerance along the ray but not across the surface: the nearer to it is right.
+  // Both on one surface, apart by more than the tolerance along the ray but not across the surface: the
+  // nearer to it is right.
   if (std::isfinite(ours) && std::isfinite(reference)) {
     const Judgement other = exact.Judge(ray, std::max(ours, reference), tolerance);
     if (other.face == claim.face && other.standing != Standing::kEdge &&

@@ -1,7 +1,9 @@
-// The direct renderer against OpenCASCADE's exact intersector: same file, same rays, and a verdict on every ray where they differ.
+// The direct renderer against OpenCASCADE's exact intersector: same file, same rays, and a verdict on every
+// ray where they differ.
 //
-//  1. The nearer of the two hits is a claim: it says that there is a surface, and the other says that there is none. ExactReference::Judge
-//     decides whether the claim holds, so each difference ends with one of the verdicts below.
+//  1. The nearer of the two hits is a claim: it says that there is a surface, and the other says that there
+//     is none. ExactReference::Judge decides whether the claim holds, so each difference ends with one of the
+//     verdicts below.
 //  2. Two depths agree if they differ by at most kAgreement of the model's diagonal.
 //  3. Of a part that is placed several times, one placement is compared where `one_placement` is asked for.
 #pragma once
@@ -22,8 +24,8 @@ inline constexpr double kAgreement = 1e-7;
 
 enum class Verdict : std::uint8_t {
   kAgree,  // both miss, or both hit at the same depth
-  // The ray passes an edge within the tolerance that the shape gives it. Either may be right; the side on which the ray
-  // passes the edge's 3D curve speaks for one of the two.
+  // The ray passes an edge within the tolerance that the shape gives it. Either may be right; the side on
+  // which the ray passes the edge's 3D curve speaks for one of the two.
   kEdgeForOurs,
   kEdgeForReference,
   kReferenceLost,       // our hit is on a face: the reference lost it
@@ -73,8 +75,8 @@ struct ComparedFile {
   ExactReference reference;
 };
 
-// Imports the file as facetless-import does, and reads it again for the reference (after the same repairs of the text).
-// Errors: those of either.
+// Imports the file as facetless-import does, and reads it again for the reference (after the same repairs of
+// the text). Errors: those of either.
 Result<ComparedFile> LoadBoth(const std::string& path, bool one_placement);
 
 // Traces the view twice and judges. Errors: those of TraceDirect.

@@ -84,8 +84,8 @@ struct NearestOnEdge {
   double parameter = 0;
 };
 
-// The point of the edge that the ray comes closest to, at most `window` away in depth from `depth`; farther ones count as
-// farther by what they exceed it. Samples, then a golden section about each smallest one.
+// The point of the edge that the ray comes closest to, at most `window` away in depth from `depth`; farther
+// ones count as farther by what they exceed it. Samples, then a golden section about each smallest one.
 NearestOnEdge FindNearest(const Ray& ray, const BRepAdaptor_Curve& curve, double depth, double window) {
   constexpr int kSamplesPerInterval = 24;
   const double first = curve.FirstParameter(), last = curve.LastParameter();
@@ -130,7 +130,8 @@ NearestOnEdge FindNearest(const Ray& ray, const BRepAdaptor_Curve& curve, double
   return best;
 }
 
-// True if the ray passes the oriented edge on its left, seen against the normal: where the face's material is.
+// True if the ray passes the oriented edge on its left, seen against the normal: where the face's material
+// is.
 bool PassesInside(const Ray& ray, const BRepAdaptor_Curve& curve, double parameter, bool reversed,
                   Vec3 normal) {
   gp_Pnt at;
@@ -144,9 +145,9 @@ bool PassesInside(const Ray& ray, const BRepAdaptor_Curve& curve, double paramet
   return Dot(lateral, into_face - Dot(into_face, forward) * forward) > 0;
 }
 
-// Finds the edge that the ray comes closest to, measured in its own tolerance (at least tolerance_mm). A point that
-// is within the tolerance of an edge as the ray sees it lies within tolerance / cosine of it along the ray, were the
-// face flat; twice that is granted, so that an edge far in front or behind does not count.
+// Finds the edge that the ray comes closest to, measured in its own tolerance (at least tolerance_mm). A
+// point that is within the tolerance of an edge as the ray sees it lies within tolerance / cosine of it along
+// the ray, were the face flat; twice that is granted, so that an edge far in front or behind does not count.
 void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, Vec3 normal, double tolerance_mm,
                      Judgement& judgement) {
   double best = kInfinity;

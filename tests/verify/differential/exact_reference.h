@@ -1,9 +1,12 @@
 // OpenCASCADE's own answer to a ray: the second opinion that the direct renderer is compared with.
 //
-//  1. The shape is read by OpenCASCADE's plain readers, in mm, with nothing of import/ in between. Faces keep the order of its explorer.
-//  2. Nearest() is that of import/exact_intersector.h. It is neither checked nor repaired: what it loses is lost.
-//  3. Judge() decides who is right, by other means than both tracers: a point is projected onto the face's surface, the
-//     foot is classified against the face's p-curves, and the ray's distance to the face's 3D edges is measured.
+//  1. The shape is read by OpenCASCADE's plain readers, in mm, with nothing of import/ in between. Faces keep
+//     the order of its explorer.
+//  2. Nearest() is that of import/exact_intersector.h. It is neither checked nor repaired: what it loses is
+//     lost.
+//  3. Judge() decides who is right, by other means than both tracers: a point is projected onto the face's
+//     surface, the foot is classified against the face's p-curves, and the ray's distance to the face's 3D
+//     edges is measured.
 //  4. Not for several threads at once: OpenCASCADE's intersectors keep state.
 #pragma once
 
@@ -46,8 +49,8 @@ struct Judgement {
 
 class ExactReference {
  public:
-  // Reads a STEP or IGES file. `one_placement`: of faces placed several times only the first placement is kept.
-  // Errors: kFileUnreadable, kFormatUnknown, kNothingUsable.
+  // Reads a STEP or IGES file. `one_placement`: of faces placed several times only the first placement is
+  // kept. Errors: kFileUnreadable, kFormatUnknown, kNothingUsable.
   static Result<ExactReference> Load(const std::string& path, bool one_placement);
   ~ExactReference();
   ExactReference(ExactReference&&) noexcept;
@@ -60,7 +63,8 @@ class ExactReference {
   // The hit nearest to the eye, not nearer than `near` (depths as in camera.h), which may be −infinity.
   ReferenceHit Nearest(const Ray& ray, double near);
 
-  // How the point at `depth` on `ray` stands to the faces near it; `tolerance_mm` is what counts as on the surface.
+  // How the point at `depth` on `ray` stands to the faces near it; `tolerance_mm` is what counts as on the
+  // surface.
   Judgement Judge(const Ray& ray, double depth, double tolerance_mm);
 
  private:

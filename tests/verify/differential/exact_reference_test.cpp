@@ -1,4 +1,5 @@
-// The judge has to be right before it judges: known points on known shapes, and models that are wrong on purpose.
+// The judge has to be right before it judges: known points on known shapes, and models that are wrong on
+// purpose.
 
 #include "tests/verify/differential/exact_reference.h"
 

@@ -1,7 +1,8 @@
-// The direct renderer against OpenCASCADE's exact intersector on the samples and on the real files: what docs/accuracy-results.md claims, with fewer rays.
+// The direct renderer against OpenCASCADE's exact intersector on the samples and on the real files: what
+// docs/accuracy-results.md claims, with fewer rays.
 //
-// Rays of which the shape itself leaves open what they hit (they pass an edge within its tolerance) and rays on which the reference is
-// proven wrong don't count against the renderer; everything else does.
+// Rays of which the shape itself leaves open what they hit (they pass an edge within its tolerance) and rays
+// on which the reference is proven wrong don't count against the renderer; everything else does.
 
 #include <gtest/gtest.h>
 

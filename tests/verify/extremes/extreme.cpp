@@ -16,7 +16,8 @@ constexpr std::size_t kListed = 3;     // failures of one kind
 constexpr std::uint64_t kSeed = 1;
 // What a picture may take: an explosion of leaves is a failure, and soon over.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;
-// Samples without a certificate that are judged, of each picture in `certified`: the oracle needs long for each.
+// Samples without a certificate that are judged, of each picture in `certified`: the oracle needs long for
+// each.
 constexpr std::size_t kOthers = 2;
 
 // Printf's text.
@@ -158,8 +159,8 @@ class Measuring {
     }
   }
 
-  // Whether a sample without a certificate is right all the same: its hit is a crossing, to within its bound or,
-  // where it has none, a millionth of the model; and nothing that is certainly there is nearer.
+  // Whether a sample without a certificate is right all the same: its hit is a crossing, to within its bound
+  // or, where it has none, a millionth of the model; and nothing that is certainly there is nearer.
   bool Right(const oracle::Oracle& surfaces, const Camera& camera, const oracle::Claim& claim) const {
     constexpr double kShare = 1e-6;
     const bool perspective = camera.projection == Projection::kPerspective;

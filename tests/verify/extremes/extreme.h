@@ -1,12 +1,14 @@
-// An extreme: a model and views at the border of what numbers can do, what must come out of them, and what did.
+// An extreme: a model and views at the border of what numbers can do, what must come out of them, and what
+// did.
 //
-//  1. Each extreme is rendered in all three precisions. Samples of each picture, those where renderers fail among
-//     them, are judged by the oracle (tests/verify/oracle), which takes the model's patches and the camera for exact.
+//  1. Each extreme is rendered in all three precisions. Samples of each picture, those where renderers fail
+//     among them, are judged by the oracle (tests/verify/oracle), which takes the model's patches and the
+//     camera for exact.
 //  2. A row fails if a certified sample is wrong; if `certified` precision certifies a face other than the
-//     nearest; if certified samples of two precisions contradict each other anywhere in the picture; if a picture
-//     holds a NaN or a normal that is not one; if fewer samples are certified than promised, or a certified
-//     depth's stated bound is larger than promised; if a doubt has another name than those that the row allows; if
-//     an error comes where none is expected, or another one, or none.
+//     nearest; if certified samples of two precisions contradict each other anywhere in the picture; if a
+//     picture holds a NaN or a normal that is not one; if fewer samples are certified than promised, or a
+//     certified depth's stated bound is larger than promised; if a doubt has another name than those that the
+//     row allows; if an error comes where none is expected, or another one, or none.
 //  3. What is not certified may be wrong: it says so. How often it is, the table tells.
 #pragma once
 

@@ -1,7 +1,8 @@
 // Extremes that a file can hold: written as STEP, read by facetless-import, rendered.
 //
-//  1. Each file is one B-spline face between four edges. Either the face arrives and its samples pass what Measure
-//     asks, or the answer names what is wrong: an error of the importer, or a lost face with its reason.
+//  1. Each file is one B-spline face between four edges. Either the face arrives and its samples pass what
+//     Measure asks, or the answer names what is wrong: an error of the importer, or a lost face with its
+//     reason.
 #pragma once
 
 #include <string>

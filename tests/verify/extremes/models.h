@@ -13,7 +13,8 @@ namespace facetless::extremes {
 
 // One Bézier patch; `points` are (w·x, w·y, w·z, w), v runs fastest.
 testing::PatchGrid BezierPatch(int degree_u, int degree_v, std::vector<Vec4> points);
-// The graph of a bumpy height over the square [0, size]², with the weight that `weight(k, l)` gives each point.
+// The graph of a bumpy height over the square [0, size]², with the weight that `weight(k, l)` gives each
+// point.
 testing::PatchGrid BumpyPatch(int degree_u, int degree_v, double size,
                               const std::function<double(int, int)>& weight = nullptr);
 // A uniform bicubic B-spline of count × count control points, waves over the square [0, size]².

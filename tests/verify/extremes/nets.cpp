@@ -17,8 +17,8 @@ std::vector<Camera> Around(const Model& model) {
 }
 
 void AddWeights(Rows& rows) {
-  // What is nearly all in the surface's weights is nearly nothing in its parameters: there the net's rounding, which
-  // is that of its largest weight, leaves roots without proof. They are in doubt, by name.
+  // What is nearly all in the surface's weights is nearly nothing in its parameters: there the net's
+  // rounding, which is that of its largest weight, leaves roots without proof. They are in doubt, by name.
   constexpr std::uint8_t kAny =
       kDoubtSilhouette | kDoubtPole | kDoubtTwoRoots | kDoubtTrim | kDoubtUnresolved;
   const auto row = [&](const char* input, double certified, double bound_mm, std::uint8_t doubts,

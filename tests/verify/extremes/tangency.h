@@ -1,8 +1,8 @@
 // Rays beside a silhouette, nearer and nearer: when is hit or miss still proven, and is it right?
 //
-//  1. Each ray is an image of one pixel of its own, parallel to a tangent of the surface and an offset inside or
-//     outside of it, in units of the radius. Offsets below 1e-15 are what doubles make of them; the oracle judges
-//     the very ray.
+//  1. Each ray is an image of one pixel of its own, parallel to a tangent of the surface and an offset inside
+//     or outside of it, in units of the radius. Offsets below 1e-15 are what doubles make of them; the oracle
+//     judges the very ray.
 #pragma once
 
 #include <array>

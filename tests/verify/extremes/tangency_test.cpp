@@ -7,8 +7,8 @@
 namespace facetless::extremes {
 namespace {
 
-// Nearer than this, in units of the radius (and here of a sample), no proof is promised: the pieces in which the two
-// roots could be told apart come near kFloorSamples, where the fallback solver stops.
+// Nearer than this, in units of the radius (and here of a sample), no proof is promised: the pieces in which
+// the two roots could be told apart come near kFloorSamples, where the fallback solver stops.
 constexpr double kPromised = 1e-9;
 
 TEST(Tangency, NothingCertifiedIsWrongAndHitOrMissIsProvenDownToRounding) {

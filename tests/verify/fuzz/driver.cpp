@@ -1,5 +1,6 @@
-// Stands in for libFuzzer where the compiler has none: FILE… --seconds S --seed N. Each file as it is, then mutants of all of them in
-// turn until the time is over. A failure is repeated by its file, seed and index, which are written before each try.
+// Stands in for libFuzzer where the compiler has none: FILE… --seconds S --seed N. Each file as it is, then
+// mutants of all of them in turn until the time is over. A failure is repeated by its file, seed and index,
+// which are written before each try.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// Fuzz target: the bytes of a connection. Request line, headers, chunks, multipart and options all go through the real server, over a
-// socket; the importer is not there, so jobs fail at once.
+// Fuzz target: the bytes of a connection. Request line, headers, chunks, multipart and options all go through
+// the real server, over a socket; the importer is not there, so jobs fail at once.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -103,8 +103,8 @@ std::string Exchange(int port, std::string_view request) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static RunningServer server;
   const std::string answer = Exchange(server.port(), Text(data, size));
-  // Nothing, if the request was never whole; else a status, and never one that says that something was thrown: the only internal error
-  // is that of a job which had the time to find no importer.
+  // Nothing, if the request was never whole; else a status, and never one that says that something was
+  // thrown: the only internal error is that of a job which had the time to find no importer.
   if (answer.empty()) return 0;
   const auto has = [&](const char* text) { return answer.find(text) != std::string::npos; };
   const std::string status = answer.substr(answer.find(' ') + 1, 3);

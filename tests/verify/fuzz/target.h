@@ -1,9 +1,9 @@
 // What the fuzz targets share.
 //
-//  1. A target is one function, LLVMFuzzerTestOneInput: any bytes, no answer. It ends the process where a promise is
-//     broken.
-//  2. Built by the preset `fuzz` (tools/fuzz), libFuzzer calls it; in other builds driver.cpp does, with seeds and mutants of
-//     them.
+//  1. A target is one function, LLVMFuzzerTestOneInput: any bytes, no answer. It ends the process where a
+//     promise is broken.
+//  2. Built by the preset `fuzz` (tools/fuzz), libFuzzer calls it; in other builds driver.cpp does, with
+//     seeds and mutants of them.
 #pragma once
 
 #include <cstddef>

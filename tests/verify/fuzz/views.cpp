@@ -1,5 +1,5 @@
-// Fuzz target: what the model file's checks let through is shaded, cut, measured, inspected and drawn as lines, small. Which of them, and how the
-// view is taken, the file's own bytes say.
+// Fuzz target: what the model file's checks let through is shaded, cut, measured, inspected and drawn as
+// lines, small. Which of them, and how the view is taken, the file's own bytes say.
 #include "render/inspect/continuity.h"
 #include "render/inspect/picture.h"
 #include "render/lines/draw_lines.h"

@@ -1,5 +1,6 @@
-// Files made to do harm by hand: what a mutation would hardly find. Each gets one clear answer from the real importer, in
-// bounded time and memory. Meshes and model files have theirs in tests/unit/baseline/mesh_file_test and tests/unit/model/model_file_test.
+// Files made to do harm by hand: what a mutation would hardly find. Each gets one clear answer from the real
+// importer, in bounded time and memory. Meshes and model files have theirs in
+// tests/unit/baseline/mesh_file_test and tests/unit/model/model_file_test.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

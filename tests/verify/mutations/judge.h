@@ -1,8 +1,9 @@
 // What becomes of a hostile file: through the importer, the mesh reader or a running service.
 //
-//  1. Every file must get an answer: files that can be read back, or one error with a code, a sentence and no internal
-//     defect. What is neither is an offence.
-//  2. A crash that the importer's process contained, and a limit that it met, are answers; they are counted under their names.
+//  1. Every file must get an answer: files that can be read back, or one error with a code, a sentence and no
+//     internal defect. What is neither is an offence.
+//  2. A crash that the importer's process contained, and a limit that it met, are answers; they are counted
+//     under their names.
 #pragma once
 
 #include <string>
@@ -33,7 +34,8 @@ Verdict JudgeMesh(const std::string& path);
 // By the file's name: a mesh for .glb and .stl, else CAD.
 Verdict JudgeFile(const std::string& path, const JudgeLimits& limits);
 
-// Posted to a service as a model or, with `options` (JSON), to be compared with them: 2xx, or a problem document with that status.
+// Posted to a service as a model or, with `options` (JSON), to be compared with them: 2xx, or a problem
+// document with that status.
 Verdict JudgePost(const std::string& host, int port, const std::string& file_name, const std::string& bytes,
                   const std::string& options, const JudgeLimits& limits);
 

@@ -1,8 +1,9 @@
-// Mutants: files that differ from a sound one as files differ that were damaged, cut, badly exported, or made to do harm.
+// Mutants: files that differ from a sound one as files differ that were damaged, cut, badly exported, or made
+// to do harm.
 //
 //  1. A mutant is a function of the file's bytes, the seed and its index alone, on every machine.
-//  2. STEP, IGES and glTF are changed by their own syntax about three times in four: numbers, references, keywords, records,
-//     entities, texts, lists. Otherwise, and in all other files, bytes are.
+//  2. STEP, IGES and glTF are changed by their own syntax about three times in four: numbers, references,
+//     keywords, records, entities, texts, lists. Otherwise, and in all other files, bytes are.
 //  3. One to four changes each, so that most of the file still means what it did.
 #pragma once
 
@@ -36,7 +37,8 @@ struct Mutant {
 
 Mutant MakeMutant(std::string_view original, std::uint64_t seed, std::uint64_t index);
 
-// One change each, in place, and what it was; the first three change nothing if the bytes have no such syntax.
+// One change each, in place, and what it was; the first three change nothing if the bytes have no such
+// syntax.
 std::string MutateStep(std::string& bytes, Dice& dice);
 std::string MutateIges(std::string& bytes, Dice& dice);
 std::string MutateGltf(std::string& bytes, Dice& dice);

@@ -1,4 +1,5 @@
-// A bounded run of facetless_mutations over the project's own samples; thousands are run by hand (docs/reliability.md).
+// A bounded run of facetless_mutations over the project's own samples; thousands are run by hand
+// (docs/reliability.md).
 #include <gtest/gtest.h>
 #include <unistd.h>
 

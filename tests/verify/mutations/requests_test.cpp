@@ -1,5 +1,5 @@
-// Mutants of requests, byte by byte, against a running service: each gets a response of HTTP or a closed connection, and the
-// service answers the next client.
+// Mutants of requests, byte by byte, against a running service: each gets a response of HTTP or a closed
+// connection, and the service answers the next client.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>

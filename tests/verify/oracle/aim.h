@@ -23,15 +23,15 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-// Points of the model where something begins or ends: vertices, points on edges, corners of patches (seams and
-// poles among them). At most `most`, of all placed faces.
+// Points of the model where something begins or ends: vertices, points on edges, corners of patches (seams
+// and poles among them). At most `most`, of all placed faces.
 std::vector<Vec3> Features(const Model& model, std::size_t most, Random& random);
 
 // `count` pixels anywhere.
 std::vector<std::uint32_t> RandomPixels(const SampleBuffer& samples, std::size_t count, Random& random);
 
-// At most `count` of: pixels beside a change of face, or from hit to miss; pixels without a certificate; pixels
-// onto which one of `features` falls, and their neighbours.
+// At most `count` of: pixels beside a change of face, or from hit to miss; pixels without a certificate;
+// pixels onto which one of `features` falls, and their neighbours.
 std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vector<Vec3>& features,
                                       std::size_t count, Random& random);
 

@@ -1,4 +1,5 @@
-// The oracle against itself: its numbers, its closed forms, and its subdivision on the same surfaces as patches.
+// The oracle against itself: its numbers, its closed forms, and its subdivision on the same surfaces as
+// patches.
 #include "tests/verify/oracle/closed_forms.h"
 
 #include <gtest/gtest.h>
@@ -42,8 +43,8 @@ TEST(PolynomialRoots, FindsWhatWasMultipliedTogether) {
   EXPECT_EQ(PolynomialRoots({1, -2, 1}).size(), 1u) << "a double root";
 }
 
-// Quarter circles with small whole numbers for coefficients: x = 1 − t², y = 2t, w = 1 + t². Exact in double, so
-// that closed form and patch are the same surface to the last bit of Real.
+// Quarter circles with small whole numbers for coefficients: x = 1 − t², y = 2t, w = 1 + t². Exact in double,
+// so that closed form and patch are the same surface to the last bit of Real.
 struct QuarterPoint {
   double x, y, w;
 };
@@ -103,7 +104,8 @@ ViewRay AnyRay(double reach) {
   return RayOf(view, 0.5, 0.5);
 }
 
-// The same crossings, in the same order, to the last digits. `keep`: which of the closed form's lie on the patch.
+// The same crossings, in the same order, to the last digits. `keep`: which of the closed form's lie on the
+// patch.
 template <typename Keep>
 void ExpectSame(const Model& model, const ViewRay& ray, const std::vector<Real>& roots, const Keep& keep) {
   const std::vector<Crossing> crossings = Oracle(model).Crossings(ray, -INFINITY);
@@ -167,7 +169,8 @@ TEST(Oracle, SeamsGiveOneCrossing) {
   }
 }
 
-// Two patches that meet in a ridge, seen along the ground: just below the ridge a ray enters one and leaves the other.
+// Two patches that meet in a ridge, seen along the ground: just below the ridge a ray enters one and leaves
+// the other.
 TEST(Oracle, ARidgeSeenFromTheSideIsCrossedTwice) {
   const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   for (const double below : {1e-3, 1e-9, 1e-13, 1e-20}) {

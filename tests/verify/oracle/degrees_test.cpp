@@ -1,5 +1,5 @@
-// Every pair of degrees that a file may have, 1 … 25 by 1 … 25, each once: rendered in every precision and by every instruction set,
-// judged by the oracle and by the independent check of certificates.
+// Every pair of degrees that a file may have, 1 … 25 by 1 … 25, each once: rendered in every precision and by
+// every instruction set, judged by the oracle and by the independent check of certificates.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -18,7 +18,8 @@ namespace {
 
 constexpr int kSize = 19;
 constexpr std::size_t kJudged = 4;  // samples of each picture: the oracle takes its time with high degrees
-// A patch of the highest degrees has 676 control points; what it may take beyond that would be an explosion of leaves.
+// A patch of the highest degrees has 676 control points; what it may take beyond that would be an explosion
+// of leaves.
 constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
 
 SurfaceRecipe RecipeOf(int degree_u, int degree_v) {

@@ -1,5 +1,6 @@
-// The direct renderer before the oracle: no certified sample may be wrong, ever. Models and views are drawn at random,
-// and aimed at what fails: along axes, through seams, poles, vertices, edges and corners of trims, from both sides.
+// The direct renderer before the oracle: no certified sample may be wrong, ever. Models and views are drawn
+// at random, and aimed at what fails: along axes, through seams, poles, vertices, edges and corners of trims,
+// from both sides.
 #include "render/trace/direct.h"
 
 #include <gtest/gtest.h>
@@ -91,8 +92,8 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     RC_FAIL(text);
   }
 
-  // A named view of the whole, and a close-up from the same side and from the opposite one, at a feature or at what a
-  // ray along an axis of the model meets.
+  // A named view of the whole, and a close-up from the same side and from the opposite one, at a feature or
+  // at what a ray along an axis of the model meets.
   void LookAround(const Model& model) {
     const auto seed = *rc::gen::arbitrary<std::uint64_t>();
     Random random(seed);
@@ -116,8 +117,8 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
   void Check(const char* description, const Property& property) {
     judged_ = {};
     EXPECT_TRUE(rc::check(description, property));
-    // Cameras look closely at seams, poles and edges, where doubts are many; but a property that certifies little
-    // proves little.
+    // Cameras look closely at seams, poles and edges, where doubts are many; but a property that certifies
+    // little proves little.
     EXPECT_GT(judged_.certified, judged_.samples / 2) << "of " << judged_.samples << " samples";
   }
 
@@ -192,9 +193,9 @@ TEST_P(DirectBeforeTheOracle, SolidsWithSharedEdges) {
   });
 }
 
-// A sphere of a thousandth of a millimetre, a metre from the origin, with a column of pixel centres on the seam of two
-// patches next to the pole. The rounding of a metre is 1e-10 of the sphere, and each patch has its own: pieces of
-// leaves without a certificate overlapped by less, and both left the root to the other.
+// A sphere of a thousandth of a millimetre, a metre from the origin, with a column of pixel centres on the
+// seam of two patches next to the pole. The rounding of a metre is 1e-10 of the sphere, and each patch has
+// its own: pieces of leaves without a certificate overlapped by less, and both left the root to the other.
 TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
   const double radius = 0x1p-10;
   const Model model = facetless::testing::ModelOf({facetless::testing::Sphere({1000, 0, 0}, radius)});
@@ -215,8 +216,8 @@ TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
   EXPECT_GT(direct.stats.hits, 100u);
 }
 
-// A roof of two patches: continued beyond its border, each lies above the other. A root in the overlap of their leaves
-// is no point of the surface, and the nearer of the two is always the wrong one.
+// A roof of two patches: continued beyond its border, each lies above the other. A root in the overlap of
+// their leaves is no point of the surface, and the nearer of the two is always the wrong one.
 TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
   const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   const Oracle oracle(model);
@@ -235,8 +236,9 @@ TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
   }
 }
 
-// A sphere and a cylinder of a thousandth of a millimetre that touch, a metre from the origin. Where the one is in
-// front of the other by less than single precision can tell, `fast` may show the wrong one, but not deeper than it says.
+// A sphere and a cylinder of a thousandth of a millimetre that touch, a metre from the origin. Where the one
+// is in front of the other by less than single precision can tell, `fast` may show the wrong one, but not
+// deeper than it says.
 TEST_P(DirectBeforeTheOracle, FacesThatTouchAreAsNearAsIsSaid) {
   using namespace facetless::testing;
   const double radius = 0x1p-10;

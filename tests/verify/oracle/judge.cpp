@@ -12,8 +12,8 @@ namespace {
 
 // Perspective views show nothing nearer than this share of the model's diagonal (docs/cameras.md).
 constexpr double kNearShare = 1e-9;
-// An edge speaks for a crossing if it is as near along the ray as its gap may reach at that slant, and this many
-// times more, the band being measured generously.
+// An edge speaks for a crossing if it is as near along the ray as its gap may reach at that slant, and this
+// many times more, the band being measured generously.
 constexpr double kSlantReach = 8;
 constexpr double kMostSlant = 64;
 // The slope that a moved ray's depth may follow: that of a face seen at an angle whose cosine is the inverse.
@@ -124,7 +124,8 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
         judgement.other_face = !own;
       }
     }
-    // Within an edge's gap the claim may lie on the patch continued beyond its border, where the oracle has none.
+    // Within an edge's gap the claim may lie on the patch continued beyond its border, where the oracle has
+    // none.
     if (!covered && edges) {
       const EdgeContact contact = edge_at(claim.placed_face, claim.depth, 0);
       covered = contact.coedge != kNoIndex;
@@ -170,7 +171,8 @@ Judgement Judge::Ask(const Claim& claim) const {
 
 double Judge::Reach(const ViewRay& ray, const Claim& claim) const {
   constexpr int kDirections = 8;
-  // What verdicts hang on is looked for closely; how far off a wrong sample is only needs an order of magnitude.
+  // What verdicts hang on is looked for closely; how far off a wrong sample is only needs an order of
+  // magnitude.
   const double rounding = RoundingAt(claim);
   const double telling = std::max(rounding, 2 * kReachInGaps * oracle_.model().info.max_edge_gap_mm);
   const double farthest = std::max(telling, kDescribedShare * oracle_.model().Diagonal());

@@ -1,20 +1,21 @@
 // What the oracle says to the renderer's samples.
 //
-//  1. A sample claims that nothing is hit, or that one face is hit at one depth and nothing nearer. It is right if
-//     the oracle's crossings agree: a claimed hit matches a crossing of that face, or of any other, within the
-//     depth bound, and no crossing that certainly belongs to its face lies nearer by more than that bound; a
-//     claimed miss has no such crossing at all.
+//  1. A sample claims that nothing is hit, or that one face is hit at one depth and nothing nearer. It is
+//     right if the oracle's crossings agree: a claimed hit matches a crossing of that face, or of any other,
+//     within the depth bound, and no crossing that certainly belongs to its face lies nearer by more than
+//     that bound; a claimed miss has no such crossing at all.
 //  2. The depth bound is the sample's own where the renderer states one (SampleBuffer::depth_error), else
 //     kDepthShare of the model's diagonal over |N·D|.
-//  3. A ray that is moved sideways by little must give the sample's answer, by p-curves alone, if the sample is to be
-//     excused by an edge or by rounding: an answer that no neighbouring ray has, such as light through a seam, is
-//     never excused. `reach_mm` is the least of the distances tried that does; infinite: none up to kDescribedShare of
-//     the diagonal.
-//  4. kWithinRounding: reach_mm is at most kRayRounding of the distances involved, the rounding of a camera in double.
-//     Nothing in double can know better which side of a border it is on. kAtEdge: right if one takes the answer at an
-//     edge as free, where the ray passes the 3D edge within the gap that the model records for it (oracle.h, law 4),
-//     and reach_mm is at most kReachInGaps of that gap: the p-curves of both faces may lie a gap off the edge, on
-//     either side. kAtTwiceTheGap: the same at twice the gap, which is what the renderer allows for how gaps are measured.
+//  3. A ray that is moved sideways by little must give the sample's answer, by p-curves alone, if the sample
+//     is to be excused by an edge or by rounding: an answer that no neighbouring ray has, such as light
+//     through a seam, is never excused. `reach_mm` is the least of the distances tried that does; infinite:
+//     none up to kDescribedShare of the diagonal.
+//  4. kWithinRounding: reach_mm is at most kRayRounding of the distances involved, the rounding of a camera
+//     in double. Nothing in double can know better which side of a border it is on. kAtEdge: right if one
+//     takes the answer at an edge as free, where the ray passes the 3D edge within the gap that the model
+//     records for it (oracle.h, law 4), and reach_mm is at most kReachInGaps of that gap: the p-curves of
+//     both faces may lie a gap off the edge, on either side. kAtTwiceTheGap: the same at twice the gap, which
+//     is what the renderer allows for how gaps are measured.
 //  5. kUndecided: right only if a crossing that the oracle itself can't settle goes the sample's way.
 //  6. kWrong: anything else.
 #pragma once

@@ -139,8 +139,8 @@ TEST_F(JudgeAtAnEdge, BeyondTheGapOnlyOneIsRight) {
 }
 
 TEST(Judge, LightThroughASeamIsNeverExcused) {
-  // A ray beside an edge of a solid box that meets the face on one side or the other: a miss has no excuse in the
-  // gap, for no neighbouring ray misses.
+  // A ray beside an edge of a solid box that meets the face on one side or the other: a miss has no excuse in
+  // the gap, for no neighbouring ray misses.
   Model model = SolidBox({});
   for (Coedge& coedge : model.coedges) coedge.gap_mm = 1e-3;
   model.info.max_edge_gap_mm = 1e-3;

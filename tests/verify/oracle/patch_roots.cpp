@@ -317,8 +317,8 @@ std::vector<PatchRoot> FindRoots(const BernsteinPair& pair, Real floor) {
         {std::fabs(jacobian.a), std::fabs(jacobian.b), std::fabs(jacobian.c), std::fabs(jacobian.d)});
     bool dropped = false, same = false;
     if (entry > 0) {
-      // The rows of the adjugate: each takes f and g to a combination that one parameter hardly changes; where
-      // the Jacobian is singular, neither does.
+      // The rows of the adjugate: each takes f and g to a combination that one parameter hardly changes;
+      // where the Jacobian is singular, neither does.
       const Real error = 2 * now.error + 8 * kHalfUlp * size;
       for (const bool first : {true, false}) {
         const std::vector<Real> combined = first ? Combined(now, jacobian.d / entry, -jacobian.b / entry)

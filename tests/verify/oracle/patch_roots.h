@@ -1,15 +1,15 @@
 // All common roots of two polynomials in Bernstein form over the unit square, with a proof for each.
 //
-//  1. A box of parameters is dropped when f, g or a combination of the two keeps one sign on it: its Bernstein
-//     coefficients, less what rounding may have done to them, are all positive or all negative. Nothing else
-//     is ever dropped.
-//  2. A box is accepted when, with C the inverse of the Jacobian J at its centre, ‖1 − C·J‖ stays below 1 over
-//     the box grown by an eighth on each side, by the Bernstein coefficients of J: then it holds one root at
-//     most, and x with residual r = ‖C·(f, g)(x)‖ has the root within r/(1 − ‖1 − C·J‖). Newton's method finds
-//     x; if that ball lies in the grown box, the root is proven.
-//  3. What is neither dropped nor accepted is halved. A box over which (f, g) varies by less than `floor`, and
-//     one on which f and g are the same but for a factor, is kept as a doubt: it may hold no root, one or many
-//     (a tangency, a pole, a surface seen edge-on).
+//  1. A box of parameters is dropped when f, g or a combination of the two keeps one sign on it: its
+//     Bernstein coefficients, less what rounding may have done to them, are all positive or all negative.
+//     Nothing else is ever dropped.
+//  2. A box is accepted when, with C the inverse of the Jacobian J at its centre, ‖1 − C·J‖ stays below 1
+//     over the box grown by an eighth on each side, by the Bernstein coefficients of J: then it holds one
+//     root at most, and x with residual r = ‖C·(f, g)(x)‖ has the root within r/(1 − ‖1 − C·J‖). Newton's
+//     method finds x; if that ball lies in the grown box, the root is proven.
+//  3. What is neither dropped nor accepted is halved. A box over which (f, g) varies by less than `floor`,
+//     and one on which f and g are the same but for a factor, is kept as a doubt: it may hold no root, one or
+//     many (a tangency, a pole, a surface seen edge-on).
 //  4. Roots that lie outside the square by no more than kOverlap are found too.
 //  5. More than kMostBoxes boxes end the search: what is left becomes one doubt. Nothing is dropped silently.
 #pragma once

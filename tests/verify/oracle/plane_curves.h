@@ -1,13 +1,13 @@
-// Rational Bézier curves in a plane, seen from the origin: how often they cross a half-line, and how near they
-// come.
+// Rational Bézier curves in a plane, seen from the origin: how often they cross a half-line, and how near
+// they come.
 //
-//  1. A HomogeneousCurve's points are (w·x, w·y, w) with positive weights, relative to the point that is asked
-//     about.
-//  2. CrossesUpwardAxis says whether the curve crosses the half-line x = 0, y > 0 an odd number of times. A point
-//     with x = 0 counts as lying on the right: curves that share an end point exactly share what is counted
-//     there. kUnsure only where the curve passes the origin nearer than the floor.
-//  3. NearestTo is a branch and bound over halves: the answer is off by a millionth of itself plus the rounding
-//     of double.
+//  1. A HomogeneousCurve's points are (w·x, w·y, w) with positive weights, relative to the point that is
+//     asked about.
+//  2. CrossesUpwardAxis says whether the curve crosses the half-line x = 0, y > 0 an odd number of times. A
+//     point with x = 0 counts as lying on the right: curves that share an end point exactly share what is
+//     counted there. kUnsure only where the curve passes the origin nearer than the floor.
+//  3. NearestTo is a branch and bound over halves: the answer is off by a millionth of itself plus the
+//     rounding of double.
 #pragma once
 
 #include <cstdint>

@@ -176,8 +176,8 @@ Model SolidBox(const Placement& placement) {
       builder.AddEdgeSegment(points);
     }
   }
-  // A face across each axis, at each end: u and v along the other two, in turn, so that Su × Sv points outwards
-  // at the upper end.
+  // A face across each axis, at each end: u and v along the other two, in turn, so that Su × Sv points
+  // outwards at the upper end.
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool upper : {false, true}) {
       const int along_u = 1 << ((axis + 1) % 3), along_v = 1 << ((axis + 2) % 3),

@@ -54,8 +54,8 @@ Real Tan(Real x) {
 }
 
 Real Atan(Real x) {
-  // arctan x = a + arctan((x − tan a)/(1 + x·tan a)) with a from double: the rest is of the size of 1e-16, and
-  // its cube the last that counts.
+  // arctan x = a + arctan((x − tan a)/(1 + x·tan a)) with a from double: the rest is of the size of 1e-16,
+  // and its cube the last that counts.
   const Real guess = std::atan(static_cast<double>(x));
   const Real tangent = Tan(guess);
   const Real rest = (x - tangent) / (1 + x * tangent);

@@ -79,8 +79,8 @@ RC_GTEST_PROP(OracleTrim, ACircleAnywhere, ()) {
 }
 
 TEST(OracleTrim, AnglesStayAngles) {
-  // A rectangle in angle and height on half a cylinder, asked through its wall: inside iff the angle is. The model's
-  // weight cos 45° is rounded, which moves points by 1e-16; the border is missed by more.
+  // A rectangle in angle and height on half a cylinder, asked through its wall: inside iff the angle is. The
+  // model's weight cos 45° is rounded, which moves points by 1e-16; the border is missed by more.
   const double low = 0.3, high = 1.9;
   Model model = HalfCylinderModel(2, 5);
   AddLoop(model, Polygon({{low, 1}, {high, 1}, {high, 4}, {low, 4}}));

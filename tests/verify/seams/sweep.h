@@ -1,10 +1,10 @@
 // Light through the seams of a CAD file: every crossing of every ray from many sides, there and back.
 //
-//  1. `Around` is the 26 directions of a cube's faces, edges and corners, each a view of the whole model: what a
-//     picture shows.
+//  1. `Around` is the 26 directions of a cube's faces, edges and corners, each a view of the whole model:
+//     what a picture shows.
 //  2. `AtEdges` aims: at points and ends of edges, from those directions, along the edge, across it and at
-//     random, so close that the gap between faces fills the view, or a share of the model's size does. Rays that
-//     are not aimed miss what fails.
+//     random, so close that the gap between faces fills the view, or a share of the model's size does. Rays
+//     that are not aimed miss what fails.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,8 @@ struct SweepView {
 std::vector<SweepView> Around(const Model& model, int size);
 std::vector<SweepView> AtEdges(const Model& model, int count, int size, std::uint64_t seed);
 
-// A ray that crosses a closed solid an odd number of times, or that does not meet backwards what it meets forwards.
+// A ray that crosses a closed solid an odd number of times, or that does not meet backwards what it meets
+// forwards.
 struct LeakingRay {
   std::string view;
   int column = 0, row = 0;

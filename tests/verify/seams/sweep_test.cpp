@@ -1,5 +1,5 @@
-// The samples, and real files where they are at hand: no ray crosses a closed solid an odd number of times, and all rays meet backwards what
-// they meet forwards.
+// The samples, and real files where they are at hand: no ray crosses a closed solid an odd number of times,
+// and all rays meet backwards what they meet forwards.
 #include "tests/verify/seams/sweep.h"
 
 #include <gtest/gtest.h>

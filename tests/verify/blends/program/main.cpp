@@ -1,5 +1,6 @@
-// facetless_blends [--first SEED] [--count N] [--size PIXELS] [--seconds S]: OpenCASCADE's fillets, chamfers, sweeps, lofts and offsets,
-// each made, rendered, audited and judged in a process of its own. The table goes to standard output, each finding to standard error.
+// facetless_blends [--first SEED] [--count N] [--size PIXELS] [--seconds S]: OpenCASCADE's fillets, chamfers,
+// sweeps, lofts and offsets, each made, rendered, audited and judged in a process of its own. The table goes
+// to standard output, each finding to standard error.
 //
 // Exit status: 0 nothing was found, 2 a blend hung, crashed, leaked or was certified wrongly, 64 bad usage.
 #include <signal.h>

@@ -1,7 +1,9 @@
-// facetless_differential FILE... [--size N] [--view NAME]... [--list N] [--one-placement]: the table of docs/accuracy-results.md for any CAD files.
+// facetless_differential FILE... [--size N] [--view NAME]... [--list N] [--one-placement]: the table of
+// docs/accuracy-results.md for any CAD files.
 //
-// One row per file and view on standard output, in Markdown; with --list the first N differences of each verdict on standard error. Exit status: 0
-// no defect of ours, 2 some, 4 a file that one of the two cannot read, 64 bad usage.
+// One row per file and view on standard output, in Markdown; with --list the first N differences of each
+// verdict on standard error. Exit status: 0 no defect of ours, 2 some, 4 a file that one of the two cannot
+// read, 64 bad usage.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>

@@ -1,4 +1,5 @@
-// facetless_extremes: renders the extremes and writes the tables of docs/accuracy-results.md, Markdown, to standard output.
+// facetless_extremes: renders the extremes and writes the tables of docs/accuracy-results.md, Markdown, to
+// standard output.
 //
 // Exit status: 0 every row holds, 2 some do not (named on standard error), 64 bad usage.
 #include <CLI/CLI.hpp>

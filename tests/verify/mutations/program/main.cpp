@@ -1,6 +1,6 @@
-// facetless_mutations FILE… --seed N --count N: mutants of each file, through the importer or to a running service; prints a JSON
-// report and ends with 1 if one of them got no proper answer. A mutant is repeated by its file, seed and index:
-// --first INDEX --count 1 --offenders DIR.
+// facetless_mutations FILE… --seed N --count N: mutants of each file, through the importer or to a running
+// service; prints a JSON report and ends with 1 if one of them got no proper answer. A mutant is repeated by
+// its file, seed and index: --first INDEX --count 1 --offenders DIR.
 #include <CLI/CLI.hpp>
 #include <iostream>
 

@@ -1,8 +1,8 @@
 // facetless_oracle FILE... : renders a view, and lets the oracle judge samples of it.
 //
-// Of each view a table per certificate goes to standard output, with the first disagreements below. FILE is a CAD file, which
-// facetless-import reads, or a model file (.flm). Exit status: 0 no certified sample is wrong, 2 some are, 4 a file that
-// cannot be read or rendered, 64 bad usage.
+// Of each view a table per certificate goes to standard output, with the first disagreements below. FILE is a
+// CAD file, which facetless-import reads, or a model file (.flm). Exit status: 0 no certified sample is
+// wrong, 2 some are, 4 a file that cannot be read or rendered, 64 bad usage.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>

@@ -1,9 +1,9 @@
-// facetless_audit FILE... [--size N] [--edges N [--seed N]] [--threads N] [--list N]: light through the seams of CAD files, the table of
-// docs/accuracy-results.md.
+// facetless_audit FILE... [--size N] [--edges N [--seed N]] [--threads N] [--list N]: light through the seams
+// of CAD files, the table of docs/accuracy-results.md.
 //
-// One row per file on standard output, in Markdown; the first N leaking rays on standard error. With --edges, N views that aim at edges
-// instead of the 26 directions. Model files (.flm) are taken as they are. Exit status: 0 no odd ray and no mismatch, 2 some, 4 a file that
-// cannot be read, 64 bad usage.
+// One row per file on standard output, in Markdown; the first N leaking rays on standard error. With --edges,
+// N views that aim at edges instead of the 26 directions. Model files (.flm) are taken as they are. Exit
+// status: 0 no odd ray and no mismatch, 2 some, 4 a file that cannot be read, 64 bad usage.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
