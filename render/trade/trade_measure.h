@@ -5,7 +5,7 @@
 //     taken as it is.
 //  2. The picture that FLIP looks at has the reference's samples per pixel: so FLIP sees what the tracer
 //     does, and not how finely it samples.
-//  3. The reference is direct, certified, of the same rays; its own cost is no point.
+//  3. The reference is direct, certified, of the same rays; its cost is not plotted.
 #pragma once
 
 #include <atomic>

@@ -32,7 +32,7 @@ constexpr const char* kFooter = R"(Examples:
   facetless serve                                      the same in a browser
 
 Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost, or a face has no triangle; 2 failed under --strict or a --fail-*
-threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 5 compare: the exact half alone, for want of a mesh; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
+threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 5 compare: the exact half alone, because there is no mesh; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
 'facetless COMMAND --help' tells more.)";
 
 constexpr const char* kRenderFooter = R"(Examples:
@@ -103,12 +103,13 @@ The manifest is described in docs/regression.md. The verdict is JSON on standard
 constexpr const char* kServeFooter = R"(Examples:
   facetless serve
   facetless keys create /var/lib/facetless --name anna && facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
-  facetless serve --max-store 50000 --max-age 30          forget what nobody asked for in a month
+  facetless serve --max-store 50000 --max-age 30          give up what was not used for a month
   facetless serve --config /etc/facetless.toml --ops-listen 127.0.0.1:9090 --log json
   FACETLESS_SERVE_JOBS=4 facetless serve --print-config   what would it do, and why?
   curl -F file=@part.step http://127.0.0.1:8080/v1/comparisons
 
-On an address that others reach it wants keys (facetless keys create), and it speaks no TLS: put it behind a proxy that does.
+On an address that other hosts can reach, the service requires keys (facetless keys create). It does not speak TLS: put it behind a proxy
+that does.
 docs/api.md has the API.)";
 
 constexpr const char* kKeysFooter = R"(Examples:
@@ -137,17 +138,17 @@ struct KeyCommands {
 };
 
 KeyCommands AddKeyCommands(CLI::App& app, KeyArguments& key) {
-  CLI::App* keys = app.add_subcommand("keys", "Say who may use the service (JSON); works while it runs");
+  CLI::App* keys = app.add_subcommand("keys", "Manage access keys (JSON); works while the service runs");
   keys->require_subcommand(1);
   keys->footer(kKeysFooter);
   KeyCommands commands;
-  commands.create = keys->add_subcommand("create", "Make a key; it is shown this once");
-  commands.list = keys->add_subcommand("list", "Say which keys there are");
-  commands.revoke = keys->add_subcommand("revoke", "Let a key in no more");
+  commands.create = keys->add_subcommand("create", "Create a key, which is shown only this once");
+  commands.list = keys->add_subcommand("list", "List the keys");
+  commands.revoke = keys->add_subcommand("revoke", "Revoke a key");
   for (CLI::App* command : {commands.create, commands.list, commands.revoke})
     command->add_option("DIR", key.directory, "Data directory of the service")->required();
   commands.revoke->add_option("ID", key.id, "Id of the key")->required();
-  commands.create->add_option("--name", key.name, "Whose it is, for people")->required()->type_name("NAME");
+  commands.create->add_option("--name", key.name, "Human-readable owner")->required()->type_name("NAME");
   commands.create->add_option("--scopes", key.scopes, "What it may do: read, submit, admin")
       ->type_name("LIST")
       ->capture_default_str();
@@ -204,7 +205,7 @@ int RunCommandLine(int argc, char** argv) {
   OptionCollector options;
 
   // The commands.
-  CLI::App* inspect = AddFileCommand(app, "inspect", "Say what the file holds and what was lost (JSON)",
+  CLI::App* inspect = AddFileCommand(app, "inspect", "List what the file holds and what was lost (JSON)",
                                      kInspectFooter, arguments);
   CLI::App* continuity = AddFileCommand(
       app, "continuity", "Measure how smoothly neighbouring faces meet (JSON)", kContinuityFooter, arguments);
@@ -214,7 +215,7 @@ int RunCommandLine(int argc, char** argv) {
   CLI::App* compare =
       AddFileCommand(app, "compare", "Render exact surfaces and a mesh, and report the difference",
                      kCompareFooter, arguments);
-  CLI::App* trade = AddFileCommand(app, "trade", "Measure speed against accuracy, of both tracers",
+  CLI::App* trade = AddFileCommand(app, "trade", "Measure the speed of both tracers against their accuracy",
                                    kTradeFooter, arguments);
   CLI::App* bench = app.add_subcommand("bench", "Measure the performance tables, on files or as published");
   bench->footer(kBenchFooter);
@@ -226,10 +227,10 @@ int RunCommandLine(int argc, char** argv) {
   ServeConfig serve(serve_command);
   KeyArguments key;
   const KeyCommands keys = AddKeyCommands(app, key);
-  CLI::App* store = app.add_subcommand("store", "Look after the data directory of serve");
+  CLI::App* store = app.add_subcommand("store", "Check the data directory of the service");
   store->require_subcommand(1);
   CLI::App* store_check = store->add_subcommand(
-      "check", "Verify that database and files agree, while the service is stopped (JSON)");
+      "check", "Verify that the database and the files agree, while the service is stopped (JSON)");
   store_check->footer(kStoreCheckFooter);
   store_check->add_option("DIR", arguments.file, "Data directory")->required();
 

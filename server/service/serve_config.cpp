@@ -122,7 +122,7 @@ ServeConfig::ServeConfig(CLI::App* command) : command_(command) {
   Add("listen", options_.listen, "Address and port; port 0 takes a free one", "ADDR:PORT")
       ->capture_default_str();
   Add("ops-listen", options_.ops_listen,
-      "Another address and port for /healthz, /readyz and /metrics, without keys: for those who run it",
+      "Another address and port for /healthz, /readyz and /metrics, without keys: for operators",
       "ADDR:PORT");
   Add("data", options_.data, "Directory of models and results (default: " + DefaultDataDirectory() + ")",
       "DIR");
@@ -138,9 +138,9 @@ ServeConfig::ServeConfig(CLI::App* command) : command_(command) {
       "NAMES");
   Add("allow-origin", options_.allow_origin,
       "Origins of other sites whose pages may send requests, as a list a,b", "ORIGINS");
-  AddFlag("require-keys", options_.require_keys, "Let nobody in without a key, on any address");
+  AddFlag("require-keys", options_.require_keys, "Require a key for every request, on any address");
   AddFlag("allow-anonymous", options_.allow_anonymous,
-          "Let everybody in, also on an address that others reach");
+          "Accept requests without a key, also on an address that other hosts can reach");
   command_->add_option("--config", file_, "File with these options, JSON or TOML (docs/api.md)")
       ->type_name("FILE");
   command_->add_flag("--print-config", print_, "Print the options, and where each comes from, and end");

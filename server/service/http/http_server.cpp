@@ -382,7 +382,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   if (!bound)
     return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
                                            std::to_string(listener.port) +
-                                           ": in use, or no address of this machine"};
+                                           ": address in use, or not assigned to this host"};
   // The library lets five connections wait; the sixth of a burst would try again a second later. The system
   // reads a longer list into the same socket.
   server.set_socket_options(nullptr);

@@ -109,7 +109,7 @@ class JobStore {
                                                        std::size_t limit) = 0;
   virtual JobCounts Counts() = 0;
 
-  // Nothing, if it would take a job now. Errors: those of Submit.
+  // Returns OK if the store can accept a job. Errors: those of Submit.
   virtual Result<void> Check() = 0;
 
   // Gives back or fails (law 3) every running job, whatever its lease: to be called when no other process can

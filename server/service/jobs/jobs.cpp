@@ -17,7 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-// A process that says nothing for so long has lost its jobs; it speaks four times as often.
+// Lease duration, in seconds. Workers renew after a quarter of it; a worker that misses the deadline loses
+// its jobs.
 constexpr double kLeaseSeconds = 60;
 constexpr double kRenewSeconds = kLeaseSeconds / 4;
 // Besides being told of work, look for it: leases of others end without a word.

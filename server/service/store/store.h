@@ -106,7 +106,7 @@ class Store {
   virtual std::optional<std::string> FindAnswer(const std::string& owner, const std::string& key) = 0;
   virtual std::optional<StoredArtifact> FindArtifact(const std::string& owner, const std::string& name) = 0;
 
-  // Nothing, if it would take something in now. Error: kWriteFailed.
+  // Returns OK if the store can accept writes. Error: kWriteFailed.
   virtual Result<void> Check() = 0;
   virtual std::uint64_t KeptBytes() = 0;  // of all files
   virtual std::uint64_t FreeBytes() = 0;  // of its disk, for us
