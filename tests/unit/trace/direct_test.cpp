@@ -307,8 +307,12 @@ TEST(Direct, APatchThatItsErrorsPlaceAnywhereIsInDoubtAndNotSplitForever) {
     points[7] = beside;
     points[8] = corner;
     const std::vector<Span> span{{0, 1, SpanMap::kLinear}};
-    Model model = ModelOf({{SurfaceKind::kBspline, 2, 2, span, span, points}});
-    model.bounds = {{0, 0, 0}, {10, 10, 2}};
+    ModelBuilder builder;
+    builder.AddPart("part");
+    builder.AddFace({SurfaceKind::kBspline, 2, 2, span, span, points});
+    builder.AddInstance({});
+    builder.SetBounds({{0, 0, 0}, {10, 10, 2}});
+    const Model model = testing::Finished(std::move(builder));
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
       const DirectStats stats = TraceDirect(Scene(model), ViewOf(model, "iso", projection), {}).value().stats;
       EXPECT_LT(stats.leaves, 1000u) << corner.w;

@@ -60,9 +60,10 @@ void AddWeights(Rows& rows) {
                     .expected = "a clear error",
                     .model =
                         [=] {
-                          PatchGrid grid = BumpyPatch(3, 3, 10);
-                          grid.points[5].w = bad;
-                          return ModelOf({grid});
+                          Model model = ModelOf({BumpyPatch(3, 3, 10)});
+                          model.surfaces[0].rational = true;
+                          model.control_points[5].w = bad;
+                          return model;
                         },
                     .cameras = Around,
                     .error = ErrorCode::kFormatBroken});

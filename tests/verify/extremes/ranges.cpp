@@ -70,7 +70,14 @@ void AddModels(Rows& rows) {
   rows.push_back({.group = "range",
                   .input = "all weights denormal",
                   .expected = "a clear error",
-                  .model = [] { return ModelOf({BumpyPatch(3, 3, 10, [](int, int) { return kDenormal; })}); },
+                  .model =
+                      [] {
+                        Model model = ModelOf({BumpyPatch(3, 3, 10)});
+                        model.surfaces[0].rational = true;
+                        model.control_points =
+                            BumpyPatch(3, 3, 10, [](int, int) { return kDenormal; }).points;
+                        return model;
+                      },
                   .cameras = Views,
                   .error = ErrorCode::kFormatBroken});
 }
