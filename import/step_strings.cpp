@@ -86,8 +86,8 @@ struct Decoded {
   bool broken = false;
 };
 
-// Decodes the codes of \X2\ or \X4\, `digits` wide, that begin at `at`; false, and nothing taken, unless \X0\
-// ends them.
+// Decodes the codes of \X2\ or \X4\, `digits` wide, that begin at `at`; false, and nothing taken, unless
+// \X0\ ends them.
 bool TakeCodes(std::u32string_view raw, std::size_t* at, std::size_t digits, std::u32string& out) {
   std::u32string taken;
   std::size_t next = *at;
