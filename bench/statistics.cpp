@@ -1,8 +1,9 @@
 #include "bench/statistics.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+
+#include "render/base/stopwatch.h"
 
 namespace facetless {
 
@@ -44,9 +45,9 @@ std::vector<std::vector<double>> TakeTurns(int rounds,
 }
 
 double MillisecondsOf(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return stopwatch.Milliseconds();
 }
 
 }  // namespace facetless

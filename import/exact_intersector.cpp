@@ -8,11 +8,12 @@
 #include <Standard_Failure.hxx>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <gp_Lin.hxx>
 #include <utility>
+
+#include "render/base/stopwatch.h"
 
 namespace facetless {
 namespace {
@@ -60,10 +61,6 @@ std::pair<double, double> DepthsInside(const Box3& box, Vec3 ray_origin, Vec3 ra
     leave = std::min(leave, std::max(a, b));
   }
   return {enter, leave};
-}
-
-double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
 Result<std::vector<FileRay>> ReadRays(const std::string& path) {
@@ -119,7 +116,9 @@ ExactHit ExactIntersector::Nearest(Vec3 origin, Vec3 direction, double near) {
       if (!face.intersector->IsDone()) continue;
       for (int i = 1; i <= face.intersector->NbPnt(); ++i) {
         const double depth = face.intersector->WParameter(i) / length;
-        if (depth >= near && depth < best.depth) best.depth = depth, best.face = index;
+        if (depth < near || !(depth < best.depth)) continue;
+        best.depth = depth;
+        best.face = index;
       }
     } catch (const Standard_Failure&) {
       best.failed = true;
@@ -141,15 +140,15 @@ Result<ExactTiming> TimeExactIntersector(const std::vector<TopoDS_Face>& faces, 
   };
   // Prepare the faces by asking, …
   std::vector<double> depths;
-  const auto prepared = std::chrono::steady_clock::now();
+  const Stopwatch preparation;
   for (const FileRay& ray : rays.value()) {
-    if (MillisecondsSince(prepared) > 500 * seconds) break;
+    if (preparation.Milliseconds() > 500 * seconds) break;
     depths.push_back(ask(ray));
   }
   // … and measure the same rays.
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = ask(rays.value()[i]);
-  const ExactTiming timing{depths.size(), MillisecondsSince(begin)};
+  const ExactTiming timing{depths.size(), stopwatch.Milliseconds()};
   std::ofstream out(depths_path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(depths.data()),
             static_cast<std::streamsize>(depths.size() * sizeof(double)));

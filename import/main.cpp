@@ -9,7 +9,6 @@
 #include <Standard_Failure.hxx>
 #include <Standard_OutOfMemory.hxx>
 
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -30,16 +29,13 @@
 #include "import/mesh_file.h"
 #include "import/readers.h"
 #include "import/source_file.h"
+#include "render/base/stopwatch.h"
 #include "render/model/model_file.h"
 
 namespace facetless {
 namespace {
 
 constexpr int kExitDone = 0, kExitNothingUsable = 4, kExitUsage = 64;
-
-double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
 
 std::uint64_t PeakBytes() {
   rusage usage{};
@@ -53,14 +49,14 @@ class Stages {
   static void Report(const char* stage, double fraction) {
     const int percent = static_cast<int>(fraction * 100);
     if (stage == last_stage_ && percent == last_percent_) return;
-    if (stage != last_stage_) begin_ = std::chrono::steady_clock::now();
+    if (stage != last_stage_) stopwatch_ = Stopwatch();
     last_stage_ = stage;
     last_percent_ = percent;
     std::fprintf(stderr, "progress %s %.2f\n", stage, fraction);
     if (fraction >= 1) {
-      if (last_stage_ == "read") read_ms = MillisecondsSince(begin_);
-      if (last_stage_ == "transfer") transfer_ms = MillisecondsSince(begin_);
-      if (last_stage_ == "convert") convert_ms = MillisecondsSince(begin_);
+      if (last_stage_ == "read") read_ms = stopwatch_.Milliseconds();
+      if (last_stage_ == "transfer") transfer_ms = stopwatch_.Milliseconds();
+      if (last_stage_ == "convert") convert_ms = stopwatch_.Milliseconds();
     }
   }
   inline static double read_ms = 0, transfer_ms = 0, convert_ms = 0;
@@ -68,7 +64,7 @@ class Stages {
  private:
   inline static std::string last_stage_;
   inline static int last_percent_ = -1;
-  inline static std::chrono::steady_clock::time_point begin_;
+  inline static Stopwatch stopwatch_;
 };
 
 // Standard output for our own JSON alone: OpenCASCADE writes to it too, and is sent to standard error

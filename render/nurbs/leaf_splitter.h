@@ -6,8 +6,9 @@
 //     eye, between the sample centres, or trimmed away.
 //  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
 //     be split further, or are seen edge-on, or lie anywhere (edge_on.h), where splitting leads nowhere.
-//  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces
-//     becomes leaves that say so (kLeafGivenUp), one for each piece that waits, at most kMaxLevels + 1.
+//  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces becomes leaves
+//     that say so (kLeafGivenUp), one for each piece that waits, at most kMaxLevels + 1. A leaf that the last
+//     level leaves with many sample centres counts as the pieces that they would make.
 //  4. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
 

@@ -20,6 +20,7 @@
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "render/trade/quantity_text.h"
+#include "server/base/load_average.h"
 #include "server/base/version.h"
 
 namespace facetless {
@@ -36,12 +37,6 @@ std::string ProcessorName() {
     return begin == std::string::npos ? "" : line.substr(begin + 2);
   }
   return "";
-}
-
-// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
-double LoadAverage() {
-  double load = 0;
-  return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
 Json MachineJson(double load) {

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "render/model/model_file.h"
 #include "server/base/interrupt.h"
 #include "server/base/temp_dir.h"
@@ -17,14 +18,9 @@ namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
 // A mesh that is there sooner is waited for: most are.
 constexpr std::chrono::milliseconds kPatience{1000};
-
-double MillisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 class Comparing {
  public:
@@ -94,12 +90,12 @@ class Comparing {
   // The exact pictures, unless the mesh comes first.
   Result<void> MakeExactHalf() {
     ImportedModel early;
-    early.import_ms = MillisecondsSince(start_);
-    const Clock::time_point load = Clock::now();
+    early.import_ms = stopwatch_.Milliseconds();
+    const Stopwatch load;
     auto model = ReadModel(ModelCopy());
     if (!model) return model.error();
     early.model = std::make_unique<const Model>(std::move(model).value());
-    early.load_ms = MillisecondsSince(load);
+    early.load_ms = load.Milliseconds();
     auto report = RunWithoutBaseline(early, PendingBaseline(early.model->info.file), options_, directory_,
                                      {exact_stop_.flag(), nullptr});
     if (report) {
@@ -115,7 +111,7 @@ class Comparing {
     imported.import_ms = files.wall_ms;
     imported.import_peak_bytes = files.peak_bytes;
     imported.import_peak_address_bytes = files.peak_address_bytes;
-    const Clock::time_point load = Clock::now();
+    const Stopwatch load;
     auto model = ReadModel(files.model_path);
     if (!model) return model.error();
     imported.model = std::make_unique<const Model>(std::move(model).value());
@@ -125,7 +121,7 @@ class Comparing {
       if (!CostsTheBaselineOnly(mesh.error().code)) return mesh.error();
       return WithoutBaseline(imported, NoBaselineFor(mesh.error()));
     }
-    imported.load_ms = MillisecondsSince(load);
+    imported.load_ms = load.Milliseconds();
     auto report = RunCompare(imported, mesh.value(), options_, directory_, context_);
     if (!report) return report.error();
     return OwnMeshComparison{std::move(report).value(), mesh.value().faces_unmeshed};
@@ -142,7 +138,7 @@ class Comparing {
   const RunOptions& options_;
   const std::string directory_;
   const RunContext& context_;
-  const Clock::time_point start_ = Clock::now();
+  const Stopwatch stopwatch_;
   TempDir scratch_;
   Deadline importer_stop_, exact_stop_;
   std::mutex mutex_;

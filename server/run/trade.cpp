@@ -16,6 +16,7 @@
 #include "render/trade/trade_report.h"
 #include "server/base/files.h"
 #include "server/base/interrupt.h"
+#include "server/base/load_average.h"
 #include "server/base/version.h"
 #include "server/run/shown_model.h"
 #include "server/run/verdict.h"
@@ -44,12 +45,6 @@ struct Tessellation {
   // Set instead if a budget was exceeded.
   std::string over_budget;
 };
-
-// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
-double LoadAverage() {
-  double load = 0;
-  return getloadavg(&load, 1) == 1 ? load : 0;
-}
 
 class Sweep {
  public:
