@@ -149,9 +149,9 @@ class Measurement {
 
   Result<FirstImage> DirectImage(const Scene& scene, const Camera& camera, int threads,
                                  FirstImage image) const {
-    Result<DirectView> view = RenderView(scene, camera, ViewOptionsOf(threads));
+    Result<View> view = RenderView(ExactSurfaces(scene, {}), *case_.model, camera, ViewOptionsOf(threads));
     if (!view) return view.error();
-    image.stats = view.value().stats;
+    image.stats = *std::move(view.value().direct);
     image.prepare_ms = image.stats.prepare_ms;
     image.trace_ms = image.stats.trace_ms;
     image.shade_ms = view.value().shade_ms;
@@ -186,12 +186,13 @@ class Measurement {
     image.build_ms = tree.value().build_ms();
     image.structure_bytes = tree.value().mesh_bytes() + tree.value().bvh_peak_bytes();
     image.triangles = tree.value().triangles();
-    Result<BaselineView> view = RenderMesh(tree.value(), *case_.model, case_.camera, ViewOptionsOf(threads));
+    const Triangles triangles(tree.value(), *case_.model, {}, 0);
+    Result<View> view = RenderView(triangles, *case_.model, case_.camera, ViewOptionsOf(threads));
     if (!view) return view.error();
-    image.trace_ms = view.value().stats.trace_ms;
+    image.trace_ms = view.value().counters.trace_ms;
     image.shade_ms = view.value().shade_ms;
     image.peak_bytes = view.value().peak_bytes;
-    image.hits = view.value().stats.hits;
+    image.hits = view.value().counters.hits;
     return {};
   }
 

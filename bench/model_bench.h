@@ -71,7 +71,7 @@ struct ModelCosts {
       details;  // of this file and view: times, triangles, counters, agreement with the exact intersector
 };
 
-// Errors: those of RenderView, RenderMesh, and of the importer's side.
+// Errors: those of RenderView, and of the importer's side.
 Result<ModelCosts> MeasureModel(const BenchCase& bench_case, const ImporterSide& importer,
                                 const BenchOptions& options);
 

@@ -1,6 +1,7 @@
 #include "render/compare/compare_view.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <new>
 #include <optional>
@@ -10,7 +11,6 @@
 #include "render/base/execution.h"
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
-#include "render/compare/representation.h"
 #include "render/compare/see_through.h"
 #include "render/lines/draw_lines.h"
 #include "render/lines/view_lines.h"
@@ -40,7 +40,7 @@ Result<void> CheckOptions(const ViewOptions& options) {
   return {};
 }
 
-// What pictures are made of, whoever traces it.
+// What the pictures of all representations share.
 struct Subject {
   Subject(const Model& m, const ViewOptions& options) : model(m), colors(FaceColors(m, options.coloring)) {
     if (options.sections.empty()) {
@@ -60,8 +60,8 @@ struct Subject {
   }
   const Model& model;
   std::vector<Color> colors;  // by placed face, then by cap
-  std::vector<bool>
-      transparent;  // by placed face; empty: none is, or sections would lose their solids without it
+  // By placed face; empty: none is, or sections would lose their solids without it.
+  std::vector<bool> transparent;
   std::optional<SectionSolids> solids;  // whose caps are shown; none where nothing is cut
 };
 
@@ -123,19 +123,6 @@ const InspectionView* Address(const std::optional<InspectionView>& view) {
   return view ? &*view : nullptr;
 }
 
-// One representation from one camera.
-struct RepresentedView {
-  TracedView traced;           // the pixel-centre pass
-  SampleBuffer color_samples;  // empty where the pixel-centre pass is the colour pass
-  Image8 image;
-  std::optional<InspectionView> inspection;
-  std::vector<ViewLine> lines;
-  double color_ms = 0, lines_ms = 0, shade_ms = 0, total_ms = 0;
-  std::uint64_t peak_bytes = 0;
-
-  const SampleBuffer& color() const { return color_samples.size() > 0 ? color_samples : traced.samples; }
-};
-
 // For a mesh that names no faces: those that the direct image shows at the same sample, else the one it shows
 // most often.
 PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
@@ -155,6 +142,37 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
   return faces;
 }
 
+// One of the faces that have the commonest colour. `colors` are those of the faces, and of caps behind them.
+std::uint32_t CommonestFace(const std::vector<Color>& colors) {
+  std::map<std::array<float, 4>, std::pair<std::size_t, std::uint32_t>> counts;
+  std::uint32_t commonest = 0;
+  std::size_t most = 0;
+  for (std::uint32_t face = 0; face < colors.size(); ++face) {
+    const Color& color = colors[face];
+    auto& [count, first] =
+        counts.try_emplace({color.r, color.g, color.b, color.a}, std::size_t{0}, face).first->second;
+    if (++count <= most) continue;
+    most = count;
+    commonest = first;
+  }
+  return commonest;
+}
+
+// Every hit shows `face`.
+PerSample<std::uint32_t> OneFace(const SampleBuffer& samples, std::uint32_t face) {
+  PerSample<std::uint32_t> faces = samples.face;
+  for (std::uint32_t& one : faces)
+    if (one != kNoIndex) one = face;
+  return faces;
+}
+
+// The reference's part in the view of a candidate: its lines are drawn, and it lends its faces to samples
+// that name none.
+struct ReferenceView {
+  const View& view;
+  const SampleBuffer& color;  // the samples that its colours are of
+};
+
 // Makes the view of one representation.
 class ViewMaker {
  public:
@@ -166,18 +184,21 @@ class ViewMaker {
         options_(options),
         grid_(GridOf(options.samples)) {}
 
-  // `reference`: a view whose lines are drawn, and which lends its faces to samples that name none; null: the
-  // representation finds its own lines.
-  Result<RepresentedView> Make(const RepresentedView* reference) {
+  // `reference` is null for a view on its own, which finds its own lines.
+  Result<View> Make(const ReferenceView* reference) {
     const Stopwatch stopwatch;
     if (auto done = TraceCentres(); !done.ok()) return done.error();
     if (auto done = TraceColors(); !done.ok()) return done.error();
     if (auto done = TraceBehind(); !done.ok()) return done.error();
-    if (auto done = FindOwnLines(); !done.ok()) return done.error();
+    if (reference == nullptr)
+      if (auto done = FindOwnLines(); !done.ok()) return done.error();
     if (auto done = Light(reference); !done.ok()) return done.error();
     view_.total_ms = stopwatch.Milliseconds();
     return std::move(view_);
   }
+  // After Make, where the colours are of a pass of their own: its samples. Empty where they are of the pixel
+  // centres.
+  const SampleBuffer& color_samples() const { return color_samples_; }
 
  private:
   Result<void> TraceCentres() {
@@ -187,10 +208,16 @@ class ViewMaker {
                                                        .audit = options_.audit},
                                                       options_.execution);
     if (!traced.ok()) return traced.error();
-    view_.traced = std::move(traced).value();
-    color_frame_ = view_.traced.frame;
-    const SampleBuffer& samples = view_.traced.samples;
-    view_.peak_bytes = view_.traced.structure_bytes + BufferBytes(samples) + FilmBytes(samples);
+    TracedView& centres = traced.value();
+    view_.frame = color_frame_ = centres.frame;
+    view_.samples = std::move(centres.samples);
+    view_.counters = centres.counters;
+    view_.direct = std::move(centres.direct);
+    if (view_.direct)
+      for (const std::uint32_t face : view_.direct->unseen_faces)
+        view_.unseen_names.push_back(subject_.model.PlacedFaceName(face));
+    view_.grid = grid_;
+    view_.peak_bytes = centres.structure_bytes + BufferBytes(view_.samples) + FilmBytes(view_.samples);
     return {};
   }
 
@@ -206,11 +233,11 @@ class ViewMaker {
         representation_.Trace(camera_.Supersampled(grid_.x, grid_.y), ColorRequest(), options_.execution);
     if (!color.ok()) return color.error();
     color_frame_ = color.value().frame;
-    view_.color_samples = std::move(color.value().samples);
+    color_samples_ = std::move(color.value().samples);
     view_.color_ms = stopwatch.Milliseconds();
     view_.peak_bytes =
-        std::max(view_.peak_bytes, color.value().structure_bytes + BufferBytes(view_.traced.samples) +
-                                       BufferBytes(view_.color_samples) + FilmBytes(view_.color_samples));
+        std::max(view_.peak_bytes, color.value().structure_bytes + BufferBytes(view_.samples) +
+                                       BufferBytes(color_samples_) + FilmBytes(color_samples_));
     return {};
   }
 
@@ -231,7 +258,7 @@ class ViewMaker {
     const Scene* scene = representation_.exact();
     if (scene == nullptr || (options_.lines == LineMode::kNone && !options_.find_lines)) return {};
     const Stopwatch stopwatch;
-    view_.lines = FindLines(*scene, camera_, view_.traced.frame, view_.color(), color_frame_,
+    view_.lines = FindLines(*scene, camera_, view_.frame, Color(), color_frame_,
                             {.sections = options_.sections, .execution = options_.execution});
     if (options_.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while finding lines"};
     std::erase_if(view_.lines, [&](const ViewLine& line) {
@@ -242,19 +269,19 @@ class ViewMaker {
     return {};
   }
 
-  Result<void> Light(const RepresentedView* reference) {
+  Result<void> Light(const ReferenceView* reference) {
     const Stopwatch stopwatch;
-    auto inspected = Inspected(subject_.model, representation_.exact(), view_.traced.samples,
-                               view_.traced.frame, options_);
+    auto inspected = Inspected(subject_.model, representation_.exact(), view_.samples, view_.frame, options_);
     if (!inspected.ok()) return inspected.error();
     view_.inspection = std::move(inspected).value();
     std::optional<SampleBuffer> borrowed;
-    if (reference != nullptr && !representation_.names_faces()) {
-      borrowed = view_.color();
-      borrowed->face = BorrowFaces(reference->color(), *borrowed);
+    if (!representation_.names_faces()) {
+      borrowed = Color();
+      borrowed->face = reference != nullptr ? BorrowFaces(reference->color, *borrowed)
+                                            : OneFace(*borrowed, CommonestFace(subject_.colors));
     }
-    const SampleBuffer& color = borrowed ? *borrowed : view_.color();
-    const std::vector<ViewLine>& lines = reference != nullptr ? reference->lines : view_.lines;
+    const SampleBuffer& color = borrowed ? *borrowed : Color();
+    const std::vector<ViewLine>& lines = reference != nullptr ? reference->view.lines : view_.lines;
     Result<Image8> image = Develop(
         {color, color_frame_, grid_, representation_.exact(), lines, behind_.size() > 0 ? &behind_ : nullptr},
         subject_, Address(view_.inspection), options_);
@@ -264,76 +291,23 @@ class ViewMaker {
     return {};
   }
 
+  const SampleBuffer& Color() const { return color_samples_.size() > 0 ? color_samples_ : view_.samples; }
+
   const Representation& representation_;
   const Camera& camera_;
   const Subject& subject_;
   const ViewOptions& options_;
   const SampleGrid grid_;
-  RepresentedView view_;
-  CameraFrame color_frame_;  // of the colour pass
-  SampleBuffer behind_;      // empty where nothing is transparent
+  View view_;
+  SampleBuffer color_samples_;  // empty where the pixel-centre pass is the colour pass
+  CameraFrame color_frame_;     // of the colour pass
+  SampleBuffer behind_;         // empty where nothing is transparent
 };
 
-ExactSurfaces ExactSurfacesOf(const Scene& scene, const ViewOptions& options) {
-  DirectOptions trace;
-  trace.precision = options.precision;
-  trace.check = options.check;
-  trace.max_bytes = options.max_bytes;
-  trace.newton_tolerance = options.newton_tolerance;
-  trace.sections = options.sections;
-  return ExactSurfaces(scene, std::move(trace));
-}
-
-Triangles TrianglesOf(const BaselineScene& scene, const Subject& subject, const ViewOptions& options) {
-  return Triangles(scene, options.sections, subject.solids ? &*subject.solids : nullptr, options.max_bytes);
-}
-
-DirectView DirectViewOf(RepresentedView view, const Model& model, const ViewOptions& options) {
-  DirectView direct;
-  direct.frame = view.traced.frame;
-  direct.samples = std::move(view.traced.samples);
-  direct.stats = *std::move(view.traced.direct);
-  for (std::uint32_t id : direct.stats.unseen_faces) direct.unseen_names.push_back(model.PlacedFaceName(id));
-  direct.image = std::move(view.image);
-  direct.inspection = std::move(view.inspection);
-  direct.grid = GridOf(options.samples);
-  direct.lines = std::move(view.lines);
-  direct.color_ms = view.color_ms;
-  direct.lines_ms = view.lines_ms;
-  direct.shade_ms = view.shade_ms;
-  direct.total_ms = view.total_ms;
-  direct.peak_bytes = view.peak_bytes;
-  return direct;
-}
-
-BaselineView BaselineViewOf(RepresentedView view) {
-  BaselineView baseline;
-  baseline.samples = std::move(view.traced.samples);
-  baseline.stats = *view.traced.baseline;
-  baseline.image = std::move(view.image);
-  baseline.inspection = std::move(view.inspection);
-  baseline.color_ms = view.color_ms;
-  baseline.shade_ms = view.shade_ms;
-  baseline.total_ms = view.total_ms;
-  baseline.peak_bytes = view.peak_bytes;
-  return baseline;
-}
-
-// The difference of two views that are there, as numbers and as a picture.
-Result<void> CompareViews(const Model& model, const BaselineScene& baseline, const ViewOptions& options,
-                          ViewComparison& comparison) {
-  Result<Difference> difference =
-      ComputeDifference({comparison.direct.samples, comparison.baseline.samples, comparison.direct.image,
-                         comparison.baseline.image, comparison.direct.frame, model,
-                         baseline.mesh().from_model, baseline.noise_mm(), options.color});
-  if (!difference.ok()) return difference.error();
-  comparison.difference = std::move(difference).value();
-  Result<DifferencePicture> picture =
-      DrawDifference(comparison.direct.samples, comparison.baseline.samples, comparison.direct.frame,
-                     comparison.difference, options.picture);
-  if (!picture.ok()) return picture.error();
-  comparison.picture = std::move(picture).value();
-  return {};
+// Whether the view of a representation can be made at all.
+Result<void> CheckCanShow(const Representation& representation, const ViewOptions& options) {
+  if (representation.exact() != nullptr) return {};
+  return CheckMeshCanShow(options.inspection, representation.names_faces());
 }
 
 void NameCaps(const SectionSolids& solids, Difference* difference) {
@@ -343,6 +317,40 @@ void NameCaps(const SectionSolids& solids, Difference* difference) {
     face.name =
         "section " + std::to_string(cap / solids.stride()) + " of " + solids.Name(cap % solids.stride());
   }
+}
+
+// The view of a candidate, and how it differs from the reference.
+Result<CandidateView> CompareCandidate(const ReferenceView& reference, const Representation& representation,
+                                       const Subject& subject, const Camera& camera,
+                                       const ViewOptions& options) {
+  Result<View> made = ViewMaker(representation, camera, subject, options).Make(&reference);
+  if (!made.ok()) return made.error();
+  CandidateView candidate;
+  candidate.name = representation.name();
+  candidate.title = representation.title();
+  candidate.make_ms = representation.make_ms();
+  candidate.facts = representation.facts();
+  candidate.view = std::move(made).value();
+
+  const Stopwatch stopwatch;
+  const View &exact = reference.view, &view = candidate.view;
+  std::optional<Result<Difference>> difference;
+  std::optional<Result<DifferencePicture>> picture;
+  RunWithThreads(options.execution.threads, [&] {
+    difference =
+        ComputeDifference({exact.samples, view.samples, exact.image, view.image, exact.frame, subject.model,
+                           representation.names_faces(), representation.noise_mm(), options.color});
+    if (difference->ok())
+      picture =
+          DrawDifference(exact.samples, view.samples, exact.frame, difference->value(), options.picture);
+  });
+  if (!difference->ok()) return difference->error();
+  if (!picture->ok()) return picture->error();
+  candidate.difference = std::move(*difference).value();
+  candidate.picture = std::move(*picture).value();
+  if (subject.solids) NameCaps(*subject.solids, &candidate.difference);
+  candidate.difference_ms = stopwatch.Milliseconds();
+  return candidate;
 }
 
 Error OutOfMemory(const Camera& camera) {
@@ -358,63 +366,40 @@ SampleGrid GridOf(int samples) {
   return grid;
 }
 
-Result<DirectView> RenderView(const Scene& scene, const Camera& camera, const ViewOptions& options) {
+Result<View> RenderView(const Representation& representation, const Model& model, const Camera& camera,
+                        const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
-  try {
-    const Subject subject(scene.model(), options);
-    Result<RepresentedView> view =
-        ViewMaker(ExactSurfacesOf(scene, options), camera, subject, options).Make(nullptr);
-    if (!view.ok()) return view.error();
-    return DirectViewOf(std::move(view).value(), scene.model(), options);
-  } catch (const std::bad_alloc&) {
-    return OutOfMemory(camera);
-  }
-}
-
-Result<BaselineView> RenderMesh(const BaselineScene& baseline, const Model& model, const Camera& camera,
-                                const ViewOptions& options) {
-  if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
-  if (!baseline.mesh().from_model)
-    return Error{ErrorCode::kBadUsage, "a mesh of another program has no face colours to be drawn in alone"};
-  if (Result<void> can = CheckMeshCanShow(options.inspection, true); !can.ok()) return can.error();
+  if (Result<void> can = CheckCanShow(representation, options); !can.ok()) return can.error();
   try {
     const Subject subject(model, options);
-    Result<RepresentedView> view =
-        ViewMaker(TrianglesOf(baseline, subject, options), camera, subject, options).Make(nullptr);
-    if (!view.ok()) return view.error();
-    return BaselineViewOf(std::move(view).value());
+    return ViewMaker(representation, camera, subject, options).Make(nullptr);
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);
   }
 }
 
-Result<ViewComparison> CompareView(const Scene& scene, const BaselineScene& baseline, const Camera& camera,
-                                   const ViewOptions& options) {
+Result<ViewComparison> CompareView(const Representation& reference,
+                                   std::span<const Representation* const> candidates, const Model& model,
+                                   const Camera& camera, const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
-  if (Result<void> can = CheckMeshCanShow(options.inspection, baseline.mesh().from_model); !can.ok())
-    return can.error();
+  for (const Representation* candidate : candidates)
+    if (Result<void> can = CheckCanShow(*candidate, options); !can.ok()) return can.error();
   try {
-    // Trace both.
     ViewComparison comparison;
     comparison.camera = camera;
-    const Subject subject(scene.model(), options);
-    Result<RepresentedView> exact =
-        ViewMaker(ExactSurfacesOf(scene, options), camera, subject, options).Make(nullptr);
-    if (!exact.ok()) return exact.error();
-    Result<RepresentedView> meshed =
-        ViewMaker(TrianglesOf(baseline, subject, options), camera, subject, options).Make(&exact.value());
-    if (!meshed.ok()) return meshed.error();
-    comparison.direct = DirectViewOf(std::move(exact).value(), scene.model(), options);
-    comparison.baseline = BaselineViewOf(std::move(meshed).value());
-
-    // Compare.
-    const Stopwatch stopwatch;
-    Result<void> compared;
-    RunWithThreads(options.execution.threads,
-                   [&] { compared = CompareViews(scene.model(), baseline, options, comparison); });
-    if (!compared.ok()) return compared.error();
-    if (subject.solids) NameCaps(*subject.solids, &comparison.difference);
-    comparison.difference_ms = stopwatch.Milliseconds();
+    const Subject subject(model, options);
+    ViewMaker reference_maker(reference, camera, subject, options);
+    Result<View> made = reference_maker.Make(nullptr);
+    if (!made.ok()) return made.error();
+    comparison.reference = std::move(made).value();
+    const SampleBuffer& color = reference_maker.color_samples();
+    const ReferenceView lent = {comparison.reference,
+                                color.size() > 0 ? color : comparison.reference.samples};
+    for (const Representation* candidate : candidates) {
+      Result<CandidateView> compared = CompareCandidate(lent, *candidate, subject, camera, options);
+      if (!compared.ok()) return compared.error();
+      comparison.candidates.push_back(std::move(compared).value());
+    }
     return comparison;
   } catch (const std::bad_alloc&) {
     return OutOfMemory(camera);

@@ -36,6 +36,10 @@ enum class PixelPlane : std::uint8_t { kFaces, kDepths, kNormals, kDeviation, kS
 constexpr std::size_t kPixelPlanes = 5;
 // As reports and files name them: "pixel-faces", …
 const char* PixelPlaneName(PixelPlane plane);
+// Whether a plane depends on what the exact surfaces are compared with.
+constexpr bool IsOfCandidate(PixelPlane plane) {
+  return plane == PixelPlane::kDeviation || plane == PixelPlane::kStatus;
+}
 
 struct PixelData {
   std::array<Image8, kPixelPlanes> planes;  // by PixelPlane

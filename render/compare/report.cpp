@@ -72,10 +72,10 @@ json OpenEdgesJson(const Model& model) {
   return {{"count", open.size()}, {"worst", std::move(list)}};
 }
 
-json UnseenJson(const DirectView& view) {
+json UnseenJson(const View& view) {
   json list = json::array();
-  for (std::size_t i = 0; i < std::min(view.stats.unseen_faces.size(), kMostListedFaces); ++i)
-    list.push_back({{"id", view.stats.unseen_faces[i]}, {"name", view.unseen_names[i]}});
+  for (std::size_t i = 0; i < std::min(view.direct->unseen_faces.size(), kMostListedFaces); ++i)
+    list.push_back({{"id", view.direct->unseen_faces[i]}, {"name", view.unseen_names[i]}});
   return list;
 }
 
@@ -208,8 +208,8 @@ json CheckJson(const CheckStats& check) {
           {"rays_open", check.rays_open}};
 }
 
-json DirectJson(const DirectView& view) {
-  const DirectStats& stats = view.stats;
+json DirectJson(const View& view) {
+  const DirectStats& stats = *view.direct;
   return {{"timing_ms",
            {{"prepare", stats.prepare_ms},
             {"trace", stats.trace_ms},
@@ -237,14 +237,14 @@ json DirectJson(const DirectView& view) {
           {"odd_rays", OrNull(stats.odd_rays)},
           {"reverse_mismatches", OrNull(stats.reverse_mismatches)},
           {"unseen_faces", UnseenJson(view)},
-          {"unseen_face_count", view.stats.unseen_faces.size()},
+          {"unseen_face_count", stats.unseen_faces.size()},
           {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
           {"isa", stats.isa},
           {"samples_per_pixel", view.grid.x * view.grid.y},
           {"peak_bytes", view.peak_bytes}};
 }
 
-json BaselineJson(const BaselineView& view, const BaselineScene& scene) {
+json BaselineJson(const View& view, const BaselineScene& scene) {
   const Mesh& mesh = scene.mesh();
   return {{"triangles", scene.triangles()},
           {"from_model", mesh.from_model},
@@ -254,12 +254,12 @@ json BaselineJson(const BaselineView& view, const BaselineScene& scene) {
           {"timing_ms",
            {{"mesh", mesh.mesh_ms},
             {"build", scene.build_ms()},
-            {"trace", view.stats.trace_ms},
+            {"trace", view.counters.trace_ms},
             {"color", view.color_ms},
             {"shade", view.shade_ms},
             {"total", mesh.mesh_ms + scene.build_ms() + view.total_ms}}},
-          {"rays", view.stats.rays},
-          {"hits", view.stats.hits},
+          {"rays", view.counters.rays},
+          {"hits", view.counters.hits},
           {"bvh_bytes", scene.bvh_bytes()},
           {"peak_bytes", view.peak_bytes}};
 }
@@ -311,15 +311,40 @@ json DifferenceJson(const Difference& difference, const DifferencePicture& pictu
           {"face_count", difference.faces.size()}};
 }
 
-json RenderJson(const Camera& camera, const DirectView& view) {
-  return {{"name", camera.name}, {"camera", CameraJson(camera)}, {"direct", DirectJson(view)}};
+json CandidateJson(const CandidateView& candidate) {
+  const View& view = candidate.view;
+  json facts = json::object();
+  for (const RepresentationFact& fact : candidate.facts) facts[fact.name] = fact.value;
+  return {{"name", candidate.name},
+          {"title", candidate.title},
+          {"timing_ms",
+           {{"make", candidate.make_ms},
+            {"prepare", view.counters.prepare_ms},
+            {"trace", view.counters.trace_ms},
+            {"color", view.color_ms},
+            {"shade", view.shade_ms},
+            {"total", candidate.make_ms + view.total_ms},
+            {"difference", candidate.difference_ms}}},
+          {"rays", view.counters.rays},
+          {"hits", view.counters.hits},
+          {"facts", std::move(facts)},
+          {"peak_bytes", view.peak_bytes},
+          {"difference", DifferenceJson(candidate.difference, candidate.picture)}};
 }
 
-json ComparisonJson(const ViewComparison& comparison, const BaselineScene& scene) {
-  json view = RenderJson(comparison.camera, comparison.direct);
-  view["baseline"] = BaselineJson(comparison.baseline, scene);
-  view["difference"] = DifferenceJson(comparison.difference, comparison.picture);
-  view["timing_ms"] = {{"difference", comparison.difference_ms}};
+json ComparisonJson(const ViewComparison& comparison, const BaselineScene* baseline) {
+  json view = {{"name", comparison.camera.name},
+               {"camera", CameraJson(comparison.camera)},
+               {"direct", DirectJson(comparison.reference)}};
+  std::size_t others = 0;
+  if (baseline != nullptr) {
+    const CandidateView& mesh = comparison.candidates[others++];
+    view["baseline"] = BaselineJson(mesh.view, *baseline);
+    view["difference"] = DifferenceJson(mesh.difference, mesh.picture);
+    view["timing_ms"] = {{"difference", mesh.difference_ms}};
+  }
+  for (; others < comparison.candidates.size(); ++others)
+    view["candidates"].push_back(CandidateJson(comparison.candidates[others]));
   return view;
 }
 

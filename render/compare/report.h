@@ -28,13 +28,18 @@ nlohmann::json CameraJson(const Camera& camera);
 // "faces_skipped", "loops_lost", …}
 nlohmann::json ModelJson(const Model& model);
 
-// "direct", "baseline" and "difference" of one view.
-nlohmann::json DirectJson(const DirectView& view);
-nlohmann::json BaselineJson(const BaselineView& view, const BaselineScene& scene);
+// "direct", "baseline" and "difference" of one view. DirectJson requires a view of exact surfaces.
+nlohmann::json DirectJson(const View& view);
+nlohmann::json BaselineJson(const View& view, const BaselineScene& scene);
 nlohmann::json DifferenceJson(const Difference& difference, const DifferencePicture& picture);
 
-// One entry of "views".
-nlohmann::json ComparisonJson(const ViewComparison& comparison, const BaselineScene& scene);
-nlohmann::json RenderJson(const Camera& camera, const DirectView& view);
+// One entry of "candidates" of one view: {"name", "title", "timing_ms", "rays", "hits", "facts",
+// "peak_bytes", "difference"}.
+nlohmann::json CandidateJson(const CandidateView& candidate);
+
+// One entry of "views". The reference must be exact surfaces. `baseline` is the scene of the triangles that
+// are the first candidate, which makes "baseline" and "difference"; null: no mesh was compared. Other
+// candidates are in "candidates", which is left out where there are none.
+nlohmann::json ComparisonJson(const ViewComparison& comparison, const BaselineScene* baseline);
 
 }  // namespace facetless

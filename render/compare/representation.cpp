@@ -20,9 +20,21 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   TracedView view;
   view.frame = traced.value().frame;
   view.samples = std::move(traced.value().samples);
-  view.structure_bytes = traced.value().stats.scene_bytes;
-  view.direct = std::move(traced.value().stats);
+  DirectStats& stats = traced.value().stats;
+  view.counters = {stats.prepare_ms, stats.trace_ms, stats.rays, stats.hits};
+  view.structure_bytes = stats.scene_bytes;
+  view.direct = std::move(stats);
   return view;
+}
+
+Triangles::Triangles(const BaselineScene& scene, const Model& model, std::span<const SectionPlane> sections,
+                     std::uint64_t max_bytes)
+    : scene_(scene), sections_(sections), max_bytes_(max_bytes) {
+  if (!sections.empty()) solids_.emplace(model);
+}
+
+std::vector<RepresentationFact> Triangles::facts() const {
+  return {{"triangles", static_cast<double>(scene_.triangles())}};
 }
 
 Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& request,
@@ -42,12 +54,14 @@ Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& re
     rest_scene.emplace(std::move(built).value());
     scene = &*rest_scene;
   }
-  Result<BaselineResult> traced = TraceBaseline(*scene, camera, {execution, sections_, solids_});
+  Result<BaselineResult> traced =
+      TraceBaseline(*scene, camera, {execution, sections_, solids_ ? &*solids_ : nullptr});
   if (!traced.ok()) return traced.error();
   view.frame = traced.value().frame;
   view.samples = std::move(traced.value().samples);
   view.structure_bytes = scene->mesh_bytes() + scene->bvh_peak_bytes();
-  view.baseline = traced.value().stats;
+  const BaselineStats& stats = traced.value().stats;
+  view.counters = {0, stats.trace_ms, stats.rays, stats.hits};
   return view;
 }
 

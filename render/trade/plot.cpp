@@ -17,7 +17,7 @@ namespace {
 
 // The paper in points of the drawing; a PNG has kPngScale pixels for each, so that it prints sharply.
 constexpr double kWidth = 960, kHeight = 600, kPngScale = 2;
-constexpr double kLeft = 92, kRight = 28, kTop = 128, kBottom = 74, kNoteHeight = 17;
+constexpr double kLeft = 92, kRight = 28, kTop = 128, kBottom = 74, kNoteHeight = 17, kLegendHeight = 18;
 constexpr double kBandWidth = 118, kBandGap = 14;
 
 struct Rgb {
@@ -25,8 +25,34 @@ struct Rgb {
 };
 constexpr Rgb kInk = {0.12, 0.14, 0.16}, kSoft = {0.40, 0.43, 0.46}, kGrid = {0.88, 0.88, 0.87},
               kFinerGrid = {0.945, 0.945, 0.94}, kBand = {0.955, 0.95, 0.935}, kLimit = {0.55, 0.12, 0.35};
-// Blue and orange of one lightness difference that every common colour blindness keeps.
-constexpr Rgb kSeries[] = {{0.07, 0.40, 0.56}, {0.80, 0.36, 0.05}};
+// Colours whose differences in lightness every common form of colour blindness keeps. There are five of them
+// and four shapes, so that the pair repeats after twenty series.
+constexpr Rgb kSeries[] = {
+    {0.07, 0.40, 0.56}, {0.80, 0.36, 0.05}, {0.00, 0.52, 0.38}, {0.62, 0.22, 0.52}, {0.36, 0.30, 0.10}};
+constexpr std::size_t kShapes = 4;
+
+const Rgb& SeriesColor(std::size_t series) {
+  return kSeries[series % std::size(kSeries)];
+}
+
+// What the legend takes beyond the two lines that the paper has room for. Letters are taken to be wide, so
+// that the drawing needs no more lines than this says.
+double MoreLegend(const LogPlot& plot) {
+  constexpr double kLetter = 8, kEntry = 40, kRoom = kWidth - kLeft - kRight;
+  double x = 0;
+  int lines = 1;
+  const auto add = [&](const std::string& text) {
+    const double width = kLetter * static_cast<double>(text.size()) + kEntry;
+    if (x > 0 && x + width > kRoom) {
+      ++lines;
+      x = 0;
+    }
+    x += width;
+  };
+  for (const PlotSeries& series : plot.series) add(series.name);
+  add(plot.front_title);
+  return std::max(0, lines - 2) * kLegendHeight;
+}
 
 // A logarithmic axis from `low` to `high`, drawn from `begin` to `end`.
 struct Axis {
@@ -92,7 +118,9 @@ class Drawing {
  public:
   Drawing(cairo_t* cairo, const LogPlot& plot) : cr_(cairo), plot_(plot) {
     cairo_select_font_face(cr_, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    bottom_ = kHeight - kBottom;
+    more_ = MoreLegend(plot);
+    top_ = kTop + more_;
+    bottom_ = kHeight - kBottom + more_;
     bool floored = false;
     std::vector<double> xs, ys;
     for (const PlotPoint& point : plot.points) {
@@ -110,7 +138,7 @@ class Drawing {
     x_.begin = kLeft + (band_ ? kBandWidth + kBandGap : 0);
     x_.end = kWidth - kRight;
     y_.begin = bottom_;
-    y_.end = kTop;
+    y_.end = top_;
   }
 
   void Draw() {
@@ -164,14 +192,14 @@ class Drawing {
     cairo_paint(cr_);
     if (!band_) return;
     Color(kBand);
-    cairo_rectangle(cr_, kLeft, kTop, kBandWidth, bottom_ - kTop);
+    cairo_rectangle(cr_, kLeft, top_, kBandWidth, bottom_ - top_);
     cairo_fill(cr_);
   }
 
   void Grid() {
     for (const Tick& tick : Ticks(x_)) {
       const double x = x_.At(tick.value);
-      Line(x, kTop, x, bottom_, tick.major ? kGrid : kFinerGrid, 1);
+      Line(x, top_, x, bottom_, tick.major ? kGrid : kFinerGrid, 1);
       if (tick.major) Text(x, bottom_ + 18, TickText(tick.value, PlotUnit::kMillimetres), 12.5, kInk, 0.5);
     }
     for (const Tick& tick : Ticks(y_)) {
@@ -187,14 +215,14 @@ class Drawing {
     for (const Tick& tick : Ticks(pixels)) {
       if (!tick.major) continue;
       const double x = pixels.At(tick.value);
-      Line(x, kTop - 5, x, kTop, kSoft, 1);
-      Text(x, kTop - 9, NumberText(tick.value) + " px", 11.5, kSoft, 0.5);
+      Line(x, top_ - 5, x, top_, kSoft, 1);
+      Text(x, top_ - 9, NumberText(tick.value) + " px", 11.5, kSoft, 0.5);
     }
   }
 
   void Frame() {
     Line(x_.begin, bottom_, x_.end, bottom_, kInk, 1.2);
-    Line(kLeft, kTop, kLeft, bottom_, kInk, 1.2);
+    Line(kLeft, top_, kLeft, bottom_, kInk, 1.2);
     if (!band_) return;
     Line(kLeft, bottom_, kLeft + kBandWidth, bottom_, kInk, 1.2);
     // The break: two strokes across the gap.
@@ -210,19 +238,19 @@ class Drawing {
     const double x = x_.At(*plot_.x_limit);
     const double dashes[] = {5, 4};
     cairo_set_dash(cr_, dashes, 2, 0);
-    Line(x, kTop, x, bottom_, kLimit, 1.2);
+    Line(x, top_, x, bottom_, kLimit, 1.2);
     cairo_set_dash(cr_, nullptr, 0, 0);
     const double width = Extents(plot_.x_limit_label, 11.5).x_advance;
     const bool right = x + 7 + width < x_.end;
-    limit_box_ = {right ? x + 5 : x - 5 - width, kTop + 3, width + 4, 16};
-    Text(right ? x + 6 : x - 6, kTop + 15, plot_.x_limit_label, 11.5, kLimit, right ? 0 : 1);
+    limit_box_ = {right ? x + 5 : x - 5 - width, top_ + 3, width + 4, 16};
+    Text(right ? x + 6 : x - 6, top_ + 15, plot_.x_limit_label, 11.5, kLimit, right ? 0 : 1);
   }
 
   void Chains() {
     for (const auto& chain : plot_.chains)
       for (std::size_t i = 1; i < chain.size(); ++i) {
         const PlotPoint &a = plot_.points[chain[i - 1]], &b = plot_.points[chain[i]];
-        Rgb color = kSeries[b.series];
+        Rgb color = SeriesColor(b.series);
         for (double* channel : {&color.r, &color.g, &color.b}) *channel = 1 - 0.35 * (1 - *channel);
         Line(X(a), Y(a), X(b), Y(b), color, 1.5);
       }
@@ -245,21 +273,39 @@ class Drawing {
     cairo_stroke(cr_);
   }
 
+  void Polygon(std::initializer_list<std::pair<double, double>> corners) {
+    for (const auto& [x, y] : corners) cairo_line_to(cr_, x, y);
+    cairo_close_path(cr_);
+  }
+
   void Marker(double x, double y, std::size_t series, bool filled) {
     constexpr double kRadius = 5.5;
     cairo_new_path(cr_);
-    if (series == 0) {
-      cairo_arc(cr_, x, y, kRadius, 0, 2 * M_PI);
-    } else {
-      cairo_rectangle(cr_, x - kRadius + 0.5, y - kRadius + 0.5, 2 * kRadius - 1, 2 * kRadius - 1);
+    switch (series % kShapes) {
+      case 0:
+        cairo_arc(cr_, x, y, kRadius, 0, 2 * M_PI);
+        break;
+      case 1:
+        cairo_rectangle(cr_, x - kRadius + 0.5, y - kRadius + 0.5, 2 * kRadius - 1, 2 * kRadius - 1);
+        break;
+      case 2:
+        Polygon({{x, y - 1.2 * kRadius},
+                 {x + 1.15 * kRadius, y + 0.8 * kRadius},
+                 {x - 1.15 * kRadius, y + 0.8 * kRadius}});
+        break;
+      default:
+        Polygon({{x, y - 1.25 * kRadius},
+                 {x + 1.25 * kRadius, y},
+                 {x, y + 1.25 * kRadius},
+                 {x - 1.25 * kRadius, y}});
     }
     if (filled) {
-      Color(kSeries[series]);
+      Color(SeriesColor(series));
     } else {
       cairo_set_source_rgb(cr_, 1, 1, 1);
     }
     cairo_fill_preserve(cr_);
-    Color(kSeries[series]);
+    Color(SeriesColor(series));
     cairo_set_line_width(cr_, 1.8);
     cairo_stroke(cr_);
   }
@@ -304,13 +350,13 @@ class Drawing {
     for (const PlotPoint& point : plot_.points) obstacles.push_back({X(point) - 7, Y(point) - 7, 14, 14});
     AddLineObstacles(obstacles);
     const std::vector<LabelPlace> places =
-        PlaceLabels(requests, obstacles, {kLeft + 2, kTop + 2, x_.end - kLeft - 4, bottom_ - kTop - 4});
+        PlaceLabels(requests, obstacles, {kLeft + 2, top_ + 2, x_.end - kLeft - 4, bottom_ - top_ - 4});
     for (std::size_t k = 0; k < places.size(); ++k) {
       if (!places[k].leader) continue;
       const PlotBox& box = places[k].box;
       Line(requests[k].x, requests[k].y, std::clamp(requests[k].x, box.x, box.x + box.width),
            std::clamp(requests[k].y, box.y + 2, box.y + box.height - 2),
-           kSeries[plot_.points[clusters[k].front()].series], 0.8);
+           SeriesColor(plot_.points[clusters[k].front()].series), 0.8);
     }
     for (std::size_t k = 0; k < places.size(); ++k) {
       const PlotBox& box = places[k].box;
@@ -323,7 +369,7 @@ class Drawing {
       double y = box.y + kSize - 1;
       for (const std::size_t i : clusters[k]) {
         const PlotPoint& point = plot_.points[i];
-        Text(left ? box.x + box.width - 2 : box.x + 2, y, point.label, kSize, kSeries[point.series],
+        Text(left ? box.x + box.width - 2 : box.x + 2, y, point.label, kSize, SeriesColor(point.series),
              left ? 1 : 0, point.filled);
         y += kLine;
       }
@@ -350,22 +396,30 @@ class Drawing {
   void Titles() {
     Text(kLeft, 30, plot_.title, 18, kInk, 0, true);
     Text(kLeft, 50, plot_.subtitle, 12.5, kSoft);
-    // The legend, in one line.
-    double x = kLeft + 6;
+    // The legend, in one line where it has room.
+    double x = kLeft + 6, y_legend = 74;
+    const auto wrap = [&](double width) {
+      if (x + width <= x_.end || x == kLeft + 6) return;
+      x = kLeft + 6;
+      y_legend += kLegendHeight;
+    };
     for (std::size_t i = 0; i < plot_.series.size(); ++i) {
-      Marker(x, 74, i, true);
-      Text(x + 12, 78.5, plot_.series[i].name, 13, kSeries[i], 0, true);
-      x += 12 + Extents(plot_.series[i].name, 13).x_advance * 1.1 + 26;
+      const double width = 12 + Extents(plot_.series[i].name, 13).x_advance * 1.1 + 26;
+      wrap(width);
+      Marker(x, y_legend, i, true);
+      Text(x + 12, y_legend + 4.5, plot_.series[i].name, 13, SeriesColor(i), 0, true);
+      x += width;
     }
-    Line(x, 74, x + 22, 74, kInk, 1.6);
-    Text(x + 29, 78.5, plot_.front_title, 12.5, kSoft);
+    wrap(29 + Extents(plot_.front_title, 12.5).x_advance);
+    Line(x, y_legend, x + 22, y_legend, kInk, 1.6);
+    Text(x + 29, y_legend + 4.5, plot_.front_title, 12.5, kSoft);
     Text(x_.end, bottom_ + 40, plot_.x_title, 13, kInk, 1);
     cairo_save(cr_);
-    cairo_translate(cr_, 20, (kTop + bottom_) / 2);
+    cairo_translate(cr_, 20, (top_ + bottom_) / 2);
     cairo_rotate(cr_, -M_PI / 2);
     Text(0, 0, plot_.y_title, 13, kInk, 0.5);
     cairo_restore(cr_);
-    double y = kHeight - 12;
+    double y = kHeight + more_ - 12;
     for (const std::string& note : plot_.notes) {
       Text(kLeft, y, note, 11.5, kSoft);
       y += kNoteHeight;
@@ -375,18 +429,21 @@ class Drawing {
   cairo_t* cr_;
   const LogPlot& plot_;
   Axis x_, y_;
-  double bottom_ = 0;
+  double top_ = 0, bottom_ = 0;
+  double more_ = 0;  // MoreLegend
   bool band_ = false;
   PlotBox limit_box_;
 };
 
 double PaperHeight(const LogPlot& plot) {
-  return kHeight + (plot.notes.empty() ? 0 : static_cast<double>(plot.notes.size() - 1) * kNoteHeight);
+  return kHeight + MoreLegend(plot) +
+         (plot.notes.empty() ? 0 : static_cast<double>(plot.notes.size() - 1) * kNoteHeight);
 }
 
 Result<void> Check(const LogPlot& plot) {
   for (const PlotPoint& point : plot.points)
-    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !(point.y > 0) || point.series > 1)
+    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !(point.y > 0) ||
+        point.series >= plot.series.size())
       return Error{ErrorCode::kBadUsage,
                    "the point '" + point.label + "' has no place on a logarithmic plot"};
   return {};

@@ -40,14 +40,14 @@ struct LogPlot {
   double pixels_per_mm = 0;       // above 0: a second scale, on top, in pixels
   std::optional<double> x_limit;  // a line that the reader asked about
   std::string x_limit_label;
-  std::vector<PlotSeries> series;                // two at most
+  std::vector<PlotSeries> series;                // any number; colours and shapes repeat after a while
   std::vector<PlotPoint> points;                 // y > 0
   std::vector<std::size_t> front;                // points, in the order of its line
   std::vector<std::vector<std::size_t>> chains;  // points to join by a faint line
   std::vector<std::string> notes;                // lines below
 };
 
-// A whole file. Errors: kBadUsage (a number that is not finite, or no y above 0); kInternal (cairo's reason).
+// A whole file. Errors: kBadUsage (a number that is not finite, no y above 0, or no such series); kInternal (cairo's reason).
 Result<std::string> PlotSvg(const LogPlot& plot);
 Result<std::string> PlotPng(const LogPlot& plot);
 

@@ -42,20 +42,37 @@ void SortDescending(std::vector<double>& numbers) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-}  // namespace
-
-std::string SettingName(const TradeSetting& setting) {
-  return setting.tracer == Tracer::kMesh ? "mesh " + ShortSettingName(setting)
-         : setting.newton_tolerance > 0  ? "standard, tolerance " + Short(setting.newton_tolerance)
-                                         : ShortSettingName(setting);
-}
-
-std::string ShortSettingName(const TradeSetting& setting) {
-  if (setting.tracer == Tracer::kMesh)
-    return Short(setting.deflection) + ", " + Short(setting.angular_deg) + "°";
+std::string ShortName(const DirectSetting& setting) {
   if (setting.newton_tolerance > 0) return "tol " + Short(setting.newton_tolerance);
   constexpr const char* kNames[] = {"fast", "standard", "certified"};
   return kNames[static_cast<int>(setting.precision)];
+}
+
+std::string ShortName(const MeshSetting& setting) {
+  return Short(setting.deflection) + ", " + Short(setting.angular_deg) + "°";
+}
+
+std::string ShortName(const MethodChoice& choice) {
+  return choice.method->setting.empty() ? choice.method->name : Short(choice.setting);
+}
+
+}  // namespace
+
+std::string ShortSettingName(const TradeSetting& setting) {
+  return std::visit([](const auto& one) { return ShortName(one); }, setting);
+}
+
+std::string SettingName(const TradeSetting& setting) {
+  if (IsMesh(setting)) return "mesh " + ShortSettingName(setting);
+  const auto* direct = std::get_if<DirectSetting>(&setting);
+  if (direct == nullptr) return std::get<MethodChoice>(setting).Title();
+  return direct->newton_tolerance > 0 ? "standard, tolerance " + Short(direct->newton_tolerance)
+                                      : ShortName(*direct);
+}
+
+std::string TracerName(const TradeSetting& setting) {
+  if (const auto* choice = std::get_if<MethodChoice>(&setting)) return choice->method->name;
+  return IsMesh(setting) ? "mesh" : "direct";
 }
 
 double TradePoint::ErrorMm(ErrorMeasure measure) const {
@@ -98,33 +115,44 @@ void MarkFronts(std::vector<TradePoint>& points, ErrorMeasure measure, double fl
     points[i].on_memory_front = true;
 }
 
-std::vector<TradeSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg) {
+std::vector<MeshSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg) {
   // Radii relative to the diagonal, between which a narrower angle is tried.
   constexpr double kSmallestRadius = 0.01, kLargestRadius = 1.0 / 3;
   SortDescending(deflections);
   SortDescending(angles_deg);
-  std::vector<TradeSetting> settings;
+  std::vector<MeshSetting> settings;
   for (const double deflection : deflections)
     for (const double angle : angles_deg) {
       const double half = angle * std::numbers::pi / 360;
       const double radius = deflection / (1 - std::cos(half));
       if (angle == angles_deg.front() || (radius >= kSmallestRadius && radius <= kLargestRadius))
-        settings.push_back({.tracer = Tracer::kMesh, .deflection = deflection, .angular_deg = angle});
+        settings.push_back({deflection, angle});
     }
   return settings;
 }
 
-std::vector<TradeSetting> DirectSettings(std::vector<double> tolerances) {
+std::vector<DirectSetting> DirectSettings(std::vector<double> tolerances) {
   SortDescending(tolerances);
-  std::vector<TradeSetting> settings = {{.precision = Precision::kFast}};
+  std::vector<DirectSetting> settings = {{.precision = Precision::kFast}};
   for (const double tolerance : tolerances) settings.push_back({.newton_tolerance = tolerance});
   settings.push_back({.precision = Precision::kStandard});
   settings.push_back({.precision = Precision::kCertified});
   return settings;
 }
 
-bool Refines(const TradeSetting& a, const TradeSetting& b) {
-  if (a.tracer != Tracer::kMesh || b.tracer != Tracer::kMesh) return false;
+std::vector<MethodChoice> MethodSettings(const std::vector<MethodChoice>& choices) {
+  std::vector<MethodChoice> settings;
+  for (const MethodChoice& choice : choices) {
+    if (choice.given || choice.method->setting.empty()) {
+      settings.push_back(choice);
+      continue;
+    }
+    for (const double number : choice.method->usual) settings.push_back({choice.method, number, true});
+  }
+  return settings;
+}
+
+bool Refines(const MeshSetting& a, const MeshSetting& b) {
   return a.deflection < b.deflection || (a.deflection == b.deflection && a.angular_deg <= b.angular_deg);
 }
 

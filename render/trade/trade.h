@@ -1,10 +1,11 @@
-// Speed against accuracy: what a view costs, and what it gets wrong, for every setting of both tracers.
+// Speed against accuracy: what a view costs, and what it gets wrong, for every setting of every representation.
 //
-//  1. A point is one setting of one tracer in one view. Its errors are against the reference: the same rays,
+//  1. A point is one setting of one representation in one view. Its errors are against the reference: the same rays,
 //     traced directly and certified. A point that could not be measured says why, and takes part in nothing
 //     else.
 //  2. Costs are complete: the mesh pays for meshing and its tree, the direct tracer for its patches, its
-//     trimming structures and its leaves. What both need, reading the file, neither pays. prepare_ms,
+//     trimming structures and its leaves, a method (render/compare/method.h) for what it makes of the exact
+//     surfaces and for their trimming structures. What all need, reading the file, none pays. prepare_ms,
 //     trace_ms and shade_ms are disjoint, and total_ms is their sum.
 //  3. Errors below `floor_mm` are equal: the reference does not know itself any better.
 //  4. Nothing here measures: numbers in, orders and sentences out. trade_measure.h makes the numbers.
@@ -13,28 +14,41 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "render/compare/difference.h"
+#include "render/compare/method.h"
 #include "render/trace/direct.h"
 
 namespace facetless {
 
-enum class Tracer : std::uint8_t { kDirect, kMesh };
-
-struct TradeSetting {
-  Tracer tracer = Tracer::kDirect;
-  // Direct. A tolerance of 0 is the tracer's own; others go with kStandard.
+// The exact surfaces. A tolerance of 0 is the tracer's own; others go with kStandard.
+struct DirectSetting {
   Precision precision = Precision::kStandard;
   double newton_tolerance = 0;
-  // Mesh: the chord error relative to the diagonal, and the angle between neighbouring facets.
+};
+
+// Our own mesh: the chord error relative to the diagonal, and the angle between neighbouring facets.
+struct MeshSetting {
   double deflection = 0, angular_deg = 0;
 };
 
-// "certified", "standard, tolerance 1e-3", "mesh 1e-4, 12°".
+using TradeSetting = std::variant<DirectSetting, MeshSetting, MethodChoice>;
+
+inline bool IsDirect(const TradeSetting& setting) {
+  return std::holds_alternative<DirectSetting>(setting);
+}
+inline bool IsMesh(const TradeSetting& setting) {
+  return std::holds_alternative<MeshSetting>(setting);
+}
+
+// "certified", "standard, tolerance 1e-3", "mesh 1e-4, 12°", "voxels 128".
 std::string SettingName(const TradeSetting& setting);
-// The same without what its colour and place say: "certified", "tol 1e-3", "1e-4, 12°".
+// The same without what its colour and place say: "certified", "tol 1e-3", "1e-4, 12°", "128".
 std::string ShortSettingName(const TradeSetting& setting);
+// What its settings have in common in reports: "direct", "mesh", or the method's name.
+std::string TracerName(const TradeSetting& setting);
 
 // Which statistic of the deviation stands for a point's error.
 enum class ErrorMeasure : std::uint8_t { kMean, kP95, kP99, kMax };
@@ -47,8 +61,10 @@ struct TradePoint {
   int mesh_repetitions = 0;  // the same of meshing
 
   // Costs. model_ms is the part of prepare_ms that is paid once per model, and not again for its next view.
-  double mesh_ms = 0, build_ms = 0;                    // mesh
-  double convert_ms = 0, scene_ms = 0, leaves_ms = 0;  // direct
+  double mesh_ms = 0, build_ms = 0;     // mesh
+  double convert_ms = 0, scene_ms = 0;  // direct, and methods
+  double make_ms = 0;                   // methods
+  double leaves_ms = 0;                 // all that has something to prepare for the view
   double model_ms = 0, prepare_ms = 0, trace_ms = 0, shade_ms = 0, total_ms = 0;
   double fastest_ms = 0, slowest_ms = 0;  // of the repetitions of leaves, trace and shade
   double picture_ms = 0;                  // the antialiased picture that FLIP looks at; not in total_ms
@@ -84,16 +100,18 @@ std::vector<std::size_t> ParetoFront(const std::vector<TradePoint>& points, Trad
 // Sets on_time_front and on_memory_front.
 void MarkFronts(std::vector<TradePoint>& points, ErrorMeasure measure, double floor_mm);
 
-// The settings of a sweep, coarse first. Each deflection goes with the widest angle. A narrower one joins a
+// The settings of a sweep of meshes, coarse first. Each deflection goes with the widest angle. A narrower one joins a
 // deflection where it changes something that is seen: an angle decides for arcs whose radius is below
 // deflection / (1 − cos(angle/2)), and is tried where that radius is between 1 % and a third of the diagonal
 // (smaller arcs are hardly seen; above, the deflection decides nothing).
-std::vector<TradeSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg);
+std::vector<MeshSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg);
 // fast, standard with each tolerance, standard, certified.
-std::vector<TradeSetting> DirectSettings(std::vector<double> tolerances);
+std::vector<DirectSetting> DirectSettings(std::vector<double> tolerances);
+// Each method at each of its usual numbers; one that was given with a number of its own at that alone.
+std::vector<MethodChoice> MethodSettings(const std::vector<MethodChoice>& choices);
 
-// True if `a` is a mesh that refines `b`: a smaller deflection, or the same with no wider an angle. What b's
-// budget did not allow, a's would hardly.
-bool Refines(const TradeSetting& a, const TradeSetting& b);
+// Whether `a` refines `b`: a smaller deflection, or the same with no wider an angle. What b's budget did not
+// allow, a's would hardly.
+bool Refines(const MeshSetting& a, const MeshSetting& b);
 
 }  // namespace facetless

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "render/trade/quantity_text.h"
 
@@ -12,18 +13,35 @@ double ErrorOf(const TradePoint& point, bool pixels, ErrorMeasure measure) {
   return pixels ? point.ErrorPx(measure) : point.ErrorMm(measure);
 }
 
-// The measured point of `tracer` with the least time among those within the limit.
-std::optional<std::size_t> CheapestWithin(const std::vector<TradePoint>& points, Tracer tracer, bool pixels,
+// The measured point with the least time among those within the limit that `belongs` takes.
+std::optional<std::size_t> CheapestWithin(const std::vector<TradePoint>& points,
+                                          bool (*belongs)(const TradeSetting& setting), bool pixels,
                                           double limit, ErrorMeasure measure) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const TradePoint& point = points[i];
-    if (!point.measured() || point.setting.tracer != tracer) continue;
+    if (!point.measured() || !belongs(point.setting)) continue;
     // In this form a NaN keeps no limit.
     if (!(ErrorOf(point, pixels, measure) <= limit)) continue;
     if (!best || point.total_ms < points[*best].total_ms) best = i;
   }
   return best;
+}
+
+// Of each method, the measured point with the least time among those within the limit.
+std::vector<std::size_t> CheapestMethodsWithin(const std::vector<TradePoint>& points, bool pixels,
+                                               double limit, ErrorMeasure measure) {
+  std::map<std::string, std::size_t> cheapest;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const TradePoint& point = points[i];
+    if (!point.measured() || IsMesh(point.setting) || IsDirect(point.setting)) continue;
+    if (!(ErrorOf(point, pixels, measure) <= limit)) continue;
+    const auto [best, first] = cheapest.try_emplace(TracerName(point.setting), i);
+    if (!first && point.total_ms < points[best->second].total_ms) best->second = i;
+  }
+  std::vector<std::size_t> found;
+  for (const auto& [name, i] : cheapest) found.push_back(i);
+  return found;
 }
 
 // y at x on the line through two points, all in logarithms. Requires positive numbers, and x between x0 and
@@ -34,15 +52,18 @@ double LogInterpolate(double x, double x0, double y0, double x1, double y1) {
   return std::exp(std::log(y0) + t * (std::log(y1) - std::log(y0)));
 }
 
+const MeshSetting& MeshOf(const TradePoint& point) {
+  return std::get<MeshSetting>(point.setting);
+}
+
 // The measured meshes of one angle, coarse first.
 std::vector<std::size_t> Ladder(const std::vector<TradePoint>& points, double angular_deg) {
   std::vector<std::size_t> ladder;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i].measured() && points[i].setting.tracer == Tracer::kMesh &&
-        points[i].setting.angular_deg == angular_deg)
+    if (points[i].measured() && IsMesh(points[i].setting) && MeshOf(points[i]).angular_deg == angular_deg)
       ladder.push_back(i);
   std::stable_sort(ladder.begin(), ladder.end(), [&](std::size_t a, std::size_t b) {
-    return points[a].setting.deflection > points[b].setting.deflection;
+    return MeshOf(points[a]).deflection > MeshOf(points[b]).deflection;
   });
   return ladder;
 }
@@ -56,7 +77,7 @@ std::optional<double> CrossingDeflection(const std::vector<TradePoint>& points, 
     const TradePoint &coarse = points[ladder[k - 1]], &fine = points[ladder[k]];
     const double above = ErrorOf(coarse, pixels, measure), below = ErrorOf(fine, pixels, measure);
     if (!(above > limit && below <= limit) || !(below > 0)) continue;
-    return LogInterpolate(limit, above, coarse.setting.deflection, below, fine.setting.deflection);
+    return LogInterpolate(limit, above, MeshOf(coarse).deflection, below, MeshOf(fine).deflection);
   }
   return std::nullopt;
 }
@@ -64,7 +85,7 @@ std::optional<double> CrossingDeflection(const std::vector<TradePoint>& points, 
 // "; mesh 1e-5, 30° was not measured: …", for the coarsest skipped mesh.
 std::string SkippedText(const std::vector<TradePoint>& points) {
   for (const TradePoint& point : points)
-    if (point.setting.tracer == Tracer::kMesh && !point.measured())
+    if (IsMesh(point.setting) && !point.measured())
       return "; " + SettingName(point.setting) + " was not measured: " + point.skipped;
   return "";
 }
@@ -74,7 +95,7 @@ std::optional<std::size_t> FinestMesh(const std::vector<TradePoint>& points, boo
                                       ErrorMeasure measure) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i].measured() && points[i].setting.tracer == Tracer::kMesh &&
+    if (points[i].measured() && IsMesh(points[i].setting) &&
         (!best || ErrorOf(points[i], pixels, measure) < ErrorOf(points[*best], pixels, measure)))
       best = i;
   return best;
@@ -121,6 +142,8 @@ std::string LimitSentence(const std::vector<TradePoint>& points, const LimitAnsw
   } else {
     sentence += "No direct setting that was measured keeps it.";
   }
+  for (const std::size_t i : answer.methods)
+    sentence += " " + SettingName(points[i].setting) + " keeps it for " + CostText(points[i]) + ".";
   return sentence;
 }
 
@@ -129,7 +152,7 @@ double DirectCost(const std::vector<TradePoint>& points, TradeCost cost, double 
                   const TradeQuestionContext& context) {
   double least = INFINITY;
   for (const TradePoint& point : points)
-    if (point.measured() && point.setting.tracer == Tracer::kDirect &&
+    if (point.measured() && IsDirect(point.setting) &&
         std::fmax(point.ErrorMm(context.measure), context.floor_mm) <= error_mm)
       least = std::fmin(least, CostOf(point, cost));
   return least;
@@ -181,12 +204,13 @@ LimitAnswer AnswerLimit(const std::vector<TradePoint>& points, bool pixels, doub
   LimitAnswer answer;
   answer.pixels = pixels;
   answer.limit = limit;
-  answer.mesh = CheapestWithin(points, Tracer::kMesh, pixels, limit, context.measure);
-  answer.direct = CheapestWithin(points, Tracer::kDirect, pixels, limit, context.measure);
+  answer.mesh = CheapestWithin(points, IsMesh, pixels, limit, context.measure);
+  answer.direct = CheapestWithin(points, IsDirect, pixels, limit, context.measure);
   if (answer.mesh) {
-    answer.angular_deg = points[*answer.mesh].setting.angular_deg;
+    answer.angular_deg = MeshOf(points[*answer.mesh]).angular_deg;
     answer.deflection = CrossingDeflection(points, answer.angular_deg, pixels, limit, context.measure);
   }
+  answer.methods = CheapestMethodsWithin(points, pixels, limit, context.measure);
   answer.sentence = LimitSentence(points, answer, context);
   return answer;
 }
@@ -199,8 +223,8 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   std::vector<TradePoint> meshes = points;
   bool any_direct = false;
   for (TradePoint& point : meshes) {
-    any_direct = any_direct || (point.measured() && point.setting.tracer == Tracer::kDirect);
-    if (point.setting.tracer == Tracer::kDirect) point.skipped = "another tracer";
+    any_direct = any_direct || (point.measured() && IsDirect(point.setting));
+    if (!IsMesh(point.setting)) point.skipped = "another representation";
   }
   const std::vector<std::size_t> front = ParetoFront(meshes, cost, context.measure, context.floor_mm);
   const auto error_of = [&](std::size_t i) {

@@ -34,6 +34,7 @@ struct LimitAnswer {
   double limit = 0;
   std::optional<std::size_t> mesh;    // the cheapest mesh measured that keeps it
   std::optional<std::size_t> direct;  // the cheapest direct setting that keeps it
+  std::vector<std::size_t> methods;   // of each method, the cheapest setting that keeps it
   std::optional<double> deflection;   // where the ladder crosses the limit, interpolated; for `angular_deg`
   double angular_deg = 0;
   std::string sentence;

@@ -26,22 +26,18 @@ std::uint64_t OutlinePixels(const SampleBuffer& samples) {
 }
 
 // Of a timed run with one sample per pixel.
-ViewOptions TimedOptions(const TradeSetting& setting, const TradeViewOptions& options) {
+ViewOptions TimedOptions(const TradeViewOptions& options) {
   ViewOptions view;
   view.samples = 1;
-  view.precision = setting.precision;
-  view.newton_tolerance = setting.newton_tolerance;
-  view.max_bytes = options.max_bytes;
   view.execution = options.execution;
   if (options.budget != nullptr) view.execution.cancel = options.budget;
   return view;
 }
 
 // Of the antialiased picture, which no budget limits.
-ViewOptions PictureOptions(const TradeSetting& setting, int samples, const TradeViewOptions& options) {
-  ViewOptions view = TimedOptions(setting, options);
+ViewOptions PictureOptions(int samples, const TradeViewOptions& options) {
+  ViewOptions view;
   view.samples = samples;
-  view.max_bytes = DirectOptions{}.max_bytes;
   view.execution = options.execution;
   return view;
 }
@@ -123,8 +119,10 @@ Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera
   TradeReference reference;
   reference.camera = camera;
   reference.samples = PictureSamples(camera.width_px, camera.height_px);
-  Result<DirectView> view = RenderView(
-      scene, camera, PictureOptions({.precision = Precision::kCertified}, reference.samples, options));
+  DirectOptions direct;
+  direct.precision = Precision::kCertified;
+  Result<View> view = RenderView(ExactSurfaces(scene, direct), scene.model(), camera,
+                                 PictureOptions(reference.samples, options));
   if (!view.ok()) return view.error();
   reference.view = std::move(view).value();
   reference.outline_pixels = OutlinePixels(reference.view.samples);
@@ -138,48 +136,23 @@ Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera
   return reference;
 }
 
-Result<TradePoint> MeasureDirect(const Scene& scene, const TradeReference& reference,
-                                 const TradeSetting& setting, const TradeViewOptions& options) {
+Result<TradePoint> MeasurePoint(const Representation& timed, const Representation& picture,
+                                const Model& model, const TradeReference& reference,
+                                const TradeSetting& setting, const TradeViewOptions& options) {
   TradePoint point;
   point.setting = setting;
-  const auto timed = [&]() -> Result<Times> {
-    const Result<DirectView> view = RenderView(scene, reference.camera, TimedOptions(setting, options));
+  const auto run = [&]() -> Result<Times> {
+    const Result<View> view = RenderView(timed, model, reference.camera, TimedOptions(options));
     if (!view.ok()) return view.error();
-    point.leaves = view.value().stats.leaves;
-    return Times{view.value().stats.prepare_ms, view.value().stats.trace_ms, view.value().shade_ms,
-                 view.value().peak_bytes};
+    if (view.value().direct) point.leaves = view.value().direct->leaves;
+    const TraceCounters& counters = view.value().counters;
+    return Times{counters.prepare_ms, counters.trace_ms, view.value().shade_ms, view.value().peak_bytes};
   };
-  if (Result<void> repeated = Repeat(timed, point); !repeated.ok()) return repeated.error();
+  if (Result<void> repeated = Repeat(run, point); !repeated.ok()) return repeated.error();
 
   // The picture and the errors.
-  const Result<DirectView> view =
-      RenderView(scene, reference.camera, PictureOptions(setting, reference.samples, options));
-  if (!view.ok()) return view.error();
-  point.picture_ms = view.value().color_ms + view.value().shade_ms;
-  if (Result<void> stored =
-          StoreErrors(reference, view.value().samples, view.value().image, scene.model(), point);
-      !stored.ok())
-    return stored.error();
-  return point;
-}
-
-Result<TradePoint> MeasureMesh(const BaselineScene& baseline, const Model& model,
-                               const TradeReference& reference, const TradeSetting& setting,
-                               const TradeViewOptions& options) {
-  TradePoint point;
-  point.setting = setting;
-  point.triangles = baseline.triangles();
-  const auto timed = [&]() -> Result<Times> {
-    const Result<BaselineView> view =
-        RenderMesh(baseline, model, reference.camera, TimedOptions(setting, options));
-    if (!view.ok()) return view.error();
-    return Times{0, view.value().stats.trace_ms, view.value().shade_ms, view.value().peak_bytes};
-  };
-  if (Result<void> repeated = Repeat(timed, point); !repeated.ok()) return repeated.error();
-
-  // The picture and the errors.
-  const Result<BaselineView> view =
-      RenderMesh(baseline, model, reference.camera, PictureOptions(setting, reference.samples, options));
+  const Result<View> view =
+      RenderView(picture, model, reference.camera, PictureOptions(reference.samples, options));
   if (!view.ok()) return view.error();
   point.picture_ms = view.value().color_ms + view.value().shade_ms;
   if (Result<void> stored = StoreErrors(reference, view.value().samples, view.value().image, model, point);
@@ -189,7 +162,7 @@ Result<TradePoint> MeasureMesh(const BaselineScene& baseline, const Model& model
 }
 
 void CompleteCosts(TradePoint& point) {
-  point.model_ms = point.mesh_ms + point.build_ms + point.convert_ms + point.scene_ms;
+  point.model_ms = point.mesh_ms + point.build_ms + point.convert_ms + point.scene_ms + point.make_ms;
   point.prepare_ms = point.model_ms + point.leaves_ms;
   point.total_ms = point.prepare_ms + point.trace_ms + point.shade_ms;
   point.peak_bytes = std::max(point.mesher_peak_bytes, point.tracer_peak_bytes);

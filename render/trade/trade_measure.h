@@ -23,13 +23,12 @@ inline constexpr int kRepetitions = 5;
 
 struct TradeViewOptions {
   Execution execution;
-  std::uint64_t max_bytes = DirectOptions{}.max_bytes;  // of a timed run's leaves
   const std::atomic<bool>* budget = nullptr;  // as execution.cancel, for timed runs alone; null: that itself
 };
 
 struct TradeReference {
   Camera camera;
-  DirectView view;                   // its samples are of the pixel centres, its image is antialiased
+  View view;                         // its samples are of the pixel centres, its image is antialiased
   int samples = 1;                   // per pixel, of the image
   std::uint64_t outline_pixels = 0;  // hit, beside one that is not
   double mm_per_pixel = 0;           // at the camera's target
@@ -45,14 +44,13 @@ int PictureSamples(int width_px, int height_px);
 Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera,
                                         const TradeViewOptions& options);
 
-// A point with view and error numbers. What is paid once per model is the caller's: convert_ms, scene_ms,
-// mesh_ms, build_ms, mesher_peak_bytes; CompleteCosts then forms the sums. Errors: those of RenderView,
-// RenderMesh and ComputeDifference.
-Result<TradePoint> MeasureDirect(const Scene& scene, const TradeReference& reference,
-                                 const TradeSetting& setting, const TradeViewOptions& options);
-Result<TradePoint> MeasureMesh(const BaselineScene& baseline, const Model& model,
-                               const TradeReference& reference, const TradeSetting& setting,
-                               const TradeViewOptions& options);
+// A point with the numbers of a view and its errors. What is paid once per model the caller adds:
+// convert_ms, scene_ms, make_ms, mesh_ms, build_ms, mesher_peak_bytes; CompleteCosts then forms the sums.
+// `picture`: the same setting without the budget's limits, of which the antialiased picture is made. Errors:
+// those of RenderView and ComputeDifference.
+Result<TradePoint> MeasurePoint(const Representation& timed, const Representation& picture,
+                                const Model& model, const TradeReference& reference,
+                                const TradeSetting& setting, const TradeViewOptions& options);
 void CompleteCosts(TradePoint& point);
 
 // The median time of `work` by law 1, in ms.

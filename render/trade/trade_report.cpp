@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <string>
+#include <utility>
 
 #include "render/trade/quantity_text.h"
 
@@ -21,15 +23,16 @@ json SpreadJson(const Spread& spread) {
 }
 
 json SettingJson(const TradeSetting& setting) {
-  json out = {{"tracer", setting.tracer == Tracer::kMesh ? "mesh" : "direct"},
-              {"name", SettingName(setting)}};
-  if (setting.tracer == Tracer::kMesh) {
-    out["deflection"] = setting.deflection;
-    out["angular_deg"] = setting.angular_deg;
-  } else {
+  json out = {{"tracer", TracerName(setting)}, {"name", SettingName(setting)}};
+  if (const auto* mesh = std::get_if<MeshSetting>(&setting)) {
+    out["deflection"] = mesh->deflection;
+    out["angular_deg"] = mesh->angular_deg;
+  } else if (const auto* direct = std::get_if<DirectSetting>(&setting)) {
     constexpr const char* kNames[] = {"fast", "standard", "certified"};
-    out["precision"] = kNames[static_cast<int>(setting.precision)];
-    out["newton_tolerance"] = setting.newton_tolerance > 0 ? json(setting.newton_tolerance) : json(nullptr);
+    out["precision"] = kNames[static_cast<int>(direct->precision)];
+    out["newton_tolerance"] = direct->newton_tolerance > 0 ? json(direct->newton_tolerance) : json(nullptr);
+  } else if (const auto& choice = std::get<MethodChoice>(setting); !choice.method->setting.empty()) {
+    out["setting"] = choice.setting;
   }
   return out;
 }
@@ -85,7 +88,7 @@ json TradePointJson(const TradePoint& point, const std::string& view) {
     out["skipped"] = point.skipped;
     return out;
   }
-  const bool mesh = point.setting.tracer == Tracer::kMesh;
+  const bool mesh = IsMesh(point.setting);
   out["repetitions"] = point.repetitions;
   out["timing_ms"] = {{"prepare", point.prepare_ms}, {"trace", point.trace_ms},
                       {"shade", point.shade_ms},     {"total", point.total_ms},
@@ -105,6 +108,7 @@ json TradePointJson(const TradePoint& point, const std::string& view) {
     out["timing_ms"]["scene"] = point.scene_ms;
     out["timing_ms"]["leaves"] = point.leaves_ms;
     out["leaves"] = point.leaves;
+    if (!IsDirect(point.setting)) out["timing_ms"]["make"] = point.make_ms;
   }
   out["tracer_peak_bytes"] = point.tracer_peak_bytes;
   out["peak_bytes"] = point.peak_bytes;
@@ -182,6 +186,14 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
   plot.x_floor = view.context.floor_mm;
   plot.pixels_per_mm = 1 / view.context.mm_per_pixel;
   plot.series = {{"direct"}, {"mesh: deflection, angle"}};
+  // Each method has a series of its own.
+  std::map<std::string, std::size_t> series_of = {{"direct", 0}, {"mesh", 1}};
+  for (const TradePoint& point : view.points)
+    if (const auto* choice = std::get_if<MethodChoice>(&point.setting);
+        choice != nullptr && series_of.try_emplace(choice->method->name, plot.series.size()).second)
+      plot.series.push_back({choice->method->setting.empty()
+                                 ? choice->method->title
+                                 : choice->method->title + ": " + choice->method->setting});
   if (!view.limits.empty()) {
     const LimitAnswer& limit = view.limits.front();
     plot.x_limit = limit.pixels ? limit.limit * view.context.mm_per_pixel : limit.limit;
@@ -189,8 +201,8 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
         "limit " + (limit.pixels ? NumberText(limit.limit) + " px" : MillimetresText(limit.limit));
   }
 
-  // The points, the meshes of one angle as a chain, and what was not measured.
-  std::map<double, std::vector<std::size_t>> chains;
+  // The points, the meshes of one angle and the settings of one method as a chain, and what was not measured.
+  std::map<std::pair<std::size_t, double>, std::vector<std::size_t>> chains;
   std::vector<std::size_t> plotted(view.points.size());
   for (std::size_t i = 0; i < view.points.size(); ++i) {
     const TradePoint& point = view.points[i];
@@ -198,14 +210,16 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
       plot.notes.push_back("Not measured: " + SettingName(point.setting) + ": " + point.skipped + ".");
       continue;
     }
-    const bool mesh = point.setting.tracer == Tracer::kMesh;
+    const std::size_t series = series_of.at(TracerName(point.setting));
     plotted[i] = plot.points.size();
-    if (mesh) chains[point.setting.angular_deg].push_back(plot.points.size());
-    plot.points.push_back({point.ErrorMm(view.context.measure), CostOf(point, cost), mesh ? 1u : 0u,
+    const auto* mesh = std::get_if<MeshSetting>(&point.setting);
+    if (!IsDirect(point.setting))
+      chains[{series, mesh != nullptr ? mesh->angular_deg : 0}].push_back(plot.points.size());
+    plot.points.push_back({point.ErrorMm(view.context.measure), CostOf(point, cost), series,
                            ShortSettingName(point.setting),
                            time ? point.on_time_front : point.on_memory_front});
   }
-  for (auto& [angle, chain] : chains) plot.chains.push_back(std::move(chain));
+  for (auto& [ladder, chain] : chains) plot.chains.push_back(std::move(chain));
   for (const std::size_t i : ParetoFront(view.points, cost, view.context.measure, view.context.floor_mm))
     plot.front.push_back(plotted[i]);
   return plot;

@@ -116,6 +116,23 @@ Result<void> ParseAovs(const OptionRow& row, const Json& json, RunOptions& optio
   return {};
 }
 
+// Each method with one number at most once: its name stands in names of files.
+Result<void> ParseWith(const OptionRow&, const Json& json, RunOptions& options) {
+  auto words = ParseWords(json, "with");
+  if (!words) return words.error();
+  std::vector<MethodChoice> choices;
+  for (const std::string& word : words.value()) {
+    auto choice = ParseMethod(word);
+    if (!choice) return choice.error();
+    for (const MethodChoice& other : choices)
+      if (other.Name() == choice.value().Name())
+        return BadUsage("with lists \"" + FormatMethod(other) + "\" twice");
+    choices.push_back(choice.value());
+  }
+  options.with = std::move(choices);
+  return {};
+}
+
 // "face", "part" or "#rrggbb".
 Result<Coloring> ParseColoring(const Json& json) {
   const std::string text = json.is_string() ? json.get<std::string>() : "";
@@ -193,6 +210,16 @@ OptionBinding UnitBinding() {
 
 OptionBinding AovsBinding() {
   return {ParseAovs, [](const OptionRow&, const RunOptions& o) -> Json { return o.aovs; }};
+}
+
+OptionBinding WithBinding() {
+  return {ParseWith, [](const OptionRow&, const RunOptions& o) {
+            Json choices = Json::array();
+            // A choice without a number means the method's usual ones.
+            for (const MethodChoice& choice : o.with)
+              choices.push_back(choice.given ? FormatMethod(choice) : choice.method->name);
+            return choices;
+          }};
 }
 
 OptionBinding ShadeBinding() {

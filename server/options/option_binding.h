@@ -83,6 +83,7 @@ OptionBinding SamplesBinding();
 OptionBinding ViewMemoryBinding();  // megabytes of an option in bytes
 OptionBinding UnitBinding();
 OptionBinding AovsBinding();
+OptionBinding WithBinding();
 OptionBinding ShadeBinding();
 OptionBinding SectionsBinding();
 OptionBinding ColorBinding();

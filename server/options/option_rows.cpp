@@ -337,6 +337,14 @@ OptionTable PictureRows() {
   };
 }
 
+// "fast, voxels:NUMBER".
+std::string MethodNames() {
+  std::string names;
+  for (const Method* method : Methods())
+    names += (names.empty() ? "" : ", ") + method->name + (method->setting.empty() ? "" : ":NUMBER");
+  return names;
+}
+
 OptionTable MeshRows() {
   const std::string kGroup = "Meshes";
   return {
@@ -388,6 +396,13 @@ OptionTable MeshRows() {
        .help = "Also measure every triangle against the exact surface (mesh.bin)",
        .usual = false,
        .binding = Bound([](auto& o) -> auto& { return o.mesh_deviation; })},
+      {.name = "with",
+       .kind = OptionKind::kWords,
+       .group = kGroup,
+       .commands = kCompare | kTrade,
+       .value = "LIST",
+       .help = "Methods to compare beside the mesh, as NAME or NAME:NUMBER: " + MethodNames(),
+       .binding = WithBinding()},
       {.name = "mesh",
        .kind = OptionKind::kText,
        .group = kGroup,

@@ -15,6 +15,7 @@
 
 #include "render/base/result.h"
 #include "render/base/vec.h"
+#include "render/compare/method.h"
 #include "render/inspect/inspection.h"
 #include "render/lines/line.h"
 #include "render/shade/shade.h"
@@ -71,6 +72,7 @@ struct RunOptions {
   PictureOptions picture;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
+  std::vector<MethodChoice> with;  // what is compared or measured beside the mesh
   TessellationOptions tessellation;
   ImportLimits import_limits;
   double unit_mm = 0;  // 0: the file's own

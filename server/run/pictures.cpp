@@ -65,7 +65,7 @@ Result<void> ContactSheet::Write(const std::string& directory, Json& files) cons
 
 Result<Json> RenderTurntable(const TurntableRun& run, Json& files) {
   const auto start = std::chrono::steady_clock::now();
-  auto cameras = FrameCameras(run.options, run.scene.model().bounds);
+  auto cameras = FrameCameras(run.options, run.model.bounds);
   if (!cameras) return cameras.error();
   const PictureOptions& options = run.options.picture;
   const Camera& first = cameras.value().front();
@@ -78,7 +78,7 @@ Result<Json> RenderTurntable(const TurntableRun& run, Json& files) {
   for (std::size_t frame = 0; frame < cameras.value().size(); ++frame) {
     run.progress(static_cast<double>(frame) / options.turntable);
     const Camera& camera = cameras.value()[frame];
-    auto view = RenderView(run.scene, camera, view_options);
+    auto view = RenderView(run.exact, run.model, camera, view_options);
     if (!view) return view.error();
     Image8& image = view.value().image;
     Decorate(image, camera, view.value().frame, options);

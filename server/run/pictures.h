@@ -37,7 +37,8 @@ class ContactSheet {
 
 // What a turntable is made with.
 struct TurntableRun {
-  const Scene& scene;
+  const Representation& exact;
+  const Model& model;
   const RunOptions& options;
   const ViewOptions& view;
   const std::string& directory;

@@ -149,7 +149,7 @@ Outcome Failure(const std::string& name, const std::string& status, int exit_cod
   return {{{"name", name}, {"passed", false}, {"status", status}}, exit_code};
 }
 
-Result<void> WriteReference(const Entry& entry, const std::string& stem, const DirectView& view) {
+Result<void> WriteReference(const Entry& entry, const std::string& stem, const View& view) {
   if (auto made = MakeDirectories(entry.references); !made) return made;
   if (auto written = WritePng(stem + ".png", view.image); !written) return written;
   if (!NeedsDepth(entry.tolerances)) return {};
@@ -178,8 +178,8 @@ Result<Json> WriteFailure(const std::string& out, const std::string& stem, const
 }
 
 // One view against its reference.
-Result<Outcome> Compare(const Entry& entry, const Camera& camera, const DirectView& view,
-                        const std::string& stem, const std::string& out) {
+Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& view, const std::string& stem,
+                        const std::string& out) {
   auto reference = ReadPng(stem + ".png");
   if (!reference && reference.error().code == ErrorCode::kFileUnreadable)
     return Failure(camera.name, "no reference: run with --update to write " + stem + ".png", kExitFailed);
@@ -242,21 +242,24 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   const Scene scene(model);
   ViewOptions view_options;
   view_options.samples = entry.options.samples;
-  view_options.precision = entry.options.precision;
-  view_options.check = entry.options.check;
   view_options.edges = entry.options.edges;
   view_options.lines = entry.options.lines;
   view_options.background = entry.options.background;
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();
-  view_options.sections = std::move(sections).value();
+  view_options.sections = sections.value();
+  DirectOptions direct;
+  direct.precision = entry.options.precision;
+  direct.check = entry.options.check;
+  direct.sections = sections.value();
+  const ExactSurfaces exact(scene, std::move(direct));
   view_options.execution = {entry.options.threads, request.context.cancel};
 
   const std::size_t lost = LossCount(model);
   const bool lost_too_much = static_cast<double>(lost) > entry.tolerances.at("lost").get<double>();
   Outcome file = {{{"lost", lost}, {"views", Json::array()}}, lost_too_much ? kExitFailed : kExitDone};
   for (const Camera& camera : cameras.value()) {
-    auto view = RenderView(scene, camera, view_options);
+    auto view = RenderView(exact, model, camera, view_options);
     if (!view) return view.error();
     const std::string stem = entry.references + "/" + entry.name + "." + camera.name;
     if (request.update) {

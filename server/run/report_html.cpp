@@ -88,9 +88,11 @@ std::size_t Base64Size(std::size_t bytes) {
   return (bytes + 2) / 3 * 4;
 }
 
+// "pixel-deviation" and, of a further candidate, "fast-pixel-deviation".
 std::optional<PixelPlane> PlaneOf(const std::string& role) {
   for (std::size_t i = 0; i < kPixelPlanes; ++i) {
-    if (role == PixelPlaneName(PixelPlane(i))) return PixelPlane(i);
+    const std::string name = PixelPlaneName(PixelPlane(i));
+    if (role == name || role.ends_with("-" + name)) return PixelPlane(i);
   }
   return std::nullopt;
 }
@@ -192,8 +194,8 @@ Result<std::string> ReportHtml(const Json& report, const std::string& directory)
         planes.emplace_back(*plane, file);
         continue;
       }
-      // The heat map is drawn from the pixel data.
-      if (role == "difference" && heat_map) continue;
+      // Heat maps are drawn from the pixel data.
+      if ((role == "difference" || role.ends_with("-difference")) && heat_map) continue;
       if (auto embedded = pictures.Add(file); !embedded) return embedded.error();
     }
   }

@@ -1,6 +1,8 @@
 #include "server/run/run.h"
 
-#include <cmath>
+#include <algorithm>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "render/base/stopwatch.h"
@@ -18,6 +20,7 @@
 #include "server/base/interrupt.h"
 #include "server/base/version.h"
 #include "server/options/shade_option.h"
+#include "server/run/mesh_check.h"
 #include "server/run/pictures.h"
 #include "server/run/report_html.h"
 #include "server/run/shown_model.h"
@@ -34,9 +37,6 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   ViewOptions view;
   view.sections = sections;
   view.samples = options.samples;
-  view.precision = options.precision;
-  view.max_bytes = options.max_view_bytes;
-  view.check = options.check;
   view.edges = options.edges;
   view.lines = options.lines;
   view.find_lines = options.svg;
@@ -44,7 +44,6 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.inspection = options.inspection;
   view.inspection.orient = options.orient;
   view.coloring = options.picture.coloring;
-  view.newton_tolerance = options.newton_tolerance;
   view.uv = options.WantsAov("uv");
   view.depth_error = options.WantsAov("certificate");
   view.audit = options.audit;
@@ -52,7 +51,19 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   return view;
 }
 
-std::string SvgOf(const ImportedModel& imported, const Camera& camera, const DirectView& view) {
+// How the exact surfaces are traced, where `taken_bytes` of the memory of a view are taken already.
+DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
+                              std::uint64_t taken_bytes) {
+  DirectOptions direct;
+  direct.precision = options.precision;
+  direct.check = options.check;
+  direct.newton_tolerance = options.newton_tolerance;
+  direct.max_bytes = options.max_view_bytes - std::min(options.max_view_bytes, taken_bytes);
+  direct.sections = sections;
+  return direct;
+}
+
+std::string SvgOf(const ImportedModel& imported, const Camera& camera, const View& view) {
   const bool flat = camera.projection == Projection::kOrthographic;
   return LinesSvg(view.lines, camera.width_px, camera.height_px, flat ? view.frame.pixel_x : 0,
                   imported.model->info.file + ", " + camera.name);
@@ -94,59 +105,6 @@ bool ShowsNothing(const Json& views) {
   return !views.empty();
 }
 
-// What says that a mesh has nothing to do with the model, or is turned inside out: of all views together.
-class MeshCheck {
- public:
-  explicit MeshCheck(double diagonal_mm) : diagonal_mm_(diagonal_mm) {}
-
-  void Add(const Difference& difference) {
-    direct_ += difference.direct_hits;
-    baseline_ += difference.baseline_hits;
-    both_ += difference.both_hit;
-    oriented_ += difference.oriented_pixels;
-    opposite_ += difference.opposite_pixels;
-    nearest_mm_ =
-        difference.depth_mm.count > 0 ? std::min(nearest_mm_, difference.depth_mm.p50) : nearest_mm_;
-  }
-  // Sentences, none where nothing is wrong.
-  std::vector<std::string> Problems() const {
-    std::vector<std::string> problems;
-    const std::uint64_t any = direct_ + baseline_ - both_;
-    if (direct_ > 0 && baseline_ > 0 &&
-        static_cast<double>(both_) < kLeastShared * static_cast<double>(any)) {
-      problems.push_back("the mesh has hardly anything in common with the model: of " + std::to_string(any) +
-                         " pixels that show at least one of the two, " + std::to_string(both_) +
-                         " show both");
-    } else if (direct_ > 0 && baseline_ == 0) {
-      problems.push_back("the mesh is not visible: none of the " + std::to_string(direct_) +
-                         " pixels that show the model shows it");
-    } else if (both_ > 0 && nearest_mm_ > kMostApart * diagonal_mm_) {
-      char text[160];
-      std::snprintf(text, sizeof text,
-                    "the mesh has hardly anything in common with the model: in every view half of the depths "
-                    "differ by more than %.3g mm, and the model is %.3g mm large",
-                    nearest_mm_, diagonal_mm_);
-      problems.push_back(text);
-    }
-    if (oriented_ > 0 && static_cast<double>(opposite_) > kMostOpposite * static_cast<double>(oriented_))
-      problems.push_back("the mesh is turned inside out: " + std::to_string(opposite_) + " of " +
-                         std::to_string(oriented_) +
-                         " pixels show its inside where the model shows its outside");
-    return problems;
-  }
-
- private:
-  // A coarse mesh shares nine tenths of its pixels with the model, a part of an assembly rarely less than a
-  // tenth.
-  static constexpr double kLeastShared = 0.05;
-  // Shares of the model's size, and of the pixels.
-  static constexpr double kMostApart = 0.1, kMostOpposite = 0.9;
-
-  const double diagonal_mm_;
-  std::uint64_t direct_ = 0, baseline_ = 0, both_ = 0, oriented_ = 0, opposite_ = 0;
-  double nearest_mm_ = INFINITY;
-};
-
 // What both kinds of run share: cameras, the clock, the report's envelope and its files.
 class Run {
  public:
@@ -177,12 +135,13 @@ class Run {
   Json& files() { return notes_["files"]; }
 
   // All frames around the first view.
-  Result<void> Turntable(const Scene& scene, const ViewOptions& view) {
+  Result<void> Turntable(const Representation& exact, const ViewOptions& view) {
     if (options_.picture.turntable == 0) return {};
     const auto progress = [this](double fraction) {
       if (context_.progress) context_.progress("turntable", fraction);
     };
-    auto turntable = RenderTurntable({scene, options_, view, directory_, progress}, files());
+    auto turntable =
+        RenderTurntable({exact, *imported_.model, options_, view, directory_, progress}, files());
     if (!turntable) return Explained(turntable.error());
     Note("turntable", std::move(turntable).value());
     return {};
@@ -223,7 +182,22 @@ class Run {
     findings_.no_baseline = why.message;
     Note("no_baseline", NoBaselineJson(why));
   }
-  void Unmeshed(std::size_t faces) { findings_.unmeshed = faces; }
+  // What is to be said of the mesh itself, and its deviation where it is asked for. With sections an empty
+  // picture is the planes' doing.
+  Result<void> JudgeMesh(const Mesh& mesh, const MeshCheck& check) {
+    if (options_.mesh_deviation) {
+      auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, cancel());
+      if (!measured) return Explained(measured.error());
+      Note("mesh_deviation", std::move(measured).value());
+      files()["mesh"] = "mesh.bin";
+    }
+    for (const std::string& problem : check.Problems()) Problem(problem);
+    if (const std::size_t turned = TrianglesAgainstNormals(mesh); turned > 0)
+      Problem("the mesh is turned inside out: " + std::to_string(turned) +
+              " of its triangles run against the normals at their corners");
+    findings_.unmeshed = mesh.faces_unmeshed.size();
+    return {};
+  }
 
   // What this run took. An import that was made for an earlier one took no time of it, and stands apart.
   Json TimingJson() const {
@@ -304,42 +278,200 @@ class Run {
   Deadline deadline_;
 };
 
-// Pictures, depths and lines of the exact surfaces alone: a render, or a comparison that has nothing to
-// compare with.
-Result<Json> RunExact(const ImportedModel& whole, const NoBaseline* why, const RunOptions& options,
+// What a comparison compares with beside the mesh.
+class Candidates {
+ public:
+  // What `input` refers to must outlive this. A method that its limits stop is left out, and `run` says why; other errors
+  // are returned.
+  static Result<Candidates> Make(const std::vector<MethodChoice>& choices, const MethodInput& input,
+                                 Run& run) {
+    Candidates candidates;
+    for (const MethodChoice& choice : choices) {
+      auto made = MakeRepresentation(choice, input);
+      if (made) {
+        candidates.owned_.push_back(std::move(made).value());
+        continue;
+      }
+      const std::string sentence = "--with " + FormatMethod(choice) + ": " + made.error().message;
+      if (made.error().code != ErrorCode::kLimitExceeded) return Error{made.error().code, sentence};
+      run.Problem(sentence);
+    }
+    return candidates;
+  }
+
+  // `mesh`, where there is one, and then the methods.
+  std::vector<const Representation*> All(const Representation* mesh) const {
+    std::vector<const Representation*> all;
+    if (mesh != nullptr) all.push_back(mesh);
+    for (const auto& one : owned_) all.push_back(one.get());
+    return all;
+  }
+
+ private:
+  std::vector<std::unique_ptr<const Representation>> owned_;
+};
+
+// Writes the files of one view and makes its entry of the report.
+class ViewReport {
+ public:
+  // `baseline`: the tree of the mesh that is the first candidate; null: there is none.
+  ViewReport(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
+             const BaselineScene* baseline)
+      : imported_(imported), options_(options), directory_(directory), baseline_(baseline) {}
+
+  // The pictures of `view` are compared: they may be drawn into.
+  Result<Json> Write(ViewComparison& view, ContactSheet& sheet) const {
+    const Camera& camera = view.camera;
+    if (auto drawn = Finish(view.reference.image, camera, view, sheet, "exact"); !drawn) return drawn.error();
+    for (CandidateView& candidate : view.candidates) {
+      const bool mesh = IsBaseline(candidate);
+      for (const auto& [image, what] :
+           {std::pair{&candidate.view.image, mesh ? "mesh" : candidate.title},
+            {&candidate.picture.image, mesh ? "difference" : candidate.title + ", difference"}})
+        if (auto drawn = Finish(*image, camera, view, sheet, what); !drawn) return drawn.error();
+    }
+    ViewFiles files(directory_, camera.name);
+    files.Png("direct", view.reference.image);
+    if (options_.svg) files.Svg("lines", SvgOf(imported_, camera, view.reference));
+    files.Depth("depth", view.reference.samples);
+    files.Inspection(view.reference.inspection, view.reference.samples);
+    files.Aovs(view.reference.samples, options_);
+    std::vector<std::optional<PixelData>> pixels(view.candidates.size());
+    for (std::size_t i = 0; i < view.candidates.size(); ++i) {
+      auto made = AddCandidate(view, view.candidates[i], files);
+      if (!made) return made.error();
+      pixels[i] = std::move(made).value();
+      if (pixels[i]) files.Pixels(*pixels[i], i == 0 ? "" : view.candidates[i].name);
+    }
+    Json json = ComparisonJson(view, baseline_);
+    if (!view.candidates.empty())
+      json["pixel_data"] =
+          pixels.front() ? Json{{"depth_mm", {pixels.front()->near_mm, pixels.front()->far_mm}}} : Json();
+    if (auto written = files.Write(json, options_.threads); !written) return written.error();
+    NoteInspections(view, json);
+    return json;
+  }
+
+ private:
+  static bool IsBaseline(const CandidateView& candidate) { return candidate.name == "baseline"; }
+
+  // Scale bar and axes, and the place on the contact sheet.
+  Result<void> Finish(Image8& image, const Camera& camera, const ViewComparison& view, ContactSheet& sheet,
+                      const std::string& what) const {
+    Decorate(image, camera, view.reference.frame, options_.picture);
+    return sheet.Add(image, camera, view.candidates.empty() ? camera.name : camera.name + ": " + what);
+  }
+
+  // The candidate's files. Its pixel data, of views that have some.
+  Result<std::optional<PixelData>> AddCandidate(const ViewComparison& view, const CandidateView& candidate,
+                                                ViewFiles& files) const {
+    const bool baseline = IsBaseline(candidate);
+    files.Png(candidate.name, candidate.view.image);
+    files.Png(baseline ? "difference" : candidate.name + "-difference", candidate.picture.image);
+    files.Depth(candidate.name + "-depth", candidate.view.samples);
+    if (view.reference.samples.size() > kMostPixelData ||
+        imported_.model->PlacedFaceCount() > kMostPixelFaces)
+      return std::optional<PixelData>();
+    auto made = MakePixelData(view.reference.samples, candidate.view.samples, view.reference.frame,
+                              candidate.difference.faces_known, candidate.difference.noise_mm);
+    if (!made) return made.error();
+    return std::optional<PixelData>(std::move(made).value());
+  }
+
+  void NoteInspections(const ViewComparison& view, Json& json) const {
+    if (!view.reference.inspection) return;
+    json["inspection"]["direct"] = InspectionJson(*view.reference.inspection, *imported_.model);
+    for (const CandidateView& candidate : view.candidates)
+      if (candidate.view.inspection)
+        json["inspection"][candidate.name] = InspectionJson(*candidate.view.inspection, *imported_.model);
+  }
+
+  const ImportedModel& imported_;
+  const RunOptions& options_;
+  const std::string& directory_;
+  const BaselineScene* baseline_;
+};
+
+// What a run looks at beside the exact surfaces, and why it lacks a mesh where it should have one.
+struct RunSubject {
+  const char* command;
+  const Mesh* mesh = nullptr;       // of the whole model; null: there is none
+  const NoBaseline* why = nullptr;  // null: none is missing
+};
+
+// The exact surfaces, alone or beside a mesh and what --with names. Without the mesh where a mesh of our own
+// cannot be traced.
+Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, const RunOptions& options,
                       const std::string& directory, const RunContext& context) {
-  const auto shown = ShownModel::Of(whole, nullptr, options.picture.arrangement);
+  const auto shown = ShownModel::Of(whole, subject.mesh, options.picture.arrangement);
   if (!shown) return shown.error();
   const ImportedModel& imported = shown.value().imported();
-  Run run(imported, options, directory, context, why == nullptr ? "render" : "compare");
-  if (why != nullptr) run.LacksBaseline(*why);
+  const Model& model = *imported.model;
+  const Mesh* mesh = subject.mesh != nullptr ? &shown.value().mesh() : nullptr;
+  const auto without_mesh = [&](const Error& error) {
+    const NoBaseline why = NoBaselineFor(error);
+    return RunViews(whole, {.command = subject.command, .why = &why}, options, directory, context);
+  };
+  Run run(imported, options, directory, context, subject.command);
+  if (subject.why != nullptr) run.LacksBaseline(*subject.why);
   run.Note("arrangement", shown.value().report());
   const Scene scene = run.MakeScene();
-  const auto sections = run.Sections(scene, nullptr);
+  std::optional<BaselineScene> tree;
+  if (mesh != nullptr) {
+    auto built =
+        BaselineScene::Build(*mesh, options.threads, !options.sections.empty(), options.max_view_bytes);
+    if (!built) {
+      const Error error = {built.error().code, model.info.file + ": " + built.error().message};
+      if (!mesh->from_model || !CostsTheBaselineOnly(error.code)) return error;
+      return without_mesh(error);
+    }
+    tree.emplace(std::move(built).value());
+  }
+  const auto sections = run.Sections(scene, mesh);
   if (!sections) return sections.error();
-  ContactSheet sheet(options.picture.sheet, 0);
+
+  // The leaves have what the tree leaves of the memory.
+  const DirectOptions direct = ToDirectOptions(options, sections.value(), tree ? tree->bvh_bytes() : 0);
+  const ExactSurfaces exact(scene, direct);
+  std::optional<Triangles> triangles;
+  if (tree) triangles.emplace(*tree, model, sections.value(), direct.max_bytes);
+  const auto methods = Candidates::Make(options.with,
+                                        {.scene = scene,
+                                         .direct = direct,
+                                         .execution = {options.threads, run.cancel()},
+                                         .max_bytes = direct.max_bytes},
+                                        run);
+  if (!methods) return run.Explained(methods.error());
+  const std::vector<const Representation*> candidates =
+      methods.value().All(triangles ? &*triangles : nullptr);
+
+  const ViewOptions view_options = ToViewOptions(options, sections.value(), run.cancel());
+  const ViewReport report(imported, options, run.directory(), tree ? &*tree : nullptr);
+  ContactSheet sheet(options.picture.sheet,
+                     candidates.empty() ? 0 : 1 + 2 * static_cast<int>(candidates.size()));
+  MeshCheck check(model.Diagonal());
+  std::vector<ViewValues> values;
   auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    auto view = RenderView(scene, camera, ToViewOptions(options, sections.value(), run.cancel()));
-    if (!view) return view.error();
-    Decorate(view.value().image, camera, view.value().frame, options.picture);
-    if (auto added = sheet.Add(view.value().image, camera, camera.name); !added) return added.error();
-    ViewFiles files(run.directory(), camera.name);
-    files.Png("direct", view.value().image);
-    if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.value()));
-    files.Depth("depth", view.value().samples);
-    files.Inspection(view.value().inspection, view.value().samples);
-    files.Aovs(view.value().samples, options);
-    Json json = RenderJson(camera, view.value());
-    if (auto written = files.Write(json, options.threads); !written) return written.error();
-    if (view.value().inspection)
-      json["inspection"] = {{"direct", InspectionJson(*view.value().inspection, *imported.model)}};
-    return json;
+    auto compared = CompareView(exact, candidates, model, camera, view_options);
+    if (!compared) return compared.error();
+    if (triangles) {
+      const Difference& d = compared.value().candidates.front().difference;
+      check.Add(d);
+      values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
+                        d.color.flip_mean, d.color.share_over_threshold});
+    }
+    return report.Write(compared.value(), sheet);
   });
-  if (!views) return views.error();
+  if (!views) {
+    const Error& error = views.error();
+    if (!tree || !mesh->from_model || error.code != ErrorCode::kLimitExceeded || *run.cancel()) return error;
+    return without_mesh(BesideTree(imported, *tree, error));
+  }
   if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
-  if (auto turned = run.Turntable(scene, ToViewOptions(options, sections.value(), run.cancel())); !turned)
-    return turned.error();
-  return run.Finish(std::move(views).value(), {});
+  if (auto turned = run.Turntable(exact, view_options); !turned) return turned.error();
+  if (mesh != nullptr)
+    if (auto judged = run.JudgeMesh(*mesh, check); !judged) return judged.error();
+  return run.Finish(std::move(views).value(), values);
 }
 
 }  // namespace
@@ -418,12 +550,17 @@ Result<void> WriteReport(const Json& report, const std::string& directory) {
 
 Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
                        const RunContext& context) {
-  return RunExact(whole, nullptr, options, directory, context);
+  return RunViews(whole, {.command = "render"}, options, directory, context);
 }
 
 Result<Json> RunWithoutBaseline(const ImportedModel& whole, const NoBaseline& why, const RunOptions& options,
                                 const std::string& directory, const RunContext& context) {
-  return RunExact(whole, &why, options, directory, context);
+  return RunViews(whole, {.command = "compare", .why = &why}, options, directory, context);
+}
+
+Result<Json> RunCompare(const ImportedModel& whole, const Mesh& mesh, const RunOptions& options,
+                        const std::string& directory, const RunContext& context) {
+  return RunViews(whole, {.command = "compare", .mesh = &mesh}, options, directory, context);
 }
 
 Result<Json> WithReason(Json report, const NoBaseline& why, const std::string& directory) {
@@ -433,93 +570,6 @@ Result<Json> WithReason(Json report, const NoBaseline& why, const std::string& d
     if (problem == before) problem = why.message;
   if (auto written = WriteReport(report, directory); !written) return written.error();
   return report;
-}
-
-Result<Json> RunCompare(const ImportedModel& whole, const Mesh& whole_mesh, const RunOptions& options,
-                        const std::string& directory, const RunContext& context) {
-  const auto shown = ShownModel::Of(whole, &whole_mesh, options.picture.arrangement);
-  if (!shown) return shown.error();
-  const ImportedModel& imported = shown.value().imported();
-  const Mesh& mesh = shown.value().mesh();
-  Run run(imported, options, directory, context, "compare");
-  run.Note("arrangement", shown.value().report());
-  const Scene scene = run.MakeScene();
-  const auto baseline =
-      BaselineScene::Build(mesh, options.threads, !options.sections.empty(), options.max_view_bytes);
-  if (!baseline) {
-    const Error error = {baseline.error().code, imported.model->info.file + ": " + baseline.error().message};
-    if (!whole_mesh.from_model || !CostsTheBaselineOnly(error.code)) return error;
-    return RunWithoutBaseline(whole, NoBaselineFor(error), options, directory, context);
-  }
-  const auto sections = run.Sections(scene, &mesh);
-  if (!sections) return sections.error();
-  MeshCheck check(imported.model->Diagonal());
-  ContactSheet sheet(options.picture.sheet, 3);
-  std::vector<ViewValues> values;
-  auto views = run.ForEachView([&](const Camera& camera) -> Result<Json> {
-    // The leaves have what the tree leaves of the memory.
-    ViewOptions view_options = ToViewOptions(options, sections.value(), run.cancel());
-    view_options.max_bytes -= std::min(view_options.max_bytes, baseline.value().bvh_bytes());
-    auto compared = CompareView(scene, baseline.value(), camera, view_options);
-    if (!compared) return compared.error();
-    ViewComparison& view = compared.value();
-    // The pictures are compared: now they may be drawn into.
-    for (const auto& [image, what] : {std::pair{&view.direct.image, "exact"},
-                                      {&view.baseline.image, "mesh"},
-                                      {&view.picture.image, "difference"}}) {
-      Decorate(*image, camera, view.direct.frame, options.picture);
-      if (auto added = sheet.Add(*image, camera, camera.name + ": " + what); !added) return added.error();
-    }
-    ViewFiles files(run.directory(), camera.name);
-    files.Png("direct", view.direct.image);
-    files.Png("baseline", view.baseline.image);
-    files.Png("difference", view.picture.image);
-    if (options.svg) files.Svg("lines", SvgOf(imported, camera, view.direct));
-    files.Depth("depth", view.direct.samples);
-    files.Depth("baseline-depth", view.baseline.samples);
-    files.Inspection(view.direct.inspection, view.direct.samples);
-    files.Aovs(view.direct.samples, options);
-    std::optional<PixelData> pixels;
-    if (view.direct.samples.size() <= kMostPixelData &&
-        imported.model->PlacedFaceCount() <= kMostPixelFaces) {
-      auto made = MakePixelData(view.direct.samples, view.baseline.samples, view.direct.frame,
-                                mesh.from_model, view.difference.noise_mm);
-      if (!made) return made.error();
-      pixels = std::move(made).value();
-      files.Pixels(*pixels);
-    }
-    const Difference& d = view.difference;
-    check.Add(d);
-    values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
-                      d.color.flip_mean, d.color.share_over_threshold});
-    Json json = ComparisonJson(view, baseline.value());
-    json["pixel_data"] = pixels ? Json{{"depth_mm", {pixels->near_mm, pixels->far_mm}}} : Json(nullptr);
-    if (auto written = files.Write(json, options.threads); !written) return written.error();
-    if (view.direct.inspection && view.baseline.inspection)
-      json["inspection"] = {{"direct", InspectionJson(*view.direct.inspection, *imported.model)},
-                            {"baseline", InspectionJson(*view.baseline.inspection, *imported.model)}};
-    return json;
-  });
-  if (!views) {
-    const Error& error = views.error();
-    if (!whole_mesh.from_model || error.code != ErrorCode::kLimitExceeded || *run.cancel()) return error;
-    return RunWithoutBaseline(whole, NoBaselineFor(BesideTree(imported, baseline.value(), error)), options,
-                              directory, context);
-  }
-  if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
-  if (options.mesh_deviation) {
-    auto measured = WriteMeshDeviation(*imported.model, mesh, directory, run.cancel());
-    if (!measured) return run.Explained(measured.error());
-    run.Note("mesh_deviation", std::move(measured).value());
-    run.files()["mesh"] = "mesh.bin";
-  }
-  // With sections an empty picture is the planes' doing.
-  for (const std::string& problem : check.Problems()) run.Problem(problem);
-  if (const std::size_t turned = TrianglesAgainstNormals(mesh); turned > 0)
-    run.Problem("the mesh is turned inside out: " + std::to_string(turned) +
-                " of its triangles run against the normals at their corners");
-  run.Unmeshed(mesh.faces_unmeshed.size());
-  return run.Finish(std::move(views).value(), values);
 }
 
 }  // namespace facetless

@@ -72,7 +72,7 @@ class Sweep {
   const TradeOptions& trade() const { return options_.trade; }
 
   TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const {
-    return {{options_.threads, deadline_.flag()}, trade().budget_mb * kMegabyte, budget};
+    return {{options_.threads, deadline_.flag()}, budget};
   }
 
   void Step(const std::string& what) {
@@ -85,9 +85,10 @@ class Sweep {
     load_at_start_ = LoadAverage();
     auto cameras = ResolveCameras(options_, model().bounds);
     if (!cameras) return cameras.error();
-    const std::vector<TradeSetting> direct = DirectSettings(trade().tolerances),
-                                    meshes = MeshSettings(trade().deflections, trade().angles_deg);
-    steps_ = static_cast<int>(cameras.value().size() * (1 + direct.size()) + meshes.size());
+    const std::vector<DirectSetting> direct = DirectSettings(trade().tolerances);
+    const std::vector<MeshSetting> meshes = MeshSettings(trade().deflections, trade().angles_deg);
+    const std::vector<MethodChoice> methods = MethodSettings(options_.with);
+    steps_ = static_cast<int>(cameras.value().size() * (1 + direct.size()) + meshes.size() + methods.size());
 
     // What lasts for all views, and the references.
     const Scene scene(model());
@@ -104,26 +105,42 @@ class Sweep {
     }
     // The points.
     for (TradeView& view : views_)
-      for (const TradeSetting& setting : direct)
+      for (const DirectSetting& setting : direct)
         if (auto measured = MeasureDirectPoint(scene, setting, view); !measured) return measured;
-    for (const TradeSetting& setting : meshes)
+    for (const MeshSetting& setting : meshes)
       if (auto measured = MeasureMeshPoints(setting); !measured) return measured;
+    for (const MethodChoice& choice : methods)
+      if (auto measured = MeasureMethodPoints(scene, choice); !measured) return measured;
     return {};
   }
 
-  Result<void> MeasureDirectPoint(const Scene& scene, const TradeSetting& setting, TradeView& view) {
-    Step("direct");
+  // One point of one view; `skipped` of it says where the budget did not suffice. `timed` has the budget's
+  // memory, `picture` has not. An error ends the run.
+  Result<TradePoint> MeasureWithin(const Representation& timed, const Representation& picture,
+                                   const TradeSetting& setting, const TradeView& view) {
     const Deadline budget(trade().budget_s, deadline_.flag());
-    auto point = MeasureDirect(scene, view.reference, setting, ViewOptionsOf(budget.flag()));
-    if (!point) {
-      if (Stopped(point.error(), budget)) return point.error();
-      TradePoint skipped;
-      skipped.setting = setting;
-      skipped.skipped =
-          budget.expired() ? "a view takes longer than " + Seconds(trade().budget_s) : MemoryReason();
-      view.points.push_back(std::move(skipped));
-      return {};
-    }
+    auto point = MeasurePoint(timed, picture, model(), view.reference, setting, ViewOptionsOf(budget.flag()));
+    if (point || Stopped(point.error(), budget)) return point;
+    return Skipped(
+        setting, budget.expired() ? "a view takes longer than " + Seconds(trade().budget_s) : MemoryReason());
+  }
+
+  static TradePoint Skipped(const TradeSetting& setting, const std::string& reason) {
+    TradePoint point;
+    point.setting = setting;
+    point.skipped = reason;
+    return point;
+  }
+
+  Result<void> MeasureDirectPoint(const Scene& scene, const DirectSetting& setting, TradeView& view) {
+    Step("direct");
+    DirectOptions options;
+    options.precision = setting.precision;
+    options.newton_tolerance = setting.newton_tolerance;
+    const ExactSurfaces picture(scene, options);
+    options.max_bytes = trade().budget_mb * kMegabyte;
+    auto point = MeasureWithin(ExactSurfaces(scene, options), picture, setting, view);
+    if (!point) return point.error();
     point.value().convert_ms = model().info.convert_ms;
     point.value().scene_ms = scene_ms_;
     CompleteCosts(point.value());
@@ -132,10 +149,11 @@ class Sweep {
   }
 
   // Meshes once, and measures every view of it.
-  Result<void> MeasureMeshPoints(const TradeSetting& setting) {
+  Result<void> MeasureMeshPoints(const MeshSetting& setting) {
     Step("meshes");
     std::string reason = RefusedBefore(setting);
     Tessellation tessellation;
+    std::optional<Triangles> triangles;
     if (reason.empty()) {
       auto made = Tessellate(setting);
       if (!made) return made.error();
@@ -143,52 +161,65 @@ class Sweep {
       reason = tessellation.over_budget;
       if (!reason.empty()) over_budget_.push_back(setting);
     }
+    if (reason.empty())
+      triangles.emplace(*tessellation.tree, model(), std::span<const SectionPlane>(),
+                        trade().budget_mb * kMegabyte);
     for (TradeView& view : views_) {
-      TradePoint point;
-      if (reason.empty()) {
-        auto measured = MeasureMeshPoint(setting, tessellation, view);
-        if (!measured) return measured.error();
-        point = std::move(measured).value();
-      } else {
-        point.skipped = reason;
-      }
-      point.setting = setting;
-      view.points.push_back(std::move(point));
+      auto point = triangles ? MeasureWithin(*triangles, *triangles, setting, view)
+                             : Result<TradePoint>(Skipped(setting, reason));
+      if (!point) return point.error();
+      if (triangles) StoreMeshCosts(tessellation, point.value());
+      view.points.push_back(std::move(point).value());
     }
     return {};
   }
 
-  Result<TradePoint> MeasureMeshPoint(const TradeSetting& setting, const Tessellation& tessellation,
-                                      const TradeView& view) {
+  static void StoreMeshCosts(const Tessellation& tessellation, TradePoint& point) {
+    point.triangles = tessellation.tree->triangles();
+    point.mesh_ms = tessellation.mesh_ms;
+    point.build_ms = tessellation.build_ms;
+    point.mesh_repetitions = tessellation.repetitions;
+    point.mesher_peak_bytes = tessellation.mesher_peak_bytes;
+    point.deflection_mm = tessellation.mesh->deflection_mm;
+    CompleteCosts(point);
+  }
+
+  // Makes the representation once, and measures every view of it.
+  Result<void> MeasureMethodPoints(const Scene& scene, const MethodChoice& choice) {
+    Step("methods");
     const Deadline budget(trade().budget_s, deadline_.flag());
-    auto point =
-        MeasureMesh(*tessellation.tree, model(), view.reference, setting, ViewOptionsOf(budget.flag()));
-    if (!point) {
-      if (Stopped(point.error(), budget)) return point.error();
-      TradePoint skipped;
-      skipped.skipped =
-          budget.expired() ? "a view takes longer than " + Seconds(trade().budget_s) : MemoryReason();
-      return skipped;
+    const DirectOptions direct;
+    const auto made = MakeRepresentation(choice, {.scene = scene,
+                                                  .direct = direct,
+                                                  .execution = {options_.threads, budget.flag()},
+                                                  .max_bytes = trade().budget_mb * kMegabyte});
+    if (!made && Stopped(made.error(), budget)) return made.error();
+    const std::string reason = made               ? ""
+                               : budget.expired() ? "making it takes longer than " + Seconds(trade().budget_s)
+                                                  : MemoryReason();
+    for (TradeView& view : views_) {
+      auto point = made ? MeasureWithin(*made.value(), *made.value(), choice, view)
+                        : Result<TradePoint>(Skipped(choice, reason));
+      if (!point) return point.error();
+      point.value().make_ms = made ? made.value()->make_ms() : 0;
+      point.value().convert_ms = model().info.convert_ms;
+      point.value().scene_ms = scene_ms_;
+      CompleteCosts(point.value());
+      view.points.push_back(std::move(point).value());
     }
-    point.value().mesh_ms = tessellation.mesh_ms;
-    point.value().build_ms = tessellation.build_ms;
-    point.value().mesh_repetitions = tessellation.repetitions;
-    point.value().mesher_peak_bytes = tessellation.mesher_peak_bytes;
-    point.value().deflection_mm = tessellation.mesh->deflection_mm;
-    CompleteCosts(point.value());
-    return point;
+    return {};
   }
 
   // Why a setting need not be tried; empty if it must.
-  std::string RefusedBefore(const TradeSetting& setting) const {
-    for (const TradeSetting& refused : over_budget_)
+  std::string RefusedBefore(const MeshSetting& setting) const {
+    for (const MeshSetting& refused : over_budget_)
       if (Refines(setting, refused))
         return "not tried, since " + SettingName(refused) + " exceeded its budget";
     return "";
   }
 
   // Runs the importer for one deflection, and builds the tree.
-  Result<Tessellation> Tessellate(const TradeSetting& setting) {
+  Result<Tessellation> Tessellate(const MeshSetting& setting) {
     // Where meshing was quick last time, several meshes of one import make a median: one step of the sweep
     // multiplies the time by much less than 600.
     constexpr double kQuickMeshMs = 100;
@@ -273,7 +304,7 @@ class Sweep {
     }
     std::sort(times.begin(), times.end());
     tessellation.build_ms = times[times.size() / 2];
-    tessellation.tree = std::move(tree).value();
+    tessellation.tree.emplace(std::move(tree).value());
     return tessellation;
   }
 
@@ -389,10 +420,10 @@ class Sweep {
                   {"mm_per_pixel", reference.mm_per_pixel},
                   {"floor_mm", reference.floor_mm},
                   {"outline_pixels", reference.outline_pixels},
-                  {"hits", reference.view.stats.hits},
-                  {"certified", reference.view.stats.certified},
-                  {"converged", reference.view.stats.converged},
-                  {"unresolved", reference.view.stats.unresolved}}}};
+                  {"hits", reference.view.counters.hits},
+                  {"certified", reference.view.direct->certified},
+                  {"converged", reference.view.direct->converged},
+                  {"unresolved", reference.view.direct->unresolved}}}};
   }
 
   const ImportRequest& request_;
@@ -404,7 +435,7 @@ class Sweep {
   const double timeout_s_;
   Deadline deadline_;
   std::vector<TradeView> views_;
-  std::vector<TradeSetting> over_budget_;
+  std::vector<MeshSetting> over_budget_;
   double scene_ms_ = 0, last_mesh_ms_ = 0, load_at_start_ = 0;
   int steps_ = 0, steps_done_ = 0;
 };

@@ -10,11 +10,11 @@
 
 namespace facetless {
 
-void ViewFiles::Png(const char* role, const Image8& image) {
+void ViewFiles::Png(const std::string& role, const Image8& image) {
   Add(role, ".png", [&image](const std::string& path) { return WritePng(path, image); });
 }
 
-void ViewFiles::Depth(const char* role, const SampleBuffer& samples) {
+void ViewFiles::Depth(const std::string& role, const SampleBuffer& samples) {
   Add(role, ".tif", [&samples](const std::string& path) {
     return WriteDepth(path, samples.width, samples.height, samples.depth);
   });
@@ -31,15 +31,18 @@ void ViewFiles::Inspection(const std::optional<InspectionView>& inspection, cons
     });
 }
 
-void ViewFiles::Svg(const char* role, std::string svg) {
+void ViewFiles::Svg(const std::string& role, std::string svg) {
   Add(role, ".svg",
       [svg = std::move(svg)](const std::string& path) { return WriteFileAtomically(path, svg); });
 }
 
-void ViewFiles::Pixels(const PixelData& data) {
-  for (std::size_t i = 0; i < kPixelPlanes; ++i)
-    Add(PixelPlaneName(PixelPlane(i)), ".png",
+void ViewFiles::Pixels(const PixelData& data, const std::string& candidate) {
+  for (std::size_t i = 0; i < kPixelPlanes; ++i) {
+    const PixelPlane which{static_cast<std::uint8_t>(i)};
+    if (!candidate.empty() && !IsOfCandidate(which)) continue;
+    Add((candidate.empty() ? "" : candidate + "-") + PixelPlaneName(which), ".png",
         [&plane = data.planes[i]](const std::string& path) { return WriteDataPng(path, plane); });
+  }
 }
 
 void ViewFiles::Aovs(const SampleBuffer& samples, const RunOptions& options) {
@@ -71,7 +74,7 @@ Result<void> ViewFiles::Write(nlohmann::json& view, int threads) const {
   return {};
 }
 
-void ViewFiles::Add(const char* role, const char* extension,
+void ViewFiles::Add(const std::string& role, const char* extension,
                     std::function<Result<void>(const std::string& path)> write) {
   files_.push_back({role, view_ + "." + role + extension, std::move(write)});
 }

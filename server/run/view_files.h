@@ -24,13 +24,13 @@ class ViewFiles {
  public:
   ViewFiles(const std::string& directory, const std::string& view) : directory_(directory), view_(view) {}
 
-  void Png(const char* role, const Image8& image);
-  void Depth(const char* role, const SampleBuffer& samples);
+  void Png(const std::string& role, const Image8& image);
+  void Depth(const std::string& role, const SampleBuffer& samples);
   // The legend, and the numbers as they are.
   void Inspection(const std::optional<InspectionView>& inspection, const SampleBuffer& samples);
-  void Svg(const char* role, std::string svg);
-  // One file for each plane.
-  void Pixels(const PixelData& data);
+  void Svg(const std::string& role, std::string svg);
+  // One file for each plane; of a further candidate those planes that are its own, under its name.
+  void Pixels(const PixelData& data, const std::string& candidate);
   // The AOVs that are asked for. The depth is a file of its own already, in double.
   void Aovs(const SampleBuffer& samples, const RunOptions& options);
 
@@ -43,7 +43,7 @@ class ViewFiles {
     std::string role, name;
     std::function<Result<void>(const std::string& path)> write;
   };
-  void Add(const char* role, const char* extension,
+  void Add(const std::string& role, const char* extension,
            std::function<Result<void>(const std::string& path)> write);
 
   std::string directory_, view_;

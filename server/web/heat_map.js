@@ -26,14 +26,15 @@ export const heatMap = (pixels, range) => {
 export const usualRange = (difference) => roundUp(Math.max(difference.deviation_mm.p99, difference.noise_mm, 1e-9));
 
 // The legend; the person's choice of a range, or null for the usual one, goes to `changed`.
-// `ends` are words for blue and red; `pictures`: pixels that only one tracer hits have colours of their own.
-export const heatLegend = (usual, changed, ends = ["mesh nearer", "mesh farther"], pictures = true) => {
+// `ends` are words for blue and red. `noun`: what the surfaces are compared with, whose pixels have colours of their own where only one of
+// the two is hit; null for a legend of no picture.
+export const heatLegend = (usual, changed, ends = ["mesh nearer", "mesh farther"], noun = "mesh") => {
   const ticks = element("div", { class: "ticks" });
   const input = element("input", { type: "number", min: "0", step: "any", inputmode: "decimal" });
   const slide = element("input", { type: "range", min: "-9", max: "3", step: "0.01", "aria-label": "Range of the colours, as a power of ten in mm" });
   const usualButton = element("button", { type: "button", class: "small", on: { click: () => changed(null) } }, "usual");
   const show = (range) => {
-    ticks.replaceChildren(...[-1, -0.5, 0, 0.5, 1].map((t) => element("span", {}, t === 0 ? "0" : `${t > 0 ? "+" : "−"}${number(Math.abs(t) * range)}`)));
+    ticks.replaceChildren(...[-1, -0.5, 0, 0.5, 1].map((t) => element("span", {}, t === 0 ? "0" : `${t > 0 ? "+" : "−"}${number(Math.abs(t) * range).replace(/\.?0+·/, "·")}`)));
     if (document.activeElement !== input) input.value = Number(range.toPrecision(3));
     slide.value = Math.log10(range);
     slide.setAttribute("aria-valuetext", `${number(range)} mm`);
@@ -51,7 +52,7 @@ export const heatLegend = (usual, changed, ends = ["mesh nearer", "mesh farther"
   };
   const root = element("div", { class: "legend" },
     element("div", { class: "bar-of-colors" }, element("span", {}, ends[0]), bar, element("span", {}, ends[1]), ticks),
-    pictures ? element("div", { class: "keys" }, swatch(border, "border, not measured"), swatch(onlySurface, "only the surface"), swatch(onlyMesh, "only the mesh")) : null,
+    noun ? element("div", { class: "keys" }, swatch(border, "border, not measured"), swatch(onlySurface, "only the surface"), swatch(onlyMesh, `only the ${noun}`)) : null,
     element("div", { class: "range" }, element("label", {}, "Range ±", input, "mm"), slide, usualButton));
   return { root, show };
 };

@@ -1,13 +1,14 @@
 // The numbers of a view, in the words of docs/comparison.md.
 import { element, given, number, share, table } from "./dom.js";
 
-export const differenceTables = (d) => {
+// `noun`: what the surfaces are compared with.
+export const differenceTables = (d, noun = "mesh") => {
   const spread = (title, s) => [title, number(s.mean), number(s.p50), number(s.p95), number(s.p99), number(s.max)];
   const silhouette = d.silhouette.max_distance_px === null ? "∞" : number(d.silhouette.max_distance_px);
   return [
     element("section", {}, element("h3", {}, "Difference"),
       table("Difference in millimetres and degrees", ["", "mean", "p50", "p95", "p99", "max"], [spread("deviation, mm", d.deviation_mm), spread("depth, mm", d.depth_mm), spread("normal, °", d.normal_deg)]),
-      element("p", { class: "facts" }, `Positions of the mesh are known to ${number(d.noise_mm)} mm. ${share(d.border.share)} of the pixels that both hit are border pixels, which deviation and normal leave out.`)),
+      element("p", { class: "facts" }, `${d.noise_mm > 0 ? `Positions of the ${noun} are known to ${number(d.noise_mm)} mm. ` : ""}${share(d.border.share)} of the pixels that both hit are border pixels, which deviation and normal leave out.`)),
     element("section", {}, element("h3", {}, "Picture"),
       table("Difference of the pictures", null, [["FLIP, mean", number(d.color.flip_mean)], ["FLIP, p95", number(d.color.flip_p95)], ["SSIM", d.color.ssim.toFixed(4)],
         ["PSNR", d.color.psnr === null ? "equal" : `${number(d.color.psnr)} dB`], ["Pixels that differ", share(d.color.share_over_threshold)],

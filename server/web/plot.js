@@ -19,6 +19,21 @@ const tickText = (value) => {
   return power >= -3 && power <= 4 ? String(Number(value.toPrecision(1))) : `${value > 1.5 * 10 ** power ? `${Math.round(value / 10 ** power)}·` : ""}10${[...String(power)].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`;
 };
 
+// The representations of a trade, in the order of its points; direct and mesh have names of their own, methods are numbered.
+export const seriesOf = (points) => {
+  const others = [...new Set(points.map((point) => point.tracer))].filter((name) => name !== "direct" && name !== "mesh");
+  return [{ tracer: "direct", title: "direct", kind: "direct" }, { tracer: "mesh", title: "mesh", kind: "mesh" },
+    ...others.map((tracer, i) => ({ tracer, title: tracer, kind: `method-${i % 3}` }))];
+};
+
+// A marker of its own for every series: what tells them apart is not colour alone.
+const marker = (kind, x, y) => {
+  if (kind === "direct") return drawn("circle", { cx: x, cy: y, r: 5.5 });
+  if (kind === "mesh") return drawn("rect", { x: x - 5, y: y - 5, width: 10, height: 10 });
+  const corners = { "method-0": [[0, -6.5], [6.5, 5], [-6.5, 5]], "method-1": [[0, -7], [7, 0], [0, 7], [-7, 0]], "method-2": [[0, 6.5], [6.5, -5], [-6.5, -5]] }[kind];
+  return drawn("polygon", { points: corners.map(([dx, dy]) => `${x + dx},${y + dy}`).join(" ") });
+};
+
 // `cost` is { title, of(point), text(value), unit, pareto }; error(point) is in mm. pointed(name | null) hears what is pointed at.
 export const tradePlot = (label, points, cost, error, floor, limit, pointed) => {
   const measured = points.filter((point) => point.measured && cost.of(point) > 0);
@@ -44,7 +59,7 @@ export const tradePlot = (label, points, cost, error, floor, limit, pointed) => 
     return i === 0 ? `M${at}` : `V${y(cost.of(point)).toFixed(1)}H${x(error(point)).toFixed(1)}`;
   }).join("");
   const tip = element("div", { class: "tip", hidden: true });
-  const marks = new Map();
+  const marks = new Map(), series = seriesOf(points);
   const show = (point, mark) => {
     const words = point && [element("b", {}, point.name), element("span", {}, `${cost.text(cost.of(point))}, error ${number(error(point))} mm`), point.triangles ? element("span", {}, `${number(point.triangles)} triangles`) : null].filter(Boolean);
     tip.hidden = !point;
@@ -58,16 +73,16 @@ export const tradePlot = (label, points, cost, error, floor, limit, pointed) => 
     marks.forEach((other) => other.classList.toggle("on", other === mark));
   };
   for (const point of measured) {
-    const at = [x(error(point)), y(cost.of(point))], direct = point.tracer === "direct";
-    const shape = direct ? drawn("circle", { cx: at[0], cy: at[1], r: 5.5 }) : drawn("rect", { x: at[0] - 5, y: at[1] - 5, width: 10, height: 10 });
-    const mark = drawn("g", { class: `mark ${direct ? "direct" : "mesh"}`, tabindex: "0", role: "img", "aria-label": `${point.name}: ${cost.text(cost.of(point))}, error ${number(error(point))} mm`,
+    const at = [x(error(point)), y(cost.of(point))], { kind } = series.find((one) => one.tracer === point.tracer);
+    const shape = marker(kind, ...at);
+    const mark = drawn("g", { class: `mark ${kind}`, tabindex: "0", role: "img", "aria-label": `${point.name}: ${cost.text(cost.of(point))}, error ${number(error(point))} mm`,
       on: { pointerenter: () => { show(point, mark); pointed(point.name); }, pointerleave: () => { show(null); pointed(null); }, focus: () => { show(point, mark); pointed(point.name); }, blur: () => { show(null); pointed(null); } } },
     drawn("circle", { cx: at[0], cy: at[1], r: 12, class: "reach" }), shape);
     marks.set(point.name, mark);
   }
   const svg = drawn("svg", { viewBox: `0 0 ${box.width} ${box.height}`, role: "group", "aria-label": `${label}; the table below has the numbers` }, axes, path ? drawn("path", { d: path, class: "best" }) : null, [...marks.values()]);
   const root = element("figure", { class: "plot" }, element("div", { class: "plot-area" }, svg, tip),
-    element("figcaption", {}, element("span", { class: "key" }, element("i", { class: "dot direct", "aria-hidden": "true" }), "direct"), element("span", { class: "key" }, element("i", { class: "dot mesh", "aria-hidden": "true" }), "mesh"), element("span", { class: "key" }, element("i", { class: "dot line", "aria-hidden": "true" }), "unbeaten")));
+    element("figcaption", {}, series.map(({ kind, title }) => element("span", { class: "key" }, element("i", { class: `dot ${kind}`, "aria-hidden": "true" }), title)), element("span", { class: "key" }, element("i", { class: "dot line", "aria-hidden": "true" }), "unbeaten")));
   return { root, mark: (name) => show(measured.find((point) => point.name === name), marks.get(name)) };
 };
 

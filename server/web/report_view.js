@@ -19,14 +19,14 @@ const sections = (report, source, address, holder) => {
   const named = () => report.views.find((view) => view.name === address.get("view")) || report.views[0];
   const show = () => {
     bench?.end();
-    bench = new ViewBench(report, named(), source, address, names.length > 1 ? tabs.root : null);
+    bench = new ViewBench(report, named(), source, address, names.length > 1 ? tabs.root : null, show);
     tabs.choose(bench.view.name);
     place.replaceChildren(bench.root);
   };
   holder.replaceChildren(place);
   show();
   return {
-    follow: () => { if (named() !== bench.view) show(); else bench.follow(); },
+    follow: () => { if (named() !== bench.view || ViewBench.chosen(bench.candidates, address) !== bench.candidate) show(); else bench.follow(); },
     end: () => bench.end(),
   };
 };

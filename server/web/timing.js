@@ -1,7 +1,8 @@
 // Where the time went: a bar for each tracer, one scale for all, and the same as numbers.
+import { candidatesOf } from "./candidates.js";
 import { bytes, count, element, milliseconds, number, table } from "./dom.js";
 
-const stageNames = { mesh: "mesh", build: "build", prepare: "prepare", trace: "trace", color: "colour samples", shade: "shade", difference: "difference", files: "files", import: "import", load: "load", scene: "scene" };
+const stageNames = { mesh: "mesh", build: "build", make: "make", prepare: "prepare", trace: "trace", color: "colour samples", shade: "shade", difference: "difference", files: "files", import: "import", load: "load", scene: "scene" };
 
 // `rows` are [label, { stage: ms }]. A stage that took no time is left out.
 export const timeBars = (rows) => {
@@ -22,18 +23,22 @@ export const timeBars = (rows) => {
     element("div", { class: "keys" }, used.map((stage) => element("span", { class: "key" }, element("span", { class: `swatch piece ${stage}`, "aria-hidden": "true" }), stageNames[stage]))));
 };
 
-const stagesOf = ({ timing_ms: { mesh, build, prepare, trace, color, shade } }) => ({ mesh, build, prepare, trace, color, shade });
+const stagesOf = ({ timing_ms: { mesh, build, make, prepare, trace, color, shade } }) => ({ mesh, build, make, prepare, trace, color, shade });
+// The number that says how large a candidate is, in its own terms.
+const sizeOf = ({ triangles, facts }) => (triangles !== undefined ? count(triangles, "triangle") : Object.entries(facts || {}).map(([name, value]) => `${number(value)} ${name.replaceAll("_", " ")}`).join(", ") || "–");
 
-// What both tracers share has rows of its own; reports of before may lack them.
+// What all share has rows of its own; reports of before may lack them.
 export const timing = (report, view) => {
-  const direct = view.direct, baseline = view.baseline, dt = direct.timing_ms, bt = baseline?.timing_ms || {};
+  const direct = view.direct, candidates = candidatesOf(view), costs = candidates.map((candidate) => candidate.costs), dt = direct.timing_ms;
   // Of an answer that was there already, what the work took once stands apart.
   const shared = report.kept?.timing_ms ?? report.timing_ms;
-  const rows = [["Mesh", "–", milliseconds(bt.mesh)], ["Prepare; build", milliseconds(dt.prepare), milliseconds(bt.build)], ["Trace", milliseconds(dt.trace), milliseconds(bt.trace)],
-    ["Colour samples", milliseconds(dt.color), milliseconds(bt.color)], ["Shade", milliseconds(dt.shade), milliseconds(bt.shade)], ["Total", milliseconds(dt.total), milliseconds(bt.total)],
-    ["Memory", bytes(direct.peak_bytes), bytes(baseline?.peak_bytes)],
-    ["Size", `${number(direct.leaves)} leaves`, baseline ? count(baseline.triangles, "triangle") : "–"]];
+  const row = (title, own, of) => [title, own, ...costs.map(of)];
+  const rows = [row("Mesh", "–", ({ timing_ms: t }) => milliseconds(t.mesh)), row("Prepare; build", milliseconds(dt.prepare), ({ timing_ms: t }) => milliseconds(t.build ?? (t.make ?? 0) + (t.prepare ?? 0))),
+    ...["trace", "color", "shade", "total"].map((stage) => row({ trace: "Trace", color: "Colour samples", shade: "Shade", total: "Total" }[stage], milliseconds(dt[stage]), ({ timing_ms: t }) => milliseconds(t[stage]))),
+    row("Memory", bytes(direct.peak_bytes), (one) => bytes(one.peak_bytes)), row("Size", `${number(direct.leaves)} leaves`, sizeOf)];
+  const together = { ...view.timing_ms };
+  for (const { timing_ms: t } of view.candidates || []) together.difference = (together.difference ?? 0) + t.difference;
   return element("section", { class: "cost" }, element("h3", {}, "Time and memory"),
-    timeBars([["Import", { import: report.model.import_ms, load: shared?.load, scene: shared?.scene }], ["Direct", stagesOf(direct)], baseline && ["Baseline", stagesOf(baseline)], view.timing_ms && ["Both", view.timing_ms]].filter(Boolean)),
-    table("Time and memory", ["", "direct", "baseline"].slice(0, baseline ? 3 : 2), (baseline ? rows : rows.slice(1)).map((row) => row.slice(0, baseline ? 3 : 2))));
+    timeBars([["Import", { import: report.model.import_ms, load: shared?.load, scene: shared?.scene }], ["Direct", stagesOf(direct)], ...candidates.map((candidate) => [candidate.title, stagesOf(candidate.costs)]), view.timing_ms && [candidates.length > 1 ? "All" : "Both", together]].filter(Boolean)),
+    table("Time and memory", ["", "direct", ...candidates.map((candidate) => candidate.title.toLowerCase())], view.baseline ? rows : rows.slice(1)));
 };

@@ -1,5 +1,6 @@
 // One view with everything that belongs to it: the pictures in step, the read-out, the heat map's legend, the faces and the numbers.
 // What a person sets is in the address.
+import { candidatesOf } from "./candidates.js";
 import { calm, choice, element, given } from "./dom.js";
 import { faceTable } from "./face_table.js";
 import { heatLegend, heatMap, usualRange } from "./heat_map.js";
@@ -14,47 +15,57 @@ import { Viewport } from "./viewport.js";
 const blinkSeconds = 0.7;
 const outlineColor = [214, 0, 110];
 const blends = ["Slider", "Blink", "Onion skin"];
-const captions = { direct: ["Direct", "exact surfaces"], baseline: ["Baseline", "triangle mesh"], difference: ["Difference", "deviation, mm"] };
-const ownRoles = ["direct", "baseline", "difference", "legend", ...planeRoles];
-const titleOf = (role) => captions[role]?.[0] || role.charAt(0).toUpperCase() + role.slice(1).replace("-", " ");
+const titleOf = (role) => role.charAt(0).toUpperCase() + role.slice(1).replace("-", " ");
 
 export class ViewBench {
-  // `tabs` stands in the place of the view's name. `source`: roles(view) lists what there is, blob(view, role) gives it.
-  constructor(report, view, source, address, tabs = null) {
-    Object.assign(this, { report, view, source, address, tabs });
+  // `tabs` stands in the place of the view's name. `source`: roles(view) lists what there is, blob(view, role) gives it. `again` shows the
+  // view anew after another candidate was chosen.
+  constructor(report, view, source, address, tabs = null, again = () => {}) {
+    Object.assign(this, { report, view, source, address, tabs, again });
     this.viewport = new Viewport(view.camera.width, view.camera.height_px);
     this.pictures = {}; this.panes = []; this.outlines = new Map();
     this.roles = source.roles(view);
-    const compared = this.roles.includes("direct") && this.roles.includes("baseline");
-    const others = this.roles.filter((role) => !ownRoles.includes(role));
-    this.modes = [...(compared ? ["Slider", "Side by side", "Blink", "Onion skin", "Direct", "Baseline", "Difference"] : ["Direct"]), ...others.map(titleOf)];
-    this.roleOf = (mode) => this.roles.find((role) => titleOf(role) === mode);
+    this.candidates = candidatesOf(view).filter((candidate) => this.roles.includes(candidate.name));
+    this.candidate = ViewBench.chosen(this.candidates, address);
+    const candidate = this.candidate, own = ["direct", "legend", ...this.candidates.flatMap((one) => one.roles)];
+    const others = this.roles.filter((role) => !own.includes(role));
+    this.captions = { direct: ["Direct", "exact surfaces"], ...(candidate && { [candidate.name]: [candidate.title, candidate.what], [candidate.differenceRole]: ["Difference", "deviation, mm"] }) };
+    this.modes = [...(candidate ? ["Slider", "Side by side", "Blink", "Onion skin", "Direct", candidate.title, "Difference"] : ["Direct"]), ...others.map(titleOf)];
+    this.roleOf = (mode) => Object.keys(this.captions).find((role) => this.captions[role][0] === mode) ?? others.find((role) => titleOf(role) === mode);
     this.split = address.number("split", 0.5); this.onion = address.number("onion", 0.5);
     this.build();
     this.load();
   }
+  // The candidate that the address names, else the first; undefined where there is none.
+  static chosen(candidates, address) { return candidates.find((candidate) => candidate.name === address.get("with")) ?? candidates[0]; }
   get mode() { return this.modes.find((mode) => mode === this.address.get("mode")) || this.modes[0]; }
   get range() { return this.address.number("range", this.usual); }
 
   build() {
-    const { view } = this, { difference } = view;
+    const { view, candidate } = this, difference = candidate?.difference;
     this.usual = difference ? usualRange(difference) : 1;
     this.modeChoice = choice("Pictures", this.modes, (mode) => { this.address.set({ mode: mode === this.modes[0] ? null : mode }); this.arrange(); });
     this.stage = element("div", { class: "stage" });
     this.tools = element("div", { class: "tools" });
     this.faces = difference?.faces?.length ? faceTable(difference, (id) => this.choose(id, true), (id) => this.hover(id)) : null;
     this.readOut = readOut((id) => this.faces?.name(id) ?? `face ${id}`, difference?.noise_mm ?? 0);
-    this.legend = difference ? heatLegend(this.usual, (range) => { this.address.set({ range: range === this.usual ? null : range }); this.recolor(); }) : null;
+    this.legend = difference ? heatLegend(this.usual, (range) => { this.address.set({ range: range === this.usual ? null : range }); this.recolor(); }, candidate.ends, candidate.noun) : null;
+    this.candidateChoice = this.candidates.length > 1 ? choice("Compared with", this.candidates.map((one) => one.title), (title) => {
+      const one = this.candidates.find((other) => other.title === title);
+      this.address.set({ with: one === this.candidates[0] ? null : one.name, mode: null, range: null });
+      this.again();
+    }) : null;
+    this.candidateChoice?.choose(candidate.title);
     this.note = element("p", { class: "facts", role: "status" });
     const zoomButton = (text, label, act) => element("button", { type: "button", class: "small", "aria-label": label, on: { click: act } }, text);
     this.scaleText = element("span", { class: "facts", "aria-live": "off" });
     const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Fit: show all of the view", () => this.viewport.fit()),
       zoomButton("1:1", "1:1, one pixel on one of the screen", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
     this.root = element("section", { class: "view" },
-      element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.modes.length > 1 ? this.modeChoice.root : null),
+      element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.candidateChoice?.root, this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },
         element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, inspectionLegend(view, this.source), this.legend?.root, this.faces?.root)),
-      element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference) : null, certaintyTable(view.direct)));
+      element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference, candidate.noun) : null, certaintyTable(view.direct)));
     this.viewport.onChange((what) => this.moved(what));
     this.viewport.chosen = (id) => this.choose(id === null ? null : this.faceAt(this.viewport.pointed), true);
     this.restore();
@@ -86,17 +97,18 @@ export class ViewBench {
 
   async load() {
     try {
-      const wanted = this.roles.filter((role) => role !== "legend" && !planeRoles.includes(role) && !(role === "difference" && this.view.pixel_data));
+      const { candidate } = this, hidden = ["legend", ...this.candidates.flatMap((one) => one.roles)];
+      const wanted = this.roles.filter((role) => !hidden.includes(role) || role === candidate?.name || (role === candidate?.differenceRole && !this.view.pixel_data));
       await Promise.all(wanted.map(async (role) => {
         this.pictures[role] = await createImageBitmap(await this.source.blob(this.view, role));
         this.redraw();
       }));
       this.root.dataset.pictures = "shown";
       if (this.ended || !this.view.pixel_data || !this.roles.includes(planeRoles[0])) {
-        if (this.view.difference && !this.ended) this.note.textContent = "This view is too large for a read-out of its pixels; its numbers are below.";
+        if (candidate && !this.ended) this.note.textContent = "This view is too large for a read-out of its pixels; its numbers are below.";
         return;
       }
-      this.pixels = await Pixels.load(this.view, (role) => this.source.blob(this.view, role));
+      this.pixels = await Pixels.load(this.view, (role) => this.source.blob(this.view, candidate.planeOf(role)));
       if (this.pixels.stride > 1) this.note.textContent = `Read-out, heat map and outlines here have one pixel of ${this.pixels.stride} × ${this.pixels.stride}; the files beside the report have all.`;
       this.recolor();
       this.outlined();
@@ -112,19 +124,19 @@ export class ViewBench {
     return pane;
   }
   figure(role) {
-    const [title, what] = captions[role] || [titleOf(role), ""];
+    const [title, what] = this.captions[role] || [titleOf(role), ""];
     return element("figure", {}, this.pane(title, () => [{ picture: this.pictures[role] }]).root, element("figcaption", {}, element("b", {}, title), element("span", {}, what)));
   }
   blend(mode) {
-    const { pictures } = this, caption = element("figcaption", {});
+    const { pictures, candidate } = this, other = candidate.name, caption = element("figcaption", {}), both = `Direct and ${candidate.title.toLowerCase()}`;
     const layers = {
-      "Slider": () => [{ picture: pictures.baseline, from: this.split }, { picture: pictures.direct, to: this.split }],
-      "Blink": () => [{ picture: this.blinked ? pictures.baseline : pictures.direct }],
-      "Onion skin": () => [{ picture: pictures.direct }, { picture: pictures.baseline, alpha: this.onion }],
+      "Slider": () => [{ picture: pictures[other], from: this.split }, { picture: pictures.direct, to: this.split }],
+      "Blink": () => [{ picture: this.blinked ? pictures[other] : pictures.direct }],
+      "Onion skin": () => [{ picture: pictures.direct }, { picture: pictures[other], alpha: this.onion }],
     }[mode];
-    const pane = mode === "Slider" ? this.pane("Direct and baseline", layers, () => this.split, (to) => this.setSplit(to)) : this.pane("Direct and baseline", layers);
-    this.blendCaption = () => caption.replaceChildren(...(mode === "Blink" ? [element("b", {}, this.blinked ? "Baseline" : "Direct"), element("span", {}, this.blinked ? "triangle mesh" : "exact surfaces")]
-      : [element("b", {}, "Direct"), element("b", {}, "Baseline")]));
+    const pane = mode === "Slider" ? this.pane(both, layers, () => this.split, (to) => this.setSplit(to)) : this.pane(both, layers);
+    this.blendCaption = () => caption.replaceChildren(...(mode === "Blink" ? [element("b", {}, this.blinked ? candidate.title : "Direct"), element("span", {}, this.blinked ? candidate.what : "exact surfaces")]
+      : [element("b", {}, "Direct"), element("b", {}, candidate.title)]));
     this.blendCaption();
     return element("figure", {}, pane.root, caption);
   }
@@ -140,8 +152,8 @@ export class ViewBench {
     this.panes.forEach((pane) => pane.end());
     this.panes = []; this.slide = null; this.blinked = false;
     this.modeChoice.choose(mode);
-    const roles = mode === "Side by side" ? ["direct", "baseline", "difference"] : blends.includes(mode) ? [] : [this.roleOf(mode)];
-    const shown = [...(blends.includes(mode) ? [this.blend(mode), this.figure("difference")] : []), ...roles.map((role) => this.figure(role))];
+    const roles = mode === "Side by side" ? ["direct", this.candidate.name, this.candidate.differenceRole] : blends.includes(mode) ? [] : [this.roleOf(mode)];
+    const shown = [...(blends.includes(mode) ? [this.blend(mode), this.figure(this.candidate.differenceRole)] : []), ...roles.map((role) => this.figure(role))];
     this.stage.className = `stage of-${shown.length}`;
     this.stage.replaceChildren(...shown);
     if (this.legend) this.legend.root.hidden = !(shown.length > 1 || mode === "Difference");
@@ -155,7 +167,7 @@ export class ViewBench {
       this.slide = label.querySelector("input");
       return [label];
     }
-    if (mode === "Onion skin") return [range("Baseline over direct", this.onion, (to) => { this.onion = to; this.address.set({ onion: to === 0.5 ? null : Number(to.toFixed(3)) }); this.redraw(); })];
+    if (mode === "Onion skin") return [range(`${this.candidate.title} over direct`, this.onion, (to) => { this.onion = to; this.address.set({ onion: to === 0.5 ? null : Number(to.toFixed(3)) }); this.redraw(); })];
     if (mode !== "Blink") return [];
     const flip = () => { this.blinked = !this.blinked; this.blendCaption(); this.redraw(); };
     const button = element("button", { type: "button", class: "small" });
@@ -172,7 +184,7 @@ export class ViewBench {
 
   redraw() { this.panes.forEach((pane) => pane.ask()); }
   recolor() {
-    if (this.pixels) this.pictures.difference = heatMap(this.pixels, this.range);
+    if (this.pixels) this.pictures[this.candidate.differenceRole] = heatMap(this.pixels, this.range);
     this.legend?.show(this.range);
     this.redraw();
   }

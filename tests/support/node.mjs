@@ -62,6 +62,7 @@ const freePort = () => new Promise((resolve) => {
 
 // A running `facetless serve`; it can be killed and started again on the same port and data.
 export class Server {
+  static program = "facetless";
   static async start(...options) {
     const server = await Server.prepared(...options);
     await server.start();
@@ -78,7 +79,7 @@ export class Server {
   }
   get address() { return `http://127.0.0.1:${this.port}/`; }
   start() {
-    this.child = spawn(path.join(bin, "facetless"), ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...this.options], { stdio: ["ignore", "pipe", "ignore"] });
+    this.child = spawn(path.join(bin, Server.program), ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...this.options], { stdio: ["ignore", "pipe", "ignore"] });
     return new Promise((resolve, reject) => {
       this.child.stdout.once("data", resolve);
       this.child.once("exit", (code) => reject(new Error(`the service ended with ${code}`)));

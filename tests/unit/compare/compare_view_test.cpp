@@ -38,24 +38,37 @@ class SphereView : public ::testing::Test {
     model_.faces[0].color = {0.8f, 0.3f, 0.2f};
   }
 
-  ViewComparison Compare(const Mesh& mesh, const ViewOptions& options = {}, int size = 128) {
+  // The exact surfaces against the one mesh.
+  struct Compared {
+    Camera camera;
+    View direct, baseline;
+    Difference difference;
+  };
+
+  Compared Compare(const Mesh& mesh, const ViewOptions& options = {}, int size = 128) {
     const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
     const Result<Camera> camera = NamedView("iso", model_.bounds, Projection::kPerspective, size, size);
-    Result<ViewComparison> comparison = CompareView(scene_, baseline.value(), camera.value(), options);
-    EXPECT_TRUE(comparison.ok()) << comparison.error().message;
-    json_ = ComparisonJson(comparison.value(), baseline.value());
-    return std::move(comparison).value();
+    const Triangles triangles(baseline.value(), model_, {}, 0);
+    const Representation* candidates[] = {&triangles};
+    Result<ViewComparison> made = CompareView(exact_, candidates, model_, camera.value(), options);
+    EXPECT_TRUE(made.ok()) << made.error().message;
+    json_ = ComparisonJson(made.value(), &baseline.value());
+    ViewComparison& comparison = made.value();
+    CandidateView& candidate = comparison.candidates.front();
+    return {comparison.camera, std::move(comparison.reference), std::move(candidate.view),
+            std::move(candidate.difference)};
   }
 
   Model model_;
   Scene scene_;
+  const ExactSurfaces exact_{scene_, {}};
   nlohmann::json json_;
 };
 
 TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
   double last = 0;
   for (int longitudes : {32, 64, 128}) {
-    const ViewComparison c = Compare(MeshOf(longitudes, true));
+    const Compared c = Compare(MeshOf(longitudes, true));
     const double sagitta = Sagitta(longitudes), typical = c.difference.deviation_mm.p99;
     EXPECT_LE(typical, sagitta) << longitudes;
     EXPECT_GE(typical, 0.8 * sagitta) << longitudes;
@@ -74,7 +87,7 @@ TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
 }
 
 TEST_F(SphereView, BothTracersShadeAlike) {
-  const ViewComparison c = Compare(MeshOf(512, true));
+  const Compared c = Compare(MeshOf(512, true));
   EXPECT_GT(c.difference.color.ssim, 0.99);
   EXPECT_LT(c.difference.color.flip_mean, 0.01);
   EXPECT_LT(c.difference.normal_deg.p95, 0.2);
@@ -88,10 +101,10 @@ TEST_F(SphereView, BothTracersShadeAlike) {
 TEST_F(SphereView, AnInspectionShowsOnBothAndChangesNoMillimetre) {
   const Mesh mesh = MeshOf(64, true);
   ViewOptions options;
-  const ViewComparison studio = Compare(mesh, options);
+  const Compared studio = Compare(mesh, options);
   options.samples = 4;
   options.inspection = ParseInspection("zebra").value();
-  const ViewComparison zebra = Compare(mesh, options);
+  const Compared zebra = Compare(mesh, options);
   EXPECT_EQ(zebra.difference.deviation_mm.max, studio.difference.deviation_mm.max);
   EXPECT_EQ(zebra.difference.silhouette.pixels, studio.difference.silhouette.pixels);
   EXPECT_NE(zebra.direct.image.bytes, studio.direct.image.bytes);
@@ -108,7 +121,9 @@ TEST_F(SphereView, WhatNoMeshCanShowIsRefused) {
     const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
     ViewOptions options;
     options.inspection = ParseInspection(shade).value();
-    const auto compared = CompareView(scene_, baseline.value(), camera, options);
+    const Triangles triangles(baseline.value(), model_, {}, 0);
+    const Representation* candidates[] = {&triangles};
+    const auto compared = CompareView(exact_, candidates, model_, camera, options);
     return !compared.ok() && compared.error().code == ErrorCode::kBadUsage;
   };
   EXPECT_TRUE(refused(own, "curvature"));
@@ -122,9 +137,9 @@ TEST_F(SphereView, CurvatureIsMeasuredAtPixelCentresAndDrawnSupersampled) {
   const Camera camera = NamedView("iso", model_.bounds, Projection::kPerspective, 64, 64).value();
   ViewOptions options;
   options.inspection = ParseInspection("curvature:kind=gaussian").value();
-  const Result<DirectView> plain = RenderView(scene_, camera, options);
+  const Result<View> plain = RenderView(exact_, model_, camera, options);
   options.samples = 4;
-  const Result<DirectView> smooth = RenderView(scene_, camera, options);
+  const Result<View> smooth = RenderView(exact_, model_, camera, options);
   ASSERT_TRUE(plain.ok() && smooth.ok());
   EXPECT_EQ(plain.value().inspection->values, smooth.value().inspection->values);
   EXPECT_EQ(plain.value().inspection->range.high, smooth.value().inspection->range.high);
@@ -133,7 +148,7 @@ TEST_F(SphereView, CurvatureIsMeasuredAtPixelCentresAndDrawnSupersampled) {
 }
 
 TEST_F(SphereView, AForeignMeshBorrowsTheColours) {
-  const ViewComparison own = Compare(MeshOf(256, true)), foreign = Compare(MeshOf(256, false));
+  const Compared own = Compare(MeshOf(256, true)), foreign = Compare(MeshOf(256, false));
   EXPECT_EQ(own.baseline.image.bytes, foreign.baseline.image.bytes);
   EXPECT_FALSE(foreign.difference.faces_known);
   EXPECT_TRUE(json_["difference"]["other_face"].is_null());
@@ -142,9 +157,9 @@ TEST_F(SphereView, AForeignMeshBorrowsTheColours) {
 TEST_F(SphereView, SupersamplingChangesTheColourAndNothingElse) {
   ViewOptions options;
   const Mesh mesh = MeshOf(64, true);
-  const ViewComparison plain = Compare(mesh, options);
+  const Compared plain = Compare(mesh, options);
   options.samples = 6;
-  const ViewComparison smooth = Compare(mesh, options);
+  const Compared smooth = Compare(mesh, options);
   EXPECT_EQ(plain.direct.samples.depth, smooth.direct.samples.depth);
   EXPECT_EQ(plain.baseline.samples.depth, smooth.baseline.samples.depth);
   EXPECT_NE(plain.direct.image.bytes, smooth.direct.image.bytes);
@@ -161,10 +176,10 @@ TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
   ViewOptions options;
   options.samples = 4;
   options.edges = true;
-  const ViewComparison compared = Compare(MeshOf(64, true), options);
+  const Compared compared = Compare(MeshOf(64, true), options);
   for (int threads : {1, 5}) {
     options.execution.threads = threads;
-    const Result<DirectView> alone = RenderView(scene_, compared.camera, options);
+    const Result<View> alone = RenderView(exact_, model_, compared.camera, options);
     ASSERT_TRUE(alone.ok());
     EXPECT_EQ(alone.value().image.bytes, compared.direct.image.bytes);
   }
@@ -173,10 +188,10 @@ TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
 TEST_F(SphereView, TimesAreDisjointAndAddUp) {
   ViewOptions options;
   options.samples = 4;
-  const ViewComparison c = Compare(MeshOf(64, true), options);
-  EXPECT_LE(c.direct.stats.prepare_ms + c.direct.stats.trace_ms + c.direct.color_ms + c.direct.shade_ms,
+  const Compared c = Compare(MeshOf(64, true), options);
+  EXPECT_LE(c.direct.counters.prepare_ms + c.direct.counters.trace_ms + c.direct.color_ms + c.direct.shade_ms,
             c.direct.total_ms);
-  EXPECT_LE(c.baseline.stats.trace_ms + c.baseline.color_ms + c.baseline.shade_ms, c.baseline.total_ms);
+  EXPECT_LE(c.baseline.counters.trace_ms + c.baseline.color_ms + c.baseline.shade_ms, c.baseline.total_ms);
   EXPECT_GT(c.direct.shade_ms, 0);
 }
 
@@ -225,16 +240,16 @@ TEST_F(SphereView, RefusesBadOptionsAndCanBeCancelled) {
   const Camera camera = NamedView("iso", model_.bounds, Projection::kOrthographic, 16, 16).value();
   ViewOptions options;
   options.samples = 0;
-  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
+  EXPECT_EQ(RenderView(exact_, model_, camera, options).error().code, ErrorCode::kBadUsage);
   options.samples = 65;
-  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
+  EXPECT_EQ(RenderView(exact_, model_, camera, options).error().code, ErrorCode::kBadUsage);
   options = {};
   options.execution.threads = -1;
-  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kBadUsage);
+  EXPECT_EQ(RenderView(exact_, model_, camera, options).error().code, ErrorCode::kBadUsage);
   options = {};
   const std::atomic<bool> cancel{true};
   options.execution.cancel = &cancel;
-  EXPECT_EQ(RenderView(scene_, camera, options).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(RenderView(exact_, model_, camera, options).error().code, ErrorCode::kCancelled);
 }
 
 TEST(SampleGrid, IsAsEvenAsItCanBe) {

@@ -296,8 +296,9 @@ TEST(Report, ListsOfFacesEndAndSayHowManyThereAre) {
   const nlohmann::json json = DifferenceJson(difference, {});
   EXPECT_EQ(json["faces"].size(), kMostListedFaces);
   EXPECT_EQ(json["face_count"], kMostListedFaces + 5);
-  DirectView view;
-  view.stats.unseen_faces.resize(kMostListedFaces + 7);
+  View view;
+  view.direct.emplace();
+  view.direct->unseen_faces.resize(kMostListedFaces + 7);
   view.unseen_names.resize(kMostListedFaces + 7);
   const nlohmann::json direct = DirectJson(view);
   EXPECT_EQ(direct["unseen_faces"].size(), kMostListedFaces);

@@ -26,7 +26,7 @@ std::array<int, 3> MiddleOf(const Model& model, int samples) {
   ViewOptions options;
   options.samples = samples;
   const Camera camera = NamedView("top", model.bounds, Projection::kOrthographic, kSize, kSize).value();
-  const Image8 image = RenderView(scene, camera, options).value().image;
+  const Image8 image = RenderView(ExactSurfaces(scene, {}), model, camera, options).value().image;
   const std::uint8_t* pixel = image.at(kSize / 2, kSize / 2);
   return {pixel[0], pixel[1], pixel[2]};
 }

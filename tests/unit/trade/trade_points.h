@@ -20,13 +20,12 @@ inline TradePoint PointOf(const TradeSetting& setting, double error_mm, double m
 
 inline TradePoint MeshPoint(double deflection, double error_mm, double ms, std::uint64_t bytes = 1'000'000,
                             double angular_deg = 30) {
-  return PointOf({.tracer = Tracer::kMesh, .deflection = deflection, .angular_deg = angular_deg}, error_mm,
-                 ms, bytes);
+  return PointOf(MeshSetting{deflection, angular_deg}, error_mm, ms, bytes);
 }
 
 inline TradePoint DirectPoint(Precision precision, double error_mm, double ms,
                               std::uint64_t bytes = 1'000'000) {
-  return PointOf({.precision = precision}, error_mm, ms, bytes);
+  return PointOf(DirectSetting{.precision = precision}, error_mm, ms, bytes);
 }
 
 inline TradePoint Skipped(TradePoint point, const std::string& reason) {

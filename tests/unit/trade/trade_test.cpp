@@ -15,19 +15,19 @@ using testing::IsEmpty;
 
 constexpr ErrorMeasure kP99 = ErrorMeasure::kP99;
 
-std::vector<std::string> Names(const std::vector<TradeSetting>& settings) {
+template <typename Setting>
+std::vector<std::string> Names(const std::vector<Setting>& settings) {
   std::vector<std::string> names;
-  for (const TradeSetting& setting : settings) names.push_back(SettingName(setting));
+  for (const Setting& setting : settings) names.push_back(SettingName(setting));
   return names;
 }
 
 TEST(SettingNames, AreThoseOfTheOptions) {
-  EXPECT_EQ(SettingName({.precision = Precision::kFast}), "fast");
-  EXPECT_EQ(SettingName({.newton_tolerance = 1e-5}), "standard, tolerance 1e-5");
-  EXPECT_EQ(SettingName({.tracer = Tracer::kMesh, .deflection = 1e-2, .angular_deg = 30}), "mesh 1e-2, 30°");
-  EXPECT_EQ(ShortSettingName({.tracer = Tracer::kMesh, .deflection = 0.00025, .angular_deg = 12.5}),
-            "0.00025, 12.5°");
-  EXPECT_EQ(ShortSettingName({.newton_tolerance = 1e-10}), "tol 1e-10");
+  EXPECT_EQ(SettingName(DirectSetting{.precision = Precision::kFast}), "fast");
+  EXPECT_EQ(SettingName(DirectSetting{.newton_tolerance = 1e-5}), "standard, tolerance 1e-5");
+  EXPECT_EQ(SettingName(MeshSetting{1e-2, 30}), "mesh 1e-2, 30°");
+  EXPECT_EQ(ShortSettingName(MeshSetting{0.00025, 12.5}), "0.00025, 12.5°");
+  EXPECT_EQ(ShortSettingName(DirectSetting{.newton_tolerance = 1e-10}), "tol 1e-10");
 }
 
 TEST(ParetoFront, HoldsWhatNothingBeats) {
@@ -109,12 +109,11 @@ TEST(DirectSettings, HoldEveryPrecisionAndTolerance) {
 }
 
 TEST(Refines, LooksAtTheDeflectionFirst) {
-  const TradeSetting refused = {.tracer = Tracer::kMesh, .deflection = 1e-4, .angular_deg = 12};
-  EXPECT_TRUE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-5, .angular_deg = 30}, refused));
-  EXPECT_TRUE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-4, .angular_deg = 5}, refused));
-  EXPECT_FALSE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-4, .angular_deg = 30}, refused));
-  EXPECT_FALSE(Refines({.tracer = Tracer::kMesh, .deflection = 1e-3, .angular_deg = 5}, refused));
-  EXPECT_FALSE(Refines({.precision = Precision::kCertified}, refused));
+  const MeshSetting refused = {1e-4, 12};
+  EXPECT_TRUE(Refines({1e-5, 30}, refused));
+  EXPECT_TRUE(Refines({1e-4, 5}, refused));
+  EXPECT_FALSE(Refines({1e-4, 30}, refused));
+  EXPECT_FALSE(Refines({1e-3, 5}, refused));
 }
 
 }  // namespace
