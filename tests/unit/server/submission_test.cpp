@@ -50,6 +50,7 @@ TEST(Submission, EveryOptionOfRequestsMakesAnotherQuestion) {
                                       {"section", "x=1"},
                                       {"shade", "zebra"},
                                       {"aov", "uv"},
+                                      {"with", "fast"},
                                       {"color", "part"},
                                       {"parts", "a"},
                                       {"hide", "a"},
