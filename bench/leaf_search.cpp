@@ -38,7 +38,7 @@ struct Winner {
 class Query {
  public:
   // Asks the solver, or, with a `winner`, knows the answer.
-  Query(std::span<const Leaf> leaves, const Camera& camera, Pixel pixel, const Winner* winner)
+  Query(std::span<const CertifiedLeaf> leaves, const Camera& camera, Pixel pixel, const Winner* winner)
       : leaves_(leaves),
         x_(pixel.column + 0.5 - 0.5 * camera.width_px),
         y_(pixel.row + 0.5 - 0.5 * camera.height_px),
@@ -52,7 +52,8 @@ class Query {
       return nearest.depth;
     }
     TileHit hit;
-    if (SolveSample(leaves_[index], x_, y_, &hit) == SampleRoot::kHit && hit.depth < nearest.depth)
+    if (SolveSample(leaves_[index], kDoubleArithmetic, x_, y_, &hit) == SampleRoot::kHit &&
+        hit.depth < nearest.depth)
       nearest = {index, hit.depth};
     return nearest.depth;
   }
@@ -61,26 +62,18 @@ class Query {
   std::uint64_t candidates = 0;
 
  private:
-  std::span<const Leaf> leaves_;
+  std::span<const CertifiedLeaf> leaves_;
   const double x_, y_;
   const Winner* winner_;
 };
 
-bool Holds(const Leaf& leaf, Pixel pixel) {
-  return (leaf.col_begin <= pixel.column) & (pixel.column < leaf.col_end) & (leaf.row_begin <= pixel.row) &
-         (pixel.row < leaf.row_end);
-}
-
-std::vector<std::span<const Leaf>> OnePart(std::span<const Leaf> leaves) {
-  return {leaves};
-}
-
 class Comparison {
  public:
-  Comparison(const Camera& camera, std::span<const Leaf> leaves, int repeats)
+  Comparison(const Camera& camera, const LeafSpans& leaves, int repeats)
       : camera_(camera), repeats_(repeats) {
+    const std::vector<LeafSpans> one_part{leaves};
     build_bitmaps_ms_ = MillisecondsOf(
-        [&] { tiles_ = std::make_unique<TileLeaves>(OnePart(leaves), camera.width_px, camera.height_px); });
+        [&] { tiles_ = std::make_unique<TileLeaves>(one_part, camera.width_px, camera.height_px); });
   }
 
   Result<void> Run(LeafSearches& searches) {
@@ -98,8 +91,9 @@ class Comparison {
     const double tree_ms = MillisecondsOf([&] { tree_.emplace(leaves()); });
     Add("bounding volume hierarchy", tree_ms, tree_->bytes(), 1, &Comparison::TraceTree);
     std::vector<ScreenBox> boxes;
-    for (const Leaf& leaf : leaves())
-      boxes.push_back({leaf.col_begin, leaf.col_end, leaf.row_begin, leaf.row_end, leaf.near_depth});
+    for (const CertifiedLeaf& leaf : leaves())
+      boxes.push_back({leaf.box.col_begin(), leaf.box.col_end(), leaf.box.row_begin(), leaf.box.row_end(),
+                       leaf.near_depth});
     std::optional<Result<BoxTree>> embree;
     const double embree_ms = MillisecondsOf([&] { embree = BoxTree::Build(boxes); });
     if (!embree->ok()) return embree->error();
@@ -128,7 +122,7 @@ class Comparison {
     Tally tally, unused_tally;
   };
 
-  std::span<const Leaf> leaves() const { return tiles_->leaves(); }
+  std::span<const CertifiedLeaf> leaves() const { return tiles_->leaves().certified; }
 
   void ChooseRays() {
     for (int tile = 0; tile < tiles_->tiles_x() * tiles_->tiles_y(); ++tile) {
@@ -213,13 +207,13 @@ class Comparison {
       }
   }
 
-  std::size_t BitmapBytes() const { return tiles_->bytes() - leaves().size_bytes() + tiles_->bits() / 8; }
+  std::size_t BitmapBytes() const { return tiles_->bytes() - tiles_->leaf_bytes() + tiles_->bits() / 8; }
 
   void TraceScan(std::size_t stride, const Winner* known, std::vector<Winner>& found, Tally& tally) const {
     for (std::size_t i = 0; i < rays_.size(); i += stride) {
       Query query(leaves(), camera_, rays_[i], known != nullptr ? known + i : nullptr);
       for (std::uint32_t k = 0; k < leaves().size(); ++k) {
-        if (!Holds(leaves()[k], rays_[i])) continue;
+        if (!leaves()[k].box.Holds(rays_[i].column, rays_[i].row)) continue;
         if (leaves()[k].near_depth > query.nearest.depth) break;
         query.Meet(k);
       }
@@ -230,12 +224,13 @@ class Comparison {
 
   void MakeCircles() {
     // A circle around the box's pixel centres: half a pixel more covers the rounding many times over.
-    for (const Leaf& leaf : leaves()) {
-      const double half_width = 0.5 * (leaf.col_end - leaf.col_begin),
-                   half_height = 0.5 * (leaf.row_end - leaf.row_begin);
+    for (const CertifiedLeaf& leaf : leaves()) {
+      const SampleBox box = leaf.box;
+      const double half_width = 0.5 * (box.col_end() - box.col_begin()),
+                   half_height = 0.5 * (box.row_end() - box.row_begin());
       const float near = std::nextafter(static_cast<float>(leaf.near_depth), -INFINITY);
-      circles_.push_back({static_cast<float>(leaf.col_begin + half_width),
-                          static_cast<float>(leaf.row_begin + half_height),
+      circles_.push_back({static_cast<float>(box.col_begin() + half_width),
+                          static_cast<float>(box.row_begin() + half_height),
                           static_cast<float>(half_width * half_width + half_height * half_height), near});
     }
   }
@@ -300,14 +295,13 @@ Result<LeafSearches> MeasureLeafSearches(const std::string& file, const Model& m
   LeafSearches searches;
   searches.file = file;
   searches.view = camera.name;
-  std::vector<Leaf> leaves;
-  for (const Leaf& leaf : view.value().tiles->leaves())
-    if (!(leaf.flags & kLeafHard)) leaves.push_back(leaf);
-  searches.leaves = leaves.size();
-  searches.left_out = view.value().tiles->leaves().size() - leaves.size();
-  if (leaves.empty())
+  const LeafSpans all = view.value().tiles->leaves();
+  const LeafSpans certified{all.certified, all.places, {}, {}};
+  searches.leaves = certified.size();
+  searches.left_out = all.size() - certified.size();
+  if (certified.size() == 0)
     return Error{ErrorCode::kNothingUsable, file + " shows no leaf in view '" + camera.name + "'"};
-  if (auto done = Comparison(camera, std::move(leaves), repeats).Run(searches); !done) return done.error();
+  if (auto done = Comparison(camera, certified, repeats).Run(searches); !done) return done.error();
   return searches;
 }
 

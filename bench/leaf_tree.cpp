@@ -2,10 +2,11 @@
 
 namespace facetless {
 
-LeafTree::LeafTree(std::span<const Leaf> leaves) {
+LeafTree::LeafTree(std::span<const CertifiedLeaf> leaves) {
   for (std::uint32_t i = 0; i < leaves.size(); ++i) {
-    const Leaf& leaf = leaves[i];
-    boxes_.push_back({leaf.col_begin, leaf.col_end, leaf.row_begin, leaf.row_end, leaf.near_depth, i, 0});
+    const SampleBox box = leaves[i].box;
+    boxes_.push_back(
+        {box.col_begin(), box.col_end(), box.row_begin(), box.row_end(), leaves[i].near_depth, i, 0});
   }
   nodes_.reserve(leaves.size());
   nodes_.emplace_back();

@@ -15,7 +15,7 @@ namespace facetless {
 
 class LeafTree {
  public:
-  explicit LeafTree(std::span<const Leaf> leaves);
+  explicit LeafTree(std::span<const CertifiedLeaf> leaves);
 
   // Calls meet(leaf) for the leaves whose boxes hold the pixel, roughly front to back; meet returns the
   // nearest depth so far, and what begins behind it is left out.

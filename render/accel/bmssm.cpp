@@ -1,6 +1,7 @@
 #include "render/accel/bmssm.h"
 
 #include <algorithm>
+#include <array>
 #include <tuple>
 #include <utility>
 
@@ -13,49 +14,80 @@ namespace {
 constexpr std::size_t kLeavesPerShare = 4096;
 constexpr std::size_t kMostShares = 16;
 
-// Sorted in place of its leaf, which is ten times the size.
+// Sorted in place of its leaf, which is eight times the size.
 struct Key {
   double near_depth;
-  const Leaf* leaf;
+  std::uint32_t part, leaf;
 };
 
-bool FrontToBack(const Key& a, const Key& b) {
-  if (a.near_depth != b.near_depth) return a.near_depth < b.near_depth;
-  const auto rest = [](const Leaf& leaf) {
-    return std::tie(leaf.placed_face, leaf.patch, leaf.u_mid, leaf.v_mid, leaf.u_half, leaf.v_half);
-  };
-  return rest(*a.leaf) < rest(*b.leaf);
+// The order of leaves that begin at the same depth. Leaves of one patch have one rectangle as their root: whichever
+// it is, it puts them in the same order.
+bool ComesFirst(const LeafSpans& leaves_a, std::uint32_t a, const LeafSpans& leaves_b, std::uint32_t b) {
+  const std::uint32_t face_a = leaves_a.Header(a).placed_face, face_b = leaves_b.Header(b).placed_face;
+  if (face_a != face_b) return face_a < face_b;
+  const LeafPlace place_a = leaves_a.Place(a), place_b = leaves_b.Place(b);
+  if (place_a.patch != place_b.patch) return place_a.patch < place_b.patch;
+  const ParameterRect rect_a = RectOf(place_a, {}), rect_b = RectOf(place_b, {});
+  return std::tie(rect_a.u_mid, rect_a.v_mid, rect_a.u_half, rect_a.v_half) <
+         std::tie(rect_b.u_mid, rect_b.v_mid, rect_b.u_half, rect_b.v_half);
 }
+
+// The number of leaves of each kind.
+struct Counts {
+  std::array<std::size_t, 3> of_kind{};
+  std::size_t& operator[](std::uint32_t leaf) { return of_kind[static_cast<std::size_t>(KindOf(leaf))]; }
+};
 
 }  // namespace
 
-TileLeaves::TileLeaves(const std::vector<std::span<const Leaf>>& parts, int columns, int rows)
+bool FrontToBack(const LeafSpans& leaves, std::uint32_t a, std::uint32_t b) {
+  const double near_a = leaves.Header(a).near_depth, near_b = leaves.Header(b).near_depth;
+  return near_a != near_b ? near_a < near_b : ComesFirst(leaves, a, leaves, b);
+}
+
+TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int rows)
     : tiles_x_((columns + kTileSize - 1) / kTileSize), tiles_y_((rows + kTileSize - 1) / kTileSize) {
   std::vector<Key> keys;
   std::size_t count = 0;
-  for (const auto& part : parts) count += part.size();
+  for (const LeafSpans& part : parts) count += part.size();
   keys.reserve(count);
-  for (const auto& part : parts)
-    for (const Leaf& leaf : part) keys.push_back({leaf.near_depth, &leaf});
-  ParallelSort(keys.begin(), keys.end(), FrontToBack);
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    const auto add = [&](LeafKind kind, const auto& leaves) {
+      for (std::size_t i = 0; i < leaves.size(); ++i)
+        keys.push_back({leaves[i].near_depth, p, LeafId(kind, i)});
+    };
+    add(LeafKind::kCertified, parts[p].certified);
+    add(LeafKind::kHard, parts[p].hard);
+    add(LeafKind::kSeam, parts[p].seams);
+  }
+  ParallelSort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+    if (a.near_depth != b.near_depth) return a.near_depth < b.near_depth;
+    return ComesFirst(parts[a.part], a.leaf, parts[b.part], b.leaf);
+  });
 
-  // Gather and count share by share, then fill: leaves come in order, so each tile's list is sorted.
+  // Number the leaves of each kind share by share.
   const std::size_t shares = std::clamp<std::size_t>(count / kLeavesPerShare, 1, kMostShares);
   const auto first_of = [&](std::size_t share) { return count * share / shares; };
-  const auto for_each_tile = [this](const Leaf& leaf, auto&& visit) {
-    for (int y = leaf.row_begin / kTileSize; y <= (leaf.row_end - 1) / kTileSize; ++y) {
-      for (int x = leaf.col_begin / kTileSize; x <= (leaf.col_end - 1) / kTileSize; ++x)
-        visit(y * tiles_x_ + x);
-    }
-  };
-  leaves_.resize(count);
+  std::vector<Counts> first_in(shares);  // of each kind, before the share
+  Counts total;
+  for (std::size_t share = 0; share < shares; ++share) {
+    first_in[share] = total;
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) ++total[keys[i].leaf];
+  }
+  certified_.resize(total.of_kind[0]);
+  places_.resize(total.of_kind[0]);
+  hard_.resize(total.of_kind[1]);
+  seams_.resize(total.of_kind[2]);
+
+  // Gather and count them, then fill: leaves come in order, so each tile's list is sorted. Keys now name the
+  // leaves of the view.
   const std::size_t tiles = std::size_t(tiles_x_) * tiles_y_;
   std::vector<std::vector<std::size_t>> next(shares);
   ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
     next[share].assign(tiles, 0);
     for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
-      leaves_[i] = *keys[i].leaf;
-      for_each_tile(leaves_[i], [&](int tile) { ++next[share][tile]; });
+      keys[i].leaf = Gather(parts[keys[i].part], keys[i].leaf, first_in[share][keys[i].leaf]++);
+      ForEachTile(keys[i].leaf, [&](int tile) { ++next[share][tile]; });
     }
   });
   begin_.resize(tiles + 1);
@@ -68,28 +100,57 @@ TileLeaves::TileLeaves(const std::vector<std::span<const Leaf>>& parts, int colu
   indices_.resize(listed);
   ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
     for (std::size_t i = first_of(share); i < first_of(share + 1); ++i)
-      for_each_tile(leaves_[i],
-                    [&](int tile) { indices_[next[share][tile]++] = static_cast<std::uint32_t>(i); });
+      ForEachTile(keys[i].leaf, [&](int tile) { indices_[next[share][tile]++] = keys[i].leaf; });
   });
 }
 
+std::uint32_t TileLeaves::Gather(const LeafSpans& part, std::uint32_t leaf, std::size_t to) {
+  const std::uint32_t from = IndexOf(leaf);
+  switch (KindOf(leaf)) {
+    case LeafKind::kCertified:
+      certified_[to] = part.certified[from];
+      places_[to] = part.places[from];
+      break;
+    case LeafKind::kHard:
+      hard_[to] = part.hard[from];
+      break;
+    case LeafKind::kSeam:
+      seams_[to] = part.seams[from];
+      break;
+  }
+  return LeafId(KindOf(leaf), to);
+}
+
+template <typename Visit>
+void TileLeaves::ForEachTile(std::uint32_t leaf, const Visit& visit) const {
+  const SampleBox box = leaves().Header(leaf).box;
+  for (int y = box.first_row / kTileSize; y <= box.last_row / kTileSize; ++y) {
+    for (int x = box.first_col / kTileSize; x <= box.last_col / kTileSize; ++x) visit(y * tiles_x_ + x);
+  }
+}
+
+std::size_t TileLeaves::leaf_bytes() const {
+  return certified_.capacity() * (sizeof(CertifiedLeaf) + sizeof(LeafPlace)) +
+         hard_.capacity() * sizeof(HardLeaf) + seams_.capacity() * sizeof(SeamLeaf);
+}
+
 std::size_t TileLeaves::bytes() const {
-  return leaves_.capacity() * sizeof(Leaf) + begin_.capacity() * sizeof(std::size_t) +
-         indices_.capacity() * sizeof(std::uint32_t);
+  return leaf_bytes() + begin_.capacity() * sizeof(std::size_t) + indices_.capacity() * sizeof(std::uint32_t);
 }
 
 void TileBitmaps::Build(const TileLeaves& tiles, int tile, int column, int row) {
+  const LeafSpans leaves = tiles.leaves();
   const auto list = tiles.Tile(tile);
   words_ = static_cast<int>((list.size() + 63) / 64);
   bits_.assign(std::size_t(2 * kTileSize) * words_, 0);
   for (std::size_t k = 0; k < list.size(); ++k) {
-    const Leaf& leaf = tiles.leaves()[list[k]];
+    const SampleBox box = leaves.Header(list[k]).box;
     const std::uint64_t bit = std::uint64_t{1} << (k % 64);
     std::uint64_t* word = bits_.data() + k / 64;
-    const int row_end = std::min(leaf.row_end - row, kTileSize),
-              col_end = std::min(leaf.col_end - column, kTileSize);
-    for (int i = std::max(leaf.row_begin - row, 0); i < row_end; ++i) word[std::size_t(i) * words_] |= bit;
-    for (int j = std::max(leaf.col_begin - column, 0); j < col_end; ++j)
+    const int row_end = std::min(box.row_end() - row, kTileSize),
+              col_end = std::min(box.col_end() - column, kTileSize);
+    for (int i = std::max(box.row_begin() - row, 0); i < row_end; ++i) word[std::size_t(i) * words_] |= bit;
+    for (int j = std::max(box.col_begin() - column, 0); j < col_end; ++j)
       word[std::size_t(kTileSize + j) * words_] |= bit;
   }
 }

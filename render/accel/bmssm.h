@@ -22,26 +22,42 @@ namespace facetless {
 
 inline constexpr int kTileSize = 32;  // samples along each side
 
+// The order of tiles' lists (Law 2), of leaves `a` and `b` of a view.
+bool FrontToBack(const LeafSpans& leaves, std::uint32_t a, std::uint32_t b);
+
 // The leaves of all tiles of one view, front to back within each tile.
 class TileLeaves {
  public:
   // Sorts the leaves of all parts and lists them per tile; in parallel, and the result depends neither on the
   // thread count nor on how the leaves are dealt out to the parts.
-  TileLeaves(const std::vector<std::span<const Leaf>>& parts, int columns, int rows);
+  TileLeaves(const std::vector<LeafSpans>& parts, int columns, int rows);
 
   int tiles_x() const { return tiles_x_; }
   int tiles_y() const { return tiles_y_; }
-  std::span<const Leaf> leaves() const { return leaves_; }
-  // Indices into leaves(), ascending.
+  // Those of each kind front to back.
+  LeafSpans leaves() const { return {certified_, places_, hard_, seams_}; }
+  // The leaves whose boxes meet the tile, front to back.
   std::span<const std::uint32_t> Tile(int tile) const {
     return {indices_.data() + begin_[tile], begin_[tile + 1] - begin_[tile]};
   }
   std::uint64_t bits() const { return indices_.size() * 2 * kTileSize; }  // of all bitmaps together
   std::size_t bytes() const;
+  std::size_t leaf_bytes() const;  // those of the leaves alone
 
  private:
+  // Copies a leaf of `part` to index `to` of its kind, and returns its name there.
+  std::uint32_t Gather(const LeafSpans& part, std::uint32_t leaf, std::size_t to);
+  // Calls visit(tile) for the tiles that a leaf's box meets.
+  template <typename Visit>
+  void ForEachTile(std::uint32_t leaf, const Visit& visit) const;
+
   int tiles_x_, tiles_y_;
-  std::vector<Leaf, LargePages<Leaf>> leaves_;
+  template <typename T>
+  using Array = std::vector<T, LargePages<T>>;
+  Array<CertifiedLeaf> certified_;
+  Array<LeafPlace> places_;  // of the certified ones
+  Array<HardLeaf> hard_;
+  Array<SeamLeaf> seams_;
   std::vector<std::size_t> begin_;
   std::vector<std::uint32_t> indices_;
 };

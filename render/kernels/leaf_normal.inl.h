@@ -25,11 +25,11 @@ struct Normal {
 
 // The cross product of the derivatives by s and t of the leaf's points at roots (s, t). Once per hit: degrees
 // as constants would gain a hundredth of a trace, and double the time to build.
-inline Normal NormalAt(const Leaf& leaf, const double* x, const double* y, Lane s, Lane t,
+inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double* y, Lane s, Lane t,
                        const ViewAxes& axes) {
   const int p = leaf.degree_u, q = leaf.degree_v;
   const int n = (p + 1) * (q + 1);
-  const Real* g = Coefficients(leaf);
+  const Real* g = CoefficientsOf<Real>(leaf);
   const Jet h1 = Evaluate<-1, -1>(g, p, q, s, t), h2 = Evaluate<-1, -1>(g + n, p, q, s, t);
   const Real* next = g + 2 * n;
   Jet w{Set(1), Set(0), Set(0)};

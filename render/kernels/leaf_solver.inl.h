@@ -55,23 +55,14 @@ inline Lane Rest(const Real* c, int p, int q, Lane s, Lane t) {
   return f;
 }
 
-inline const Real* Coefficients(const Leaf& leaf) {
-#if defined(FACETLESS_FLOAT_KERNEL)
-  return leaf.coefficients32;
-#else
-  return leaf.coefficients;
-#endif
-}
-
 inline Lane Clamp(Lane x, double limit) {
   x = Select(x < Set(-limit), Set(-limit), x);
   return Select(Set(limit) < x, Set(limit), x);
 }
 
-// Lanes whose (s, t) lies farther than `error` from everything that the leaf accepts.
-inline Mask Outside(const Leaf& leaf, Lane s, Lane t, Lane error) {
-  return (s + error < Set(leaf.s_low)) | (Set(leaf.s_high) < s - error) | (t + error < Set(leaf.t_low)) |
-         (Set(leaf.t_high) < t - error);
+// Lanes whose (s, t) lies farther than `error` from everything that the leaf accepts: |s|, |t| ≤ reach.
+inline Mask Outside(Lane s, Lane t, Lane error, Lane reach) {
+  return (reach < Abs(s) - error) | (reach < Abs(t) - error);
 }
 
 struct Solution {
@@ -81,10 +72,11 @@ struct Solution {
 };
 
 template <int P, int Q, bool kWeightVaries>
-inline Solution Solve(const Leaf& leaf, const double* x, const double* y, Mask lanes) {
+inline Solution Solve(const CertifiedLeaf& leaf, double root_error, const double* x, const double* y,
+                      Mask lanes) {
   const int p = leaf.degree_u, q = leaf.degree_v;
   const int n = (p + 1) * (q + 1);
-  const Real* g1 = Coefficients(leaf);
+  const Real* g1 = CoefficientsOf<Real>(leaf);
   const Real* g2 = g1 + n;
   const Real* w = g2 + n;
 
@@ -100,7 +92,8 @@ inline Solution Solve(const Leaf& leaf, const double* x, const double* y, Mask l
              rounding = Set(leaf.rounding);
   const Lane chord_factor = inverse_gap - Set(1);  // kappa/(1 − kappa)
   const Lane floor = rounding * inverse_gap;
-  const Lane tolerance = Set(leaf.root_error);
+  const Lane tolerance = Set(root_error);
+  const Lane reach = Set(1 + Overlap(root_error));
   const Lane enlarged = Set(kEnlarged);
   Lane s = Clamp(b1, kEnlarged), t = Clamp(b2, kEnlarged);
   Mask hit = FromBits(0);
@@ -132,12 +125,11 @@ inline Solution Solve(const Leaf& leaf, const double* x, const double* y, Mask l
     const Lane from_chord = Fma(residual, chord_factor, rounding);
 
     const Mask miss =
-        Outside(leaf, next_s, next_t, from_next) | Outside(leaf, s - h1.f, t - h2.f, from_chord);
+        Outside(next_s, next_t, from_next, reach) | Outside(s - h1.f, t - h2.f, from_chord, reach);
     // The root exists where its ball lies in the enlarged leaf.
     const Mask exists = (Abs(s) + from_here <= enlarged) & (Abs(t) + from_here <= enlarged);
     const Mask done = (from_next <= tolerance) & exists;
-    const Mask inside = (Set(leaf.s_low) <= next_s) & (next_s <= Set(leaf.s_high)) &
-                        (Set(leaf.t_low) <= next_t) & (next_t <= Set(leaf.t_high));
+    const Mask inside = (Abs(next_s) <= reach) & (Abs(next_t) <= reach);
     const Mask found = active & done & inside;
     solution.s = Select(found, next_s, solution.s);
     solution.t = Select(found, next_t, solution.t);
@@ -164,17 +156,19 @@ inline Solution Solve(const Leaf& leaf, const double* x, const double* y, Mask l
 }
 
 // The depths of kLanes relative ones.
-inline void Depths(const Leaf& leaf, Lane relative, double* depth) {
+inline void Depths(const CertifiedLeaf& leaf, Lane relative, double* depth) {
   const Wide scale = SetWide(leaf.depth_scale),
              factor = SetWide((leaf.flags & kLeafPerspective) ? leaf.depth_scale : 1);
   StoreWide(relative, depth);
   for (int i = 0; i < kLanes; i += kWideLanes) Store(scale + factor * Load(depth + i), depth + i);
 }
 
-inline Solution SolveLeaf(const Leaf& leaf, const double* x, const double* y, unsigned lanes) {
+// `root_error`: the leaf's, of this kernel.
+inline Solution SolveLeaf(const CertifiedLeaf& leaf, double root_error, const double* x, const double* y,
+                          unsigned lanes) {
   return ByDegrees(leaf.degree_u, leaf.degree_v, [&]<int P, int Q>() {
-    return (leaf.flags & kLeafWeightVaries) ? Solve<P, Q, true>(leaf, x, y, FromBits(lanes))
-                                            : Solve<P, Q, false>(leaf, x, y, FromBits(lanes));
+    return (leaf.flags & kLeafWeightVaries) ? Solve<P, Q, true>(leaf, root_error, x, y, FromBits(lanes))
+                                            : Solve<P, Q, false>(leaf, root_error, x, y, FromBits(lanes));
   });
 }
 

@@ -209,8 +209,8 @@ inline Verdict AfterHalving(const double* monomials, bool weight_varies, int deg
 }
 
 template <int P, int Q>
-Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, Leaf* leaf,
-                       double* monomials) {
+Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
+                       CertifiedLeaf* leaf, double* monomials) {
   const int pu = Degree<P>(net.degree_u), pv = Degree<Q>(net.degree_v), stride = pv + 1,
             n = (pu + 1) * stride;
   constexpr int kSize = P > 0 ? kNetComponents * (P + 1) * (Q + 1) : kNumbers;
@@ -321,8 +321,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   leaf->inverse_gap = inverse_gap;
   leaf->newton_factor = newton_factor;
 
-  leaf->root_error = arithmetic.tolerance + 2 * leaf->rounding * inverse_gap;
-  if (!(leaf->root_error <= kMaxRootError)) return {};
+  const double root_error = leaf->RootError(arithmetic);
+  if (!(root_error <= kMaxRootError)) return {};
 
   // Bound the depth (Law 6). Conversion and Horner lose a few units per degree.
   const double units = 4 * (pu + pv + 2) * arithmetic.epsilon;
@@ -365,12 +365,10 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
     far = std::fabs(leaf->depth_scale) + q_size / w_low;
     divisor = w0 * w_low / kEnlargedPowers.value[pu + pv];
   }
-  leaf->depth_error = depth_slope * leaf->root_error + evaluation + NetDepthError(net, rule, far, divisor);
+  leaf->depth_error = depth_slope * root_error + evaluation + NetDepthError(net, rule, far, divisor);
   if (!(leaf->depth_error < INFINITY)) return {};
 
-  leaf->flags = static_cast<std::uint16_t>((rule.weight_varies ? kLeafWeightVaries : 0) |
-                                           (rule.perspective ? kLeafPerspective : 0) |
-                                           (rule.depth_varies ? kLeafDepthVaries : 0));
+  leaf->flags = FlagsOf(rule);
   leaf->degree_u = static_cast<std::uint8_t>(pu);
   leaf->degree_v = static_cast<std::uint8_t>(pv);
   double* next = monomials;
@@ -381,7 +379,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   return {true, 0, 0};
 }
 
-Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, Leaf* leaf,
+Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, CertifiedLeaf* leaf,
                 double* monomials) {
   return ByDegrees(net.degree_u, net.degree_v, [&]<int P, int Q>() {
     return CertifyDegrees<P, Q>(net, rule, arithmetic, leaf, monomials);

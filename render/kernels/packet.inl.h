@@ -78,10 +78,16 @@ class Packet {
       for (int j = 0; j < kPacketWidth; ++j) in_columns |= columns[j * words + k];
       for (std::uint64_t candidates = in_rows & in_columns; candidates; candidates &= candidates - 1) {
         const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
-        const Leaf& leaf = job_.leaves[index];
         if (!begun_) Begin();
-        if (nearest_only_ && leaf.near_depth > farthest_) return;
-        TestLeaf(leaf, index);
+        if (KindOf(index) == LeafKind::kCertified) {
+          const CertifiedLeaf& leaf = job_.leaves.certified[index];
+          if (IsHidden(leaf)) return;
+          TestLeaf(leaf, index);
+        } else {
+          const LeafHeader& leaf = job_.leaves.Header(index);
+          if (IsHidden(leaf)) return;
+          TestUncertified(leaf, index);
+        }
       }
     }
   }
@@ -126,10 +132,14 @@ class Packet {
     return from < to ? (1u << to) - (1u << from) : 0;
   }
 
+  // Whether the leaf, and what follows it front to back, begins behind the hits of all lanes.
+  bool IsHidden(const LeafHeader& leaf) const { return nearest_only_ && leaf.near_depth > farthest_; }
+
   // The lanes whose sample lies in the leaf's box and that it could still serve.
-  unsigned LanesIn(const Leaf& leaf) const {
-    const unsigned rows = Covered(leaf.row_begin, leaf.row_end, job_.row + row_, kPacketHeight);
-    const unsigned columns = Covered(leaf.col_begin, leaf.col_end, job_.column + column_, kPacketWidth);
+  unsigned LanesIn(const LeafHeader& leaf) const {
+    const SampleBox box = leaf.box;
+    const unsigned rows = Covered(box.row_begin(), box.row_end(), job_.row + row_, kPacketHeight);
+    const unsigned columns = Covered(box.col_begin(), box.col_end(), job_.column + column_, kPacketWidth);
     unsigned mask = 0;
     for (int i = 0; i < kPacketHeight; ++i) mask |= (rows >> i & 1 ? columns : 0) << i * kPacketWidth;
     mask &= valid_;
@@ -140,19 +150,16 @@ class Packet {
     return mask & reached;
   }
 
-  void TestLeaf(const Leaf& leaf, std::uint32_t index) {
+  void TestLeaf(const CertifiedLeaf& leaf, std::uint32_t index) {
     const unsigned lanes = LanesIn(leaf);
     if (lanes == 0) return;
     ++job_.counters->candidates;
-    if (leaf.flags & kLeafHard) {
-      TestHardLeaf(leaf, index, lanes);
-      return;
-    }
+    const double root_error = leaf.RootError(job_.arithmetic);
     bool nearer = false;
     for (int first = 0; first < kPacketLanes; first += kLanes) {
       const unsigned group = lanes >> first & ((1u << kLanes) - 1);
       if (group == 0) continue;
-      const Solution solution = SolveLeaf(leaf, x_ + first, y_ + first, group);
+      const Solution solution = SolveLeaf(leaf, root_error, x_ + first, y_ + first, group);
       job_.counters->solves += solution.started;
       job_.counters->iterations += solution.iterations;
       for (unsigned rest = solution.unconverged; rest; rest &= rest - 1)
@@ -164,26 +171,26 @@ class Packet {
       Depths(leaf, solution.depth, depth);
       unsigned one_by_one = solution.hit;
       if (plain_ && !(leaf.flags & kLeafTrimmed)) {
-        one_by_one = (leaf.flags & kLeafAtBorder) ? solution.hit & NearBorder(leaf, solution) : 0;
+        one_by_one = leaf.borders != 0 ? solution.hit & NearBorder(root_error, solution) : 0;
         nearer |= AcceptPlainHits(leaf, index, first, solution.hit & ~one_by_one, s, t, depth);
       }
       for (unsigned rest = one_by_one; rest; rest &= rest - 1) {
         const int k = __builtin_ctz(rest);
-        nearer |= AcceptRoot(leaf, index, first + k, {depth[k], s[k], t[k], leaf.depth_error});
+        nearer |= AcceptRoot(leaf, root_error, index, first + k, {depth[k], s[k], t[k], leaf.depth_error});
       }
     }
     if (nearer) UpdateFarthest();
   }
 
   // Lanes that OnPatchBorder might hold of.
-  static unsigned NearBorder(const Leaf& leaf, const Solution& solution) {
-    const Lane inside = Set(1 - 2 * leaf.root_error);
+  static unsigned NearBorder(double root_error, const Solution& solution) {
+    const Lane inside = Set(1 - 2 * root_error);
     return ToBits((inside < Abs(solution.s)) | (inside < Abs(solution.t)));
   }
 
   // Hits that nothing else is to be asked of, kLanes from lane `first` on. Whether one is the nearest so far.
-  bool AcceptPlainHits(const Leaf& leaf, std::uint32_t index, int first, unsigned hits, const double* s,
-                       const double* t, const double* depth) {
+  bool AcceptPlainHits(const CertifiedLeaf& leaf, std::uint32_t index, int first, unsigned hits,
+                       const double* s, const double* t, const double* depth) {
     unsigned kept = 0;
     for (int i = 0; i < kLanes; i += kWideLanes) {
       const int lane = first + i;
@@ -215,20 +222,20 @@ class Packet {
   }
 
   // A root in a certified leaf: trimming, then the depth test. Whether it is the nearest so far.
-  bool AcceptRoot(const Leaf& leaf, std::uint32_t index, int lane, TileHit hit) {
+  bool AcceptRoot(const CertifiedLeaf& leaf, double root_error, std::uint32_t index, int lane, TileHit hit) {
     if (!(hit.depth > job_.near_depth)) return false;
     if (nearest_only_ && !Matters(lane, hit)) {
       NoteLeast(lane, hit.depth, hit.error);  // whatever the trimming would say
       return false;
     }
     std::uint8_t doubt = 0;
-    if (OnPatchBorder(leaf, hit.s, hit.t) &&
-        !job_.resolver->OwnsBorderRoot(leaf, x_[lane], y_[lane], &hit, &doubt))
+    if (OnPatchBorder(leaf, root_error, hit.s, hit.t) &&
+        !job_.resolver->OwnsBorderRoot(index, x_[lane], y_[lane], &hit, &doubt))
       return false;
     bool keep = true;
     if (leaf.flags & kLeafTrimmed) {
       ++job_.counters->trim_tests;
-      keep = job_.resolver->IsInsideFace(leaf, hit.s, hit.t, x_[lane], y_[lane], &doubt);
+      keep = job_.resolver->IsInsideFace(index, hit.s, hit.t, x_[lane], y_[lane], &doubt);
     }
     AddDoubt(lane, doubt, hit.depth - hit.error);
     return keep && AcceptHit(index, lane, hit, doubt);
@@ -239,7 +246,8 @@ class Packet {
     if (job_.every_hit) job_.resolver->RecordHit(SampleOf(lane), index, hit, doubt);
     if (job_.coincidences && leaf_[lane] != kMiss && hit.depth - hit.error <= Reach(lane) &&
         depth_[lane] - error_[lane] <= hit.depth + hit.error &&
-        job_.leaves[static_cast<std::uint32_t>(leaf_[lane])].placed_face != job_.leaves[index].placed_face)
+        job_.leaves.Header(static_cast<std::uint32_t>(leaf_[lane])).placed_face !=
+            job_.leaves.Header(index).placed_face)
       AddDoubt(lane, kDoubtCoincident, std::fmin(hit.depth - hit.error, depth_[lane] - error_[lane]));
     if (hit_ >> lane & 1) NoteLeast(lane, hit.depth, hit.error);
     if (!(hit.depth < depth_[lane])) return false;
@@ -279,13 +287,16 @@ class Packet {
     int lane_;
   };
 
-  void TestHardLeaf(const Leaf& leaf, std::uint32_t index, unsigned lanes) {
+  void TestUncertified(const LeafHeader& leaf, std::uint32_t index) {
+    const unsigned lanes = LanesIn(leaf);
+    if (lanes == 0) return;
+    ++job_.counters->candidates;
     for (unsigned rest = lanes; rest; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
       ++job_.counters->fallbacks;
       LaneSink sink(this, index, lane);
       const double limit = nearest_only_ ? Reach(lane) : kInfinity;
-      const std::uint8_t doubt = job_.resolver->SolveHardLeaf(leaf, x_[lane], y_[lane], limit, &sink);
+      const std::uint8_t doubt = job_.resolver->SolveUncertified(index, x_[lane], y_[lane], limit, &sink);
       AddDoubt(lane, doubt, leaf.near_depth);
     }
     UpdateFarthest();
@@ -307,22 +318,22 @@ class Packet {
       unsigned lanes = 0;
       for (int i = 0; i < kPacketLanes; i += kWideLanes)
         lanes |= (LessOrEqual(one, Load(leaf_ + i)) & LessOrEqual(Load(leaf_ + i), one)) << i;
-      const Leaf& leaf = job_.leaves[static_cast<std::uint32_t>(leaf_[__builtin_ctz(rest)])];
+      const auto index = static_cast<std::uint32_t>(leaf_[__builtin_ctz(rest)]);
       rest &= ~lanes;
       for (int first = 0; first < kPacketLanes; first += kLanes) {
         const unsigned group = lanes >> first & ((1u << kLanes) - 1);
-        if (group != 0) WriteNormals(leaf, first, group);
+        if (group != 0) WriteNormals(index, first, group);
       }
     }
   }
 
   // Of the lanes `group` from `first` on; zero where there is none.
-  void WriteNormals(const Leaf& leaf, int first, unsigned group) const {
+  void WriteNormals(std::uint32_t leaf, int first, unsigned group) const {
     Real x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
     unsigned known = 0;
-    if (!(leaf.flags & kLeafHard)) {
+    if (KindOf(leaf) == LeafKind::kCertified) {
       const Lane s = LoadNarrow(s_ + first), t = LoadNarrow(t_ + first);
-      const Normal normal = NormalAt(leaf, x_ + first, y_ + first, s, t, job_.axes);
+      const Normal normal = NormalAt(job_.leaves.certified[leaf], x_ + first, y_ + first, s, t, job_.axes);
       Store(normal.x, x);
       Store(normal.y, y);
       Store(normal.z, z);

@@ -7,8 +7,8 @@
 //  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a
 //     miss or pin the root down to kSolverTolerance; then it is frozen. Lanes never influence each other, so
 //     all builds give the same bits.
-//  3. The kernel knows numbers only. Trimming, borders of patches and leaves without a certificate are the
-//     HitResolver's.
+//  3. The kernel knows numbers only, and of leaves without a certificate only their headers. Trimming, borders
+//     of patches and those leaves are the HitResolver's.
 //  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
 //     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds
 //     to the leaf's depth in double.
@@ -63,17 +63,19 @@ class RootSink {
   ~RootSink() = default;
 };
 
-// What the kernel asks of the tracer around it. (x, y) is the ray's pixel relative to the image centre.
+// What the kernel asks of the tracer around it. (x, y) is the ray's pixel relative to the image centre, and
+// `leaf` the leaf's LeafId.
 class HitResolver {
  public:
-  // Whether the hit at (s, t) of a leaf with kLeafTrimmed lies inside its face; adds to *doubt.
-  virtual bool IsInsideFace(const Leaf& leaf, double s, double t, double x, double y,
+  // Whether the hit at (s, t) of a certified leaf with kLeafTrimmed lies inside its face; adds to *doubt.
+  virtual bool IsInsideFace(std::uint32_t leaf, double s, double t, double x, double y,
                             std::uint8_t* doubt) = 0;
-  // Whether a root on the border of its patch is the leaf's own; adds to *doubt and to hit->error.
-  virtual bool OwnsBorderRoot(const Leaf& leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) = 0;
+  // Whether a root on the border of its patch is the certified leaf's own; adds to *doubt and to hit->error.
+  virtual bool OwnsBorderRoot(std::uint32_t leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) = 0;
   // Adds the roots of a leaf without a certificate that are nearer than `limit`. Returns the doubts that
   // belong to no root.
-  virtual std::uint8_t SolveHardLeaf(const Leaf& leaf, double x, double y, double limit, RootSink* roots) = 0;
+  virtual std::uint8_t SolveUncertified(std::uint32_t leaf, double x, double y, double limit,
+                                        RootSink* roots) = 0;
   // Takes a hit of sample row·tile_size + column of the tile, where TileJob::every_hit is set.
   virtual void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = 0;
 
@@ -82,8 +84,10 @@ class HitResolver {
 };
 
 struct TileJob {
-  // The tile's leaves, front to back, and its bitmaps (accel/bmssm.h).
-  const Leaf* leaves = nullptr;
+  // The view's leaves, the kernel that they were made for, the names of the tile's, front to back, and its
+  // bitmaps (accel/bmssm.h).
+  LeafSpans leaves;
+  KernelArithmetic arithmetic;
   const std::uint32_t* list = nullptr;
   const std::uint64_t* row_bits = nullptr;
   const std::uint64_t* column_bits = nullptr;
@@ -97,8 +101,8 @@ struct TileJob {
   HitResolver* resolver = nullptr;
   bool every_hit = false;  // report every hit to HitResolver::RecordHit, instead of keeping the nearest
 
-  // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is kNoIndex for a
-  // miss, and then only depth (+inf) and doubt are set besides.
+  // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is a LeafId, or kNoIndex for
+  // a miss, and then only depth (+inf) and doubt are set besides.
   double* depth = nullptr;
   double* error = nullptr;  // of the depth: no other face is nearer by more, either
   double* s = nullptr;
@@ -119,11 +123,13 @@ enum class SampleRoot : std::uint8_t { kMiss, kHit, kUnconverged };
 namespace kernel_scalar {
 void TraceTile(const TileJob& job);
 // One sample against one certified leaf, without trimming: what each lane of the tile kernel does.
-SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
+SampleRoot SolveSample(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double x, double y,
+                       TileHit* hit);
 }  // namespace kernel_scalar
 namespace kernel_scalar_float {
 void TraceTile(const TileJob& job);
-SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit);
+SampleRoot SolveSample(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double x, double y,
+                       TileHit* hit);
 }  // namespace kernel_scalar_float
 namespace kernel_avx2 {
 void TraceTile(const TileJob& job);
@@ -138,10 +144,11 @@ namespace kernel_avx512_float {
 void TraceTile(const TileJob& job);
 }
 
-// By the kernel that the leaf was made for.
-inline SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
-  return leaf.coefficients32 ? kernel_scalar_float::SolveSample(leaf, x, y, hit)
-                             : kernel_scalar::SolveSample(leaf, x, y, hit);
+// By the kernel of `arithmetic`, which the leaf was made for.
+inline SampleRoot SolveSample(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double x,
+                              double y, TileHit* hit) {
+  return arithmetic.is_single() ? kernel_scalar_float::SolveSample(leaf, arithmetic, x, y, hit)
+                                : kernel_scalar::SolveSample(leaf, arithmetic, x, y, hit);
 }
 
 }  // namespace facetless

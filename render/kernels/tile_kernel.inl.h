@@ -20,8 +20,9 @@ void TraceTile(const TileJob& job) {
 }
 
 #if defined(FACETLESS_SCALAR_KERNEL)
-SampleRoot SolveSample(const Leaf& leaf, double x, double y, TileHit* hit) {
-  const Solution solution = SolveLeaf(leaf, &x, &y, 1);
+SampleRoot SolveSample(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double x, double y,
+                       TileHit* hit) {
+  const Solution solution = SolveLeaf(leaf, leaf.RootError(arithmetic), &x, &y, 1);
   if (solution.unconverged) return SampleRoot::kUnconverged;
   if (!solution.hit) return SampleRoot::kMiss;
   double depth;

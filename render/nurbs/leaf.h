@@ -1,12 +1,15 @@
-// Leaf: a piece of a projected patch together with the proof that each ray meets it at most once.
+// Leaves: the pieces of projected patches that rays are tried on, of three kinds. A CertifiedLeaf comes with the
+// proof that each ray meets it at most once. A HardLeaf has no such proof: it is solved by subdivision. A SeamLeaf is
+// one sample beside an edge, at which its face may owe the ray a crossing. What all have is their LeafHeader.
 //
 // A leaf's own parameters are s, t ∈ [−1,1]. With `center` the pixel of (0,0), J the Jacobian of the pixel
-// there and C = J⁻¹, the ray through pixel r is b = C·(r − center), and the leaf keeps the centred monomials
-// of
+// there and C = J⁻¹, the ray through pixel r is b = C·(r − center), and a certified leaf keeps the centred
+// monomials of
 //   G = C·(X − center_x·W, Y − center_y·W)/W(0,0)   and   W/W(0,0),
 // so that H(s,t) = G − b·W vanishes exactly where the ray meets the surface, and its Jacobian is close to the
 // identity.
 //
+// Of a certified leaf:
 //  1. Over the enlarged leaf |s|, |t| ≤ kEnlarged and for every ray that can meet it, ‖I − H'‖∞ ≤ kappa < 1
 //     and ‖H''‖∞ ≤ the Lipschitz constant behind newton_factor. Hence at most one root per ray.
 //  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
@@ -17,14 +20,24 @@
 //  4. `rounding` bounds the error of evaluating H as the kernel does it, against the exact surface: the net's
 //     own error, conversion to monomials, and the kernel's arithmetic.
 //  5. Newton from the start x = b converges: newton_factor times the start's error is below 1/2.
-//  6. The iteration stops where the root is known to root_error in s and t; the depth there is known to
-//     depth_error. Both bounds hold for every root in the leaf.
+//  6. The iteration stops where the root is known to RootError in s and t; the depth there is known to
+//     depth_error. Both bounds hold for every root in the leaf. Roots are the leaf's own up to Overlap past it.
+//
+// Of a hard leaf:
+//  7. `net` is the Bézier net itself, and the surface lies within `error` of it, component by component.
+//
+// Of a seam leaf:
+//  8. Its box holds one sample, and the hit that the face may owe the ray is (s, t) of the whole patch, at
+//     near_depth (trace/seams.h).
 #pragma once
 
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "render/nurbs/bezier.h"
+#include "render/nurbs/leaf_place.h"
 
 namespace facetless {
 
@@ -42,66 +55,176 @@ inline constexpr double kMaxRootError = 0x1p-9;
 struct KernelArithmetic {
   double epsilon = 0x1p-53;    // its unit roundoff
   double tolerance = 0x1p-42;  // a root's error bound, in s and t and without rounding, at which it stops
+
+  bool is_single() const { return epsilon == 0x1p-24; }  // it reads coefficients as floats
 };
 inline constexpr KernelArithmetic kDoubleArithmetic{};
 inline constexpr KernelArithmetic kFloatArithmetic{0x1p-24, 0x1p-17};
 
-enum LeafFlag : std::uint16_t {
+enum LeafFlag : std::uint8_t {
   kLeafWeightVaries = 1,  // W is not constant: H depends on b
-  kLeafPerspective = 2,   // depth = depth_scale·W/Q with Q(0,0) = 1, else depth = depth_scale + Q/W
+  kLeafPerspective = 2,   // depth is W/Q, else Q/W
   kLeafDepthVaries = 4,   // Q is not constant
   kLeafTrimmed = 8,       // a hit must be asked of the face's trim index
-  kLeafHard = 16,  // no certificate: coefficients are the Bézier net itself, for the subdivision solver, and
-                   // c11, c12, c21, c22 the errors of its X, Y, W, Q
-  kLeafSeam =
-      32,  // with kLeafHard: one sample beside an edge, and the hit (s_low, t_low) at near_depth that its
-           // face may owe the ray (trace/seams.h)
-  kLeafOdd = 64,        // with kLeafSeam: the ray should cross the face an odd number of times
-  kLeafEdgeOn = 128,    // hard, and its image is a line (edge_on.h): a ray misses it, or nothing is known
-  kLeafAtBorder = 256,  // touches a border of its patch: OnPatchBorder may hold
-  kLeafGivenUp =
-      512,  // hard, and stands for a piece that its patch may not split any further: a ray beside its control
-            // points misses it, and of the others nothing is known (kDoubtLimit)
 };
 
-struct Leaf {
-  // Planes G1, G2, [W if it varies], [Q if it varies] of (degree_u+1)·(degree_v+1) monomials; hard: the
-  // values of a BezierNet.
-  const double* coefficients = nullptr;
-  const float* coefficients32 = nullptr;      // instead of the others, for a kernel in single precision
-  double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
-  double c11 = 0, c12 = 0, c21 = 0, c22 = 0;  // C
-  double b_limit = 0, inverse_gap = 0, newton_factor = 0, rounding = 0, root_error = 0;
-  double s_low = -1 - kBorderOverlap, s_high = 1 + kBorderOverlap;  // accepted roots
-  double t_low = -1 - kBorderOverlap, t_high = 1 + kBorderOverlap;
-  double depth_scale = 0;
-  double near_depth = 0;                                        // no point of the leaf is nearer
-  double depth_error = 0;                                       // mm
-  double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;  // of the patch's Bézier parameters in [0,1]
-  std::int32_t col_begin = 0, col_end = 0, row_begin = 0,
-               row_end = 0;  // half-open range of sample columns and rows
-  std::uint32_t placed_face = 0, patch = 0;
-  std::uint8_t degree_u = 1, degree_v = 1;
-  std::uint16_t flags = 0;
+// The borders of its patch that a leaf ends at.
+enum LeafBorder : std::uint8_t {
+  kBorderLowU = 1,   // u = 0
+  kBorderHighU = 2,  // u = 1
+  kBorderLowV = 4,
+  kBorderHighV = 8,
+};
 
-  double overlap() const { return std::fmax(kBorderOverlap, 4 * root_error); }
-  int points() const { return (degree_u + 1) * (degree_v + 1); }
-  int planes() const {
-    if (flags & kLeafHard) return kNetComponents;
-    return 2 + ((flags & kLeafWeightVaries) != 0) + ((flags & kLeafDepthVaries) != 0);
+inline std::uint8_t BordersOf(const ParameterRect& rect) {
+  return static_cast<std::uint8_t>(
+      (rect.u_mid - rect.u_half == 0 ? kBorderLowU : 0) | (rect.u_mid + rect.u_half == 1 ? kBorderHighU : 0) |
+      (rect.v_mid - rect.v_half == 0 ? kBorderLowV : 0) | (rect.v_mid + rect.v_half == 1 ? kBorderHighV : 0));
+}
+
+// The samples that a leaf may serve. At least one; columns and rows are below 65536.
+struct SampleBox {
+  std::uint16_t first_col = 0, last_col = 0, first_row = 0, last_row = 0;
+
+  static SampleBox HalfOpen(int col_begin, int col_end, int row_begin, int row_end) {
+    return {static_cast<std::uint16_t>(col_begin), static_cast<std::uint16_t>(col_end - 1),
+            static_cast<std::uint16_t>(row_begin), static_cast<std::uint16_t>(row_end - 1)};
+  }
+  int col_begin() const { return first_col; }
+  int col_end() const { return last_col + 1; }
+  int row_begin() const { return first_row; }
+  int row_end() const { return last_row + 1; }
+  bool Holds(int column, int row) const {
+    return first_col <= column && column <= last_col && first_row <= row && row <= last_row;
   }
 };
 
+// What a packet's walk asks of a leaf of any kind.
+struct LeafHeader {
+  double near_depth = 0;  // no point of the leaf is nearer
+  SampleBox box;
+  std::uint32_t placed_face = 0;
+  std::uint8_t degree_u = 1, degree_v = 1;
+  std::uint8_t flags = 0;    // of LeafFlag
+  std::uint8_t borders = 0;  // of LeafBorder
+
+  int points() const { return (degree_u + 1) * (degree_v + 1); }
+};
+static_assert(sizeof(LeafHeader) == 24);
+
+// Its LeafPlace is kept apart from it: it is asked for where a root is accepted, and not before.
+struct CertifiedLeaf : LeafHeader {
+  // Planes G1, G2, [W if it varies], [Q if it varies] of points() monomials, floats or doubles as the kernel has
+  // it that the leaf is made for: see CoefficientsOf. The depth is depth_scale·W/Q with Q(0,0) = 1 in
+  // perspective, else depth_scale + Q/W.
+  const void* coefficients = nullptr;
+  double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
+  double c11 = 0, c12 = 0, c21 = 0, c22 = 0;  // C
+  double b_limit = 0, inverse_gap = 0, newton_factor = 0, rounding = 0;
+  double depth_scale = 0;
+  double depth_error = 0;  // mm
+
+  int planes() const { return 2 + ((flags & kLeafWeightVaries) != 0) + ((flags & kLeafDepthVaries) != 0); }
+  double RootError(const KernelArithmetic& kernel) const {
+    return kernel.tolerance + 2 * rounding * inverse_gap;
+  }
+};
+static_assert(sizeof(CertifiedLeaf) == 128, "two lines of the cache");
+
+// Requires a leaf whose kernel works in Real.
+template <typename Real>
+const Real* CoefficientsOf(const CertifiedLeaf& leaf) {
+  return static_cast<const Real*>(leaf.coefficients);
+}
+
+// What is to be done with a leaf that has no certificate.
+enum class HardKind : std::uint8_t {
+  kSubdivide,
+  kEdgeOn,  // its image is a line (edge_on.h): a ray misses it, or nothing is known
+  // It stands for a piece that its patch may not split any further: a ray beside its control points misses it,
+  // and of the others nothing is known (kDoubtLimit).
+  kGivenUp,
+};
+
+struct HardLeaf : LeafHeader {
+  const double* net = nullptr;  // as BezierNet::value, and
+  double error[kNetComponents] = {};
+  LeafPlace place;
+  HardKind kind = HardKind::kSubdivide;
+};
+
+struct SeamLeaf : LeafHeader {
+  const double* net = nullptr;  // of the patch, as BezierNet::value
+  double s = 0, t = 0;
+  std::uint32_t patch = 0;
+  bool odd = false;  // the ray should cross the face an odd number of times
+};
+
+// A leaf of a view is named by its kind and its index among the leaves of its kind. kNoIndex names none.
+enum class LeafKind : std::uint8_t { kCertified, kHard, kSeam };
+inline constexpr int kLeafIndexBits = 30;
+inline constexpr std::uint32_t LeafId(LeafKind kind, std::size_t index) {
+  return static_cast<std::uint32_t>(kind) << kLeafIndexBits | static_cast<std::uint32_t>(index);
+}
+inline constexpr LeafKind KindOf(std::uint32_t id) {
+  return static_cast<LeafKind>(id >> kLeafIndexBits);
+}
+inline constexpr std::uint32_t IndexOf(std::uint32_t id) {
+  return id & ((std::uint32_t{1} << kLeafIndexBits) - 1);
+}
+
+// Leaves of all kinds, to look at.
+struct LeafSpans {
+  std::span<const CertifiedLeaf> certified;
+  std::span<const LeafPlace> places;  // of the certified ones
+  std::span<const HardLeaf> hard;
+  std::span<const SeamLeaf> seams;
+
+  std::size_t size() const { return certified.size() + hard.size() + seams.size(); }
+  const LeafHeader& Header(std::uint32_t id) const {
+    switch (KindOf(id)) {
+      case LeafKind::kHard:
+        return hard[IndexOf(id)];
+      case LeafKind::kSeam:
+        return seams[IndexOf(id)];
+      default:
+        return certified[IndexOf(id)];
+    }
+  }
+  LeafPlace Place(std::uint32_t id) const {
+    switch (KindOf(id)) {
+      case LeafKind::kHard:
+        return hard[IndexOf(id)].place;
+      case LeafKind::kSeam:
+        return {0, seams[IndexOf(id)].patch, 0, 0};
+      default:
+        return places[IndexOf(id)];
+    }
+  }
+};
+
+// Leaves of all kinds, as they are made.
+struct LeafLists {
+  std::vector<CertifiedLeaf> certified;
+  std::vector<LeafPlace> places;  // of the certified ones
+  std::vector<HardLeaf> hard;
+  std::vector<SeamLeaf> seams;
+
+  LeafSpans spans() const { return {certified, places, hard, seams}; }
+};
+
+// How far outside a leaf its own roots may lie, for the error of a root.
+inline double Overlap(double root_error) {
+  return 4 * root_error > kBorderOverlap ? 4 * root_error : kBorderOverlap;
+}
+
 // Whether a root lies on a border of its patch, within its error, or beyond it in the overlap. Beyond, the
 // surface is the neighbour's, and may turn away there. (Where leaves of one patch overlap, both are the same
-// surface.) A side that reaches farther than the overlap does so on purpose, across the gap to an edge, and
-// is left out.
-inline bool OnPatchBorder(const Leaf& leaf, double s, double t) {
-  const double inside = 1 - leaf.root_error, overlap = 1 + leaf.overlap();
-  return (s < -inside && leaf.u_mid - leaf.u_half == 0 && leaf.s_low >= -overlap) ||
-         (s > inside && leaf.u_mid + leaf.u_half == 1 && leaf.s_high <= overlap) ||
-         (t < -inside && leaf.v_mid - leaf.v_half == 0 && leaf.t_low >= -overlap) ||
-         (t > inside && leaf.v_mid + leaf.v_half == 1 && leaf.t_high <= overlap);
+// surface.) A patch that is continued past the border, across the gap to an edge, does not end there.
+inline bool OnPatchBorder(const CertifiedLeaf& leaf, double root_error, double s, double t) {
+  const double inside = 1 - root_error;
+  return (s < -inside && (leaf.borders & kBorderLowU)) || (s > inside && (leaf.borders & kBorderHighU)) ||
+         (t < -inside && (leaf.borders & kBorderLowV)) || (t > inside && (leaf.borders & kBorderHighV));
 }
 
 struct DepthRule {
@@ -109,6 +232,17 @@ struct DepthRule {
   bool weight_varies = false;  // W of the net is not constant
   bool depth_varies = false;   // Q of the net is not constant
 };
+
+inline std::uint8_t FlagsOf(DepthRule rule) {
+  return static_cast<std::uint8_t>((rule.weight_varies ? kLeafWeightVaries : 0) |
+                                   (rule.perspective ? kLeafPerspective : 0) |
+                                   (rule.depth_varies ? kLeafDepthVaries : 0));
+}
+
+inline DepthRule RuleOf(const LeafHeader& leaf) {
+  return {(leaf.flags & kLeafPerspective) != 0, (leaf.flags & kLeafWeightVaries) != 0,
+          (leaf.flags & kLeafDepthVaries) != 0};
+}
 
 struct Verdict {
   bool certified = false;

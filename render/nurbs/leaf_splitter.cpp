@@ -10,7 +10,7 @@ namespace {
 
 // A chain of halvings no longer than this resolves 2^-32 of a patch in both directions; a piece that is still
 // without a certificate then is left to the subdivision solver, which is exact down to the last digit.
-constexpr int kMaxLevels = 64;
+constexpr int kMaxLevels = kMostPatchHalvings;
 
 // Slack of every screen box, in samples, besides the net's own error: covers the rounding of a division and
 // the overlap of neighbouring leaves.
@@ -33,7 +33,8 @@ double* CoefficientArena::Allocate(std::size_t count) {
 }
 
 struct LeafSplitter::Node : OwnedNet {
-  double u_mid = 0.5, u_half = 0.5, v_mid = 0.5, v_half = 0.5;
+  ParameterRect rect;
+  LeafPlace place;  // `rect` is RectOf it
   RectClass trim = RectClass::kMixed;
   int level = 0;
 };
@@ -77,21 +78,6 @@ bool IsLost(const BezierNet& net, double half_window) {
   const double window = half_window * w, blur = half_window * net.error[kW];
   if (window > std::max(net.error[kX], net.error[kY]) + kDigits * blur) return false;
   return !(x > kRoom * (window + net.error[kX] + blur)) && !(y > kRoom * (window + net.error[kY] + blur));
-}
-
-// No certificate: the net itself, for the subdivision solver.
-Leaf HardLeaf(const BezierNet& net, DepthRule rule, bool edge_on) {
-  Leaf leaf;
-  leaf.flags = static_cast<std::uint16_t>(
-      kLeafHard | (rule.perspective ? kLeafPerspective : 0) | (rule.weight_varies ? kLeafWeightVaries : 0) |
-      (rule.depth_varies ? kLeafDepthVaries : 0) | (edge_on ? kLeafEdgeOn : 0));
-  leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
-  leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
-  leaf.c11 = net.error[kX];
-  leaf.c12 = net.error[kY];
-  leaf.c21 = net.error[kW];
-  leaf.c22 = net.error[kQ];
-  return leaf;
 }
 
 // Whether the net's corners alone show that its image is no line: they span more than its errors and rounding
@@ -139,17 +125,15 @@ BezierNet& LeafSplitter::Begin(int degree_u, int degree_v) {
   return root->net;
 }
 
-void LeafSplitter::Split(const SplitPatch& patch, std::vector<Leaf>* leaves, CoefficientArena* arena) {
+void LeafSplitter::Split(const SplitPatch& patch, LeafLists* leaves, CoefficientArena* arena) {
   patch_ = &patch;
   leaves_ = leaves;
   arena_ = arena;
   lost_ = false;
   node_limit_ = std::numeric_limits<std::uint64_t>::max();
   Node* root = Level(0, 0);
-  root->u_mid = 0.5 * (patch.u_low + patch.u_high);
-  root->u_half = 0.5 * (patch.u_high - patch.u_low);
-  root->v_mid = 0.5 * (patch.v_low + patch.v_high);
-  root->v_half = 0.5 * (patch.v_high - patch.v_low);
+  root->place = {0, patch.patch, 0, 0};
+  root->rect = RectOf(root->place, patch.bounds);
   root->level = 0;
   root->trim = patch.trim_class;
   Visit(*root);
@@ -190,10 +174,10 @@ void LeafSplitter::Visit(const Node& node) {
   RectClass trim = node.trim;
   if (trim == RectClass::kMixed && node.level > 0) {
     const auto u = [&](double s) {
-      return patch_->u_map.ToNative(std::clamp(node.u_mid + s * node.u_half, patch_->u_low, patch_->u_high));
+      return patch_->u_map.ToNative(std::clamp(node.rect.U(s), patch_->bounds.u_low, patch_->bounds.u_high));
     };
     const auto v = [&](double t) {
-      return patch_->v_map.ToNative(std::clamp(node.v_mid + t * node.v_half, patch_->v_low, patch_->v_high));
+      return patch_->v_map.ToNative(std::clamp(node.rect.V(t), patch_->bounds.v_low, patch_->bounds.v_high));
     };
     constexpr double kBorder = 1 + 2 * kBorderOverlap;
     trim = patch_->trim->Classify(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder));
@@ -203,15 +187,16 @@ void LeafSplitter::Visit(const Node& node) {
   // Give up what no halving can place: also what lies across the eye plane down to the last level, where the
   // near plane has taken all that is merely near the eye. One leaf says so of the whole patch.
   const bool last_level = node.level >= kMaxLevels;
+  const double nearest_seen = window_.perspective ? window_.near_depth : -INFINITY;
+  const SampleBox whole_window = SampleBox::HalfOpen(0, static_cast<int>(2 * window_.half_width), 0,
+                                                     static_cast<int>(2 * window_.half_height));
+  const SampleBox seen_in =
+      box.in_front ? SampleBox::HalfOpen(col_begin, col_end, row_begin, row_end) : whole_window;
   if ((!box.in_front && last_level) ||
       (!(box.in_front && box.error < half_window) && IsLost(net, half_window))) {
     if (lost_) return;
     lost_ = true;
-    Leaf leaf = HardLeaf(net, patch_->rule, /*edge_on=*/true);
-    leaf.near_depth = window_.perspective ? window_.near_depth : -INFINITY;
-    leaf.col_end = static_cast<int>(2 * window_.half_width);
-    leaf.row_end = static_cast<int>(2 * window_.half_height);
-    Keep(leaf, node, trim, net.value);
+    KeepHard(HardKind::kEdgeOn, nearest_seen, whole_window, node, trim);
     return;
   }
 
@@ -223,21 +208,14 @@ void LeafSplitter::Visit(const Node& node) {
     node_limit_ = nodes_ + limit;
   }
   if (nodes_ > node_limit_) {
-    Leaf leaf = HardLeaf(net, patch_->rule, /*edge_on=*/false);
-    leaf.flags |= kLeafGivenUp;
-    leaf.near_depth = box.in_front ? box.near_depth : window_.perspective ? window_.near_depth : -INFINITY;
-    leaf.col_begin = col_begin;
-    leaf.col_end = box.in_front ? col_end : static_cast<int>(2 * window_.half_width);
-    leaf.row_begin = row_begin;
-    leaf.row_end = box.in_front ? row_end : static_cast<int>(2 * window_.half_height);
-    Keep(leaf, node, trim, net.value);
+    KeepHard(HardKind::kGivenUp, box.in_front ? box.near_depth : nearest_seen, seen_in, node, trim);
     return;
   }
 
   // Certify, or halve, or give up on a piece that is small enough.
   Verdict verdict;
   if (box.in_front) {
-    Leaf leaf;
+    CertifiedLeaf leaf;
     double monomials[kNetComponents * kMaxNetPoints];
     verdict = nets.certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
     const bool certified = verdict.certified;
@@ -245,18 +223,17 @@ void LeafSplitter::Visit(const Node& node) {
     const bool edge_on = !certified && samples > kHardSamples && !CornersSpanArea(net, box, half_window) &&
                          FitLine(net).is_line;
     const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
-    if ((certified && (trimmed_small || last_level)) || hard) {
-      if (hard) leaf = HardLeaf(net, patch_->rule, edge_on);
+    if (certified && (trimmed_small || last_level)) {
+      leaf.near_depth = box.near_depth - leaf.depth_error;
+      leaf.box = seen_in;
+      KeepCertified(leaf, node, trim, monomials);
+      return;
+    }
+    if (hard) {
       // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as
       // large a share of the patch's work as the pieces that they would make.
-      if (hard && !edge_on)
-        node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
-      leaf.near_depth = box.near_depth - leaf.depth_error;
-      leaf.col_begin = col_begin;
-      leaf.col_end = col_end;
-      leaf.row_begin = row_begin;
-      leaf.row_end = row_end;
-      Keep(leaf, node, trim, hard ? net.value : monomials);
+      if (!edge_on) node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
+      KeepHard(edge_on ? HardKind::kEdgeOn : HardKind::kSubdivide, box.near_depth, seen_in, node, trim);
       return;
     }
   }
@@ -274,18 +251,17 @@ void LeafSplitter::Visit(const Node& node) {
   Node* high = Level(node.level + 1, 1);
   low->SetDegrees(net.degree_u, net.degree_v);
   high->SetDegrees(net.degree_u, net.degree_v);
-  low->u_mid = high->u_mid = node.u_mid;
-  low->u_half = high->u_half = node.u_half;
-  low->v_mid = high->v_mid = node.v_mid;
-  low->v_half = high->v_half = node.v_half;
+  low->place = Halved(node.place, direction, /*upper=*/false);
+  high->place = Halved(node.place, direction, /*upper=*/true);
+  low->rect = high->rect = node.rect;
   if (direction == Direction::kU) {
-    low->u_half = high->u_half = node.u_half / 2;
-    low->u_mid = node.u_mid - low->u_half;
-    high->u_mid = node.u_mid + low->u_half;
+    low->rect.u_half = high->rect.u_half = node.rect.u_half / 2;
+    low->rect.u_mid = node.rect.u_mid - low->rect.u_half;
+    high->rect.u_mid = node.rect.u_mid + low->rect.u_half;
   } else {
-    low->v_half = high->v_half = node.v_half / 2;
-    low->v_mid = node.v_mid - low->v_half;
-    high->v_mid = node.v_mid + low->v_half;
+    low->rect.v_half = high->rect.v_half = node.rect.v_half / 2;
+    low->rect.v_mid = node.rect.v_mid - low->rect.v_half;
+    high->rect.v_mid = node.rect.v_mid + low->rect.v_half;
   }
   low->trim = high->trim = trim;
   low->level = high->level = node.level + 1;
@@ -294,32 +270,54 @@ void LeafSplitter::Visit(const Node& node) {
   Visit(*high);
 }
 
-void LeafSplitter::Keep(Leaf leaf, const Node& node, RectClass trim, const double* coefficients) {
-  leaf.u_mid = node.u_mid;
-  leaf.u_half = node.u_half;
-  leaf.v_mid = node.v_mid;
-  leaf.v_half = node.v_half;
-  leaf.placed_face = patch_->placed_face;
-  leaf.patch = patch_->patch;
-  if (trim == RectClass::kMixed) leaf.flags |= kLeafTrimmed;
-  if (node.u_mid - node.u_half == 0 || node.u_mid + node.u_half == 1 || node.v_mid - node.v_half == 0 ||
-      node.v_mid + node.v_half == 1)
-    leaf.flags |= kLeafAtBorder;
-  leaf.s_high = leaf.t_high = 1 + leaf.overlap();
-  leaf.s_low = leaf.t_low = -leaf.s_high;
+void LeafSplitter::FillHeader(const Node& node, RectClass trim, LeafHeader* leaf) const {
+  leaf->placed_face = patch_->placed_face;
+  leaf->borders = BordersOf(node.rect);
+  if (trim == RectClass::kMixed) leaf->flags |= kLeafTrimmed;
+}
+
+void LeafSplitter::Spend(std::size_t leaf_bytes, std::size_t coefficients) {
+  const auto bytes = static_cast<std::int64_t>(leaf_bytes + coefficients * sizeof(double));
+  budget_->bytes_left.fetch_sub(bytes, std::memory_order_relaxed);
+}
+
+void LeafSplitter::KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass trim,
+                                 const double* monomials) {
+  FillHeader(node, trim, &leaf);
   const std::size_t count = static_cast<std::size_t>(leaf.planes()) * leaf.points();
-  if (!(leaf.flags & kLeafHard) && window_.arithmetic.epsilon == kFloatArithmetic.epsilon) {
+  if (window_.arithmetic.is_single()) {
     float* kept = arena_->AllocateFloats(count);
-    for (std::size_t i = 0; i < count; ++i) kept[i] = static_cast<float>(coefficients[i]);
-    leaf.coefficients32 = kept;
+    for (std::size_t i = 0; i < count; ++i) kept[i] = static_cast<float>(monomials[i]);
+    leaf.coefficients = kept;
   } else {
     double* kept = arena_->Allocate(count);
-    std::copy_n(coefficients, count, kept);
+    std::copy_n(monomials, count, kept);
     leaf.coefficients = kept;
   }
-  leaves_->push_back(leaf);
-  const auto bytes = static_cast<std::int64_t>(sizeof(Leaf) + count * sizeof(double));
-  budget_->bytes_left.fetch_sub(bytes, std::memory_order_relaxed);
+  leaves_->certified.push_back(leaf);
+  leaves_->places.push_back(node.place);
+  Spend(sizeof(CertifiedLeaf) + sizeof(LeafPlace), count);
+}
+
+void LeafSplitter::KeepHard(HardKind kind, double near_depth, SampleBox box, const Node& node,
+                            RectClass trim) {
+  const BezierNet& net = node.net;
+  HardLeaf leaf;
+  leaf.near_depth = near_depth;
+  leaf.box = box;
+  leaf.degree_u = static_cast<std::uint8_t>(net.degree_u);
+  leaf.degree_v = static_cast<std::uint8_t>(net.degree_v);
+  leaf.flags = FlagsOf(patch_->rule);
+  FillHeader(node, trim, &leaf);
+  const std::size_t count = static_cast<std::size_t>(kNetComponents) * net.points();
+  double* kept = arena_->Allocate(count);
+  std::copy_n(net.value, count, kept);
+  leaf.net = kept;
+  std::copy_n(net.error, int{kNetComponents}, leaf.error);
+  leaf.place = node.place;
+  leaf.kind = kind;
+  leaves_->hard.push_back(leaf);
+  Spend(sizeof(HardLeaf), count);
 }
 
 }  // namespace facetless

@@ -7,7 +7,7 @@
 //  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
 //     be split further, or are seen edge-on, or lie anywhere (edge_on.h), where splitting leads nowhere.
 //  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces becomes leaves
-//     that say so (kLeafGivenUp), one for each piece that waits, at most kMaxLevels + 1. A leaf that the last
+//     that say so (HardKind::kGivenUp), one for each piece that waits, at most kMaxLevels + 1. A leaf that the last
 //     level leaves with many sample centres counts as the pieces that they would make.
 //  4. The result depends on the patch, the view and the trimming only, not on the calling thread.
 #pragma once
@@ -70,9 +70,7 @@ struct SplitPatch {
   const FaceTrim* trim = nullptr;
   RectClass trim_class = RectClass::kMixed;  // of the whole patch
   std::uint32_t placed_face = 0, patch = 0;
-  // The Bézier parameters that the net spans: beyond [0,1] where the patch is continued past the border of
-  // its face.
-  double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  PatchBounds bounds;  // what the net spans
   // Law 3. No patch of a sound model comes near to its nodes: see NodeLimit.
   std::uint64_t max_nodes = std::numeric_limits<std::uint64_t>::max();
 };
@@ -89,23 +87,28 @@ class LeafSplitter {
 
   // The net that the caller fills before Split: degrees set by Begin, storage belongs to the splitter.
   BezierNet& Begin(int degree_u, int degree_v);
-  // Appends the leaves of the net to `leaves`, their coefficients to `arena`.
-  void Split(const SplitPatch& patch, std::vector<Leaf>* leaves, CoefficientArena* arena);
+  // Appends the leaves of the net to `leaves`, their coefficients and nets to `arena`.
+  void Split(const SplitPatch& patch, LeafLists* leaves, CoefficientArena* arena);
 
   std::uint64_t nodes() const { return nodes_; }  // patches and sub-patches looked at so far
 
  private:
   struct Node;
   void Visit(const Node& node);
-  // Appends the leaf of a node; `coefficients`: as many as the leaf's planes have.
-  void Keep(Leaf leaf, const Node& node, RectClass trim, const double* coefficients);
+  // Append the leaf of a node, of which near depth and box are known; `monomials`: as many as the leaf's planes
+  // have.
+  void KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass trim, const double* monomials);
+  void KeepHard(HardKind kind, double near_depth, SampleBox box, const Node& node, RectClass trim);
+  // What leaves of both kinds have from their patch and node.
+  void FillHeader(const Node& node, RectClass trim, LeafHeader* leaf) const;
+  void Spend(std::size_t leaf_bytes, std::size_t coefficients);
   Node* Level(int level, int side);
 
   SplitWindow window_;
   SplitBudget* budget_;
   std::vector<std::unique_ptr<Node>> levels_;  // two per level
   const SplitPatch* patch_ = nullptr;
-  std::vector<Leaf>* leaves_ = nullptr;
+  LeafLists* leaves_ = nullptr;
   CoefficientArena* arena_ = nullptr;
   bool lost_ = false;  // a leaf of this patch stands for all its pieces that may lie anywhere
   std::uint64_t nodes_ = 0;

@@ -42,11 +42,11 @@ struct NetOperations {
   void (*halve)(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high) = nullptr;
 
   // Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success
-  // fills everything of `leaf` that follows from the net — but not coefficients, ranges, names — and writes
+  // fills everything of `leaf` that follows from the net — but not its coefficients, and what they are of — and writes
   // leaf->planes()·points() monomials to `monomials` (room for 4·points()), plane by plane. Fails where the
   // bound of Law 1 or Law 5 of leaf.h does, or where errors leave no root to tell apart.
-  Verdict (*certify)(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, Leaf* leaf,
-                     double* monomials) = nullptr;
+  Verdict (*certify)(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
+                     CertifiedLeaf* leaf, double* monomials) = nullptr;
 
   // `half_window`: half the longer side of the image, which bounds the pixel where the net's own W is off.
   NetBox (*project)(const BezierNet& net, DepthRule rule, double half_window) = nullptr;

@@ -29,8 +29,8 @@ std::vector<AuditHit> Collect(const Scene::Data& scene, const PreparedView& view
   std::vector<AuditHit> hits;
   for (const Worker& worker : workers) {
     for (const Crossing& crossing : worker.crossings) {
-      const Leaf& leaf = view.tiles->leaves()[crossing.leaf];
-      hits.push_back({crossing.sample, leaf.placed_face, RootTwin(leaf, crossing.hit)});
+      hits.push_back({crossing.sample, view.tiles->leaves().Header(crossing.leaf).placed_face,
+                      RootTwin(view, crossing.leaf, crossing.hit)});
     }
   }
   const auto key = [](const AuditHit& h) { return std::tie(h.sample, h.placed_face, h.root.depth); };

@@ -6,19 +6,26 @@
 namespace facetless {
 
 void PutInOrder(const PreparedView& view, std::vector<Crossing>* crossings) {
-  const auto leaf_of = [&](const Crossing& c) -> const Leaf& { return view.tiles->leaves()[c.leaf]; };
-  const auto by_face = [&](const Crossing& a, const Crossing& b) {
-    const std::uint32_t face_a = leaf_of(a).placed_face, face_b = leaf_of(b).placed_face;
-    return std::tie(a.sample, face_a, a.hit.depth, a.leaf) < std::tie(b.sample, face_b, b.hit.depth, b.leaf);
+  const LeafSpans leaves = view.tiles->leaves();
+  const auto face_of = [&](const Crossing& c) { return leaves.Header(c.leaf).placed_face; };
+  // Where nothing else tells two crossings apart, their leaves come in the order of the tile's list.
+  const auto leaf_first = [&](const Crossing& a, const Crossing& b) {
+    return FrontToBack(leaves, a.leaf, b.leaf);
   };
-  std::sort(crossings->begin(), crossings->end(), by_face);
+  std::sort(crossings->begin(), crossings->end(), [&](const Crossing& a, const Crossing& b) {
+    const std::uint32_t face_a = face_of(a), face_b = face_of(b);
+    const auto key_a = std::tie(a.sample, face_a, a.hit.depth),
+               key_b = std::tie(b.sample, face_b, b.hit.depth);
+    return key_a != key_b ? key_a < key_b : leaf_first(a, b);
+  });
   const auto twin = [&](const Crossing& a, const Crossing& b) {
-    return a.sample == b.sample && leaf_of(a).placed_face == leaf_of(b).placed_face &&
-           RootTwin(leaf_of(a), a.hit).Is(RootTwin(leaf_of(b), b.hit));
+    return a.sample == b.sample && face_of(a) == face_of(b) &&
+           RootTwin(view, a.leaf, a.hit).Is(RootTwin(view, b.leaf, b.hit));
   };
   crossings->erase(std::unique(crossings->begin(), crossings->end(), twin), crossings->end());
-  std::sort(crossings->begin(), crossings->end(), [](const Crossing& a, const Crossing& b) {
-    return std::tie(a.sample, a.hit.depth, a.leaf) < std::tie(b.sample, b.hit.depth, b.leaf);
+  std::sort(crossings->begin(), crossings->end(), [&](const Crossing& a, const Crossing& b) {
+    const auto key_a = std::tie(a.sample, a.hit.depth), key_b = std::tie(b.sample, b.hit.depth);
+    return key_a != key_b ? key_a < key_b : leaf_first(a, b);
   });
 }
 

@@ -25,11 +25,12 @@ std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int 
                          CheckStats* stats) {
   if (!shared.check || !shared.IsRootChecked(column, row) || tile.doubt[k] != 0 || tile.leaf[k] == kNoIndex)
     return 0;
-  const Leaf& leaf = shared.view.tiles->leaves()[tile.leaf[k]];
-  if (leaf.flags & kLeafHard) return 0;
+  const std::uint32_t leaf = tile.leaf[k];
+  if (KindOf(leaf) != LeafKind::kCertified) return 0;
+  const double root_error = shared.view.tiles->leaves().certified[leaf].RootError(shared.view.arithmetic);
   const double x = column + 0.5 - shared.frame.center_x, y = row + 0.5 - shared.frame.center_y;
-  return shared.CheckRoot(leaf, {tile.s[k], tile.t[k], leaf.root_error, leaf.root_error}, x, y, tile.depth[k],
-                          tile.error[k], stats);
+  return shared.CheckRoot(shared.SiteOf(leaf), {tile.s[k], tile.t[k], root_error, root_error}, x, y,
+                          tile.depth[k], tile.error[k], stats);
 }
 
 // Asks the independent check whether the rays of some samples of a tile, hits and misses, are clear up to the
@@ -70,7 +71,7 @@ void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
-  const std::span<const Leaf> leaves = shared.view.tiles->leaves();
+  const LeafSpans leaves = shared.view.tiles->leaves();
   // All misses first: most tiles are of one kind or the other.
   for (int i = 0; i < tile.rows(); ++i) {
     const std::size_t first = std::size_t(tile.row() + i) * samples->width + tile.column();
@@ -91,6 +92,8 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
   }
   std::uint32_t known_face = kNoIndex;  // what `placed` is of: neighbours mostly share it
   TraceShared::PlacedFace placed{};
+  TraceShared::LeafSite site{};  // of the leaf that the sample before it shows, too, mostly
+  site.leaf = kNoIndex;
   for (int i = 0; i < tile.rows(); ++i) {
     const int row = tile.row() + i;
     for (int j = 0; j < tile.columns(); ++j) {
@@ -108,25 +111,25 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       }
       if (tile.leaf[k] == kNoIndex) continue;
 
-      const Leaf& leaf = leaves[tile.leaf[k]];
-      if (leaf.placed_face != known_face) {
-        placed = shared.Placed(leaf.placed_face);
-        known_face = leaf.placed_face;
+      const std::uint32_t leaf = tile.leaf[k], placed_face = leaves.Header(leaf).placed_face;
+      if (placed_face != known_face) {
+        placed = shared.Placed(placed_face);
+        known_face = placed_face;
       }
       std::array<float, 3> normal = tile.normal[k];
       if (normal == std::array<float, 3>{0, 0, 0}) {
         const double x = column + 0.5 - 0.5 * shared.camera.width_px,
                      y = row + 0.5 - 0.5 * shared.camera.height_px;
-        const Vec3 alone = EvaluateHit(leaf, tile.s[k], tile.t[k], x, y, shared.frame).normal;
+        const Vec3 alone = shared.HitAt(leaf, tile.s[k], tile.t[k], x, y).normal;
         normal = {float(alone.x), float(alone.y), float(alone.z)};
       }
       const float outward = float(placed.outward);
       samples->depth[out] = tile.depth[k];
-      samples->face[out] = leaf.placed_face;
+      samples->face[out] = placed_face;
       samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
       if (!samples->uv.empty()) {
-        const TraceShared::LeafParameters at = shared.Parameters(leaf, placed.face, tile.s[k], tile.t[k]);
-        samples->uv[out] = {at.u_map->ToNative(at.u), at.v_map->ToNative(at.v)};
+        if (site.leaf != leaf) site = shared.SiteOf(leaf);
+        samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
       }
       ++tally->hits;
       if (!samples->depth_error.empty()) samples->depth_error[out] = RoundedUp(tile.error[k]);
@@ -228,7 +231,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
     stats.bmssm_bytes += tracer.bitmap_bytes();
   }
   stats.leaves = view.tiles->leaves().size();
-  stats.hard_leaves = view.hard_leaves;
+  stats.hard_leaves = view.tiles->leaves().hard.size();
   stats.bmssm_bits = view.tiles->bits();
   stats.scene_bytes = view.bytes() + stats.bmssm_bytes + scene.data().bytes();
   stats.unseen_faces = view.unseen_faces;

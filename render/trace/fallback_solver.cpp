@@ -40,13 +40,11 @@ DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
 
 }  // namespace
 
-std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double limit, RayWork* work_left,
-                                   std::vector<FallbackRoot>* roots) {
+std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& rect, double x, double y,
+                                   double limit, RayWork* work_left, std::vector<FallbackRoot>* roots) {
   if (work_left->exhausted()) return kDoubtLimit;
   work_left->Spend(leaf.points());
-  const bool perspective = (leaf.flags & kLeafPerspective) != 0;
-  const DepthRule rule{perspective, (leaf.flags & kLeafWeightVaries) != 0,
-                       (leaf.flags & kLeafDepthVaries) != 0};
+  const DepthRule rule = RuleOf(leaf);
   const auto push = [this](std::size_t depth) -> Piece& {
     while (stack_.size() <= depth) stack_.push_back(std::make_unique<Piece>());
     return *stack_[depth];
@@ -56,13 +54,12 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
   std::size_t depth = 1;
   Piece& root = push(0);
   root.SetDegrees(leaf.degree_u, leaf.degree_v);
-  std::copy_n(leaf.coefficients, kNetComponents * leaf.points(), root.storage.data());
-  const double errors[kNetComponents] = {leaf.c11, leaf.c12, leaf.c21, leaf.c22};
-  std::copy_n(errors, int{kNetComponents}, root.net.error);
+  std::copy_n(leaf.net, kNetComponents * leaf.points(), root.storage.data());
+  std::copy_n(leaf.error, int{kNetComponents}, root.net.error);
   root.s_mid = root.t_mid = 0;
   root.s_half = root.t_half = 1;
-  if (leaf.flags & kLeafGivenUp) return nets_.residual(root.net, x, y).empty ? 0 : kDoubtLimit;
-  if (leaf.flags & kLeafEdgeOn) {
+  if (leaf.kind == HardKind::kGivenUp) return nets_.residual(root.net, x, y).empty ? 0 : kDoubtLimit;
+  if (leaf.kind == HardKind::kEdgeOn) {
     const LineImage line = FitLine(root.net);
     return line.DistanceOf(x, y) > line.half_width ? 0 : kDoubtUnresolved;
   }
@@ -84,26 +81,24 @@ std::uint8_t FallbackSolver::Solve(const Leaf& leaf, double x, double y, double 
     if (limit < INFINITY && MeasureDepth(net, rule).near > limit) continue;
 
     // Solve it if it is easy by now. The whole leaf is not.
-    Leaf piece;
+    CertifiedLeaf piece;
     double monomials[kNetComponents * kMaxNetPoints];
     if (pieces > 1 && nets_.certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
       piece.coefficients = monomials;
-      piece.u_mid = leaf.u_mid + work->s_mid * leaf.u_half;
-      piece.u_half = work->s_half * leaf.u_half;
-      piece.v_mid = leaf.v_mid + work->t_mid * leaf.v_half;
-      piece.v_half = work->t_half * leaf.v_half;
-      // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors.
-      piece.s_high = piece.t_high = 1 + piece.overlap();
-      piece.s_low = piece.t_low = -piece.s_high;
+      piece.borders = BordersOf(
+          {rect.U(work->s_mid), work->s_half * rect.u_half, rect.V(work->t_mid), work->t_half * rect.v_half});
+      // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors, and
+      // a piece reaches past its own by as much.
+      const double root_error = piece.RootError(kDoubleArithmetic);
       FallbackRoot found;
-      const SampleRoot result = kernel_scalar::SolveSample(piece, x, y, &found.hit);
+      const SampleRoot result = kernel_scalar::SolveSample(piece, kDoubleArithmetic, x, y, &found.hit);
       if (result == SampleRoot::kMiss) continue;
       if (result == SampleRoot::kHit) {
-        found.on_border = OnPatchBorder(piece, found.hit.s, found.hit.t);
+        found.on_border = OnPatchBorder(piece, root_error, found.hit.s, found.hit.t);
         found.hit.s = work->s_mid + found.hit.s * work->s_half;
         found.hit.t = work->t_mid + found.hit.t * work->t_half;
-        found.error_s = piece.root_error * work->s_half;
-        found.error_t = piece.root_error * work->t_half;
+        found.error_s = root_error * work->s_half;
+        found.error_t = root_error * work->t_half;
         found.jacobian_sign = piece.c11 * piece.c22 - piece.c12 * piece.c21;
         if (found.hit.depth - found.hit.error <= limit) roots->push_back(found);
         continue;

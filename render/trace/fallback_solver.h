@@ -5,7 +5,7 @@
 //  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
 //     proof: a tangency, a pole, a cusp, met to that precision.
 //  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved; one that was given up
-//     (kLeafGivenUp) is proven to be missed, or kDoubtLimit.
+//     (HardKind::kGivenUp) is proven to be missed, or kDoubtLimit.
 //  4. A leaf that needs more than kMaxPieces pieces for a ray ends with kDoubtUnresolved, and a ray that has
 //     used up its RayWork ends with kDoubtLimit. Nothing is dropped silently.
 //  5. Bounds are those of the exact surface: the net's own error is part of them.
@@ -54,10 +54,10 @@ class FallbackSolver {
   explicit FallbackSolver(const NetOperations& nets);
   ~FallbackSolver();
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
-  // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `work` is the
-  // ray's. Requires a leaf with kLeafHard.
-  std::uint8_t Solve(const Leaf& leaf, double x, double y, double limit, RayWork* work,
-                     std::vector<FallbackRoot>* roots);
+  // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `rect` is the leaf's
+  // of its patch, `work` the ray's.
+  std::uint8_t Solve(const HardLeaf& leaf, const ParameterRect& rect, double x, double y, double limit,
+                     RayWork* work, std::vector<FallbackRoot>* roots);
 
  private:
   struct Piece;

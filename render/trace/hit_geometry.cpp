@@ -61,7 +61,7 @@ struct LeafJets {
 };
 
 template <typename Real>
-LeafJets EvaluateLeaf(const Real* coefficients, const Leaf& leaf, double s, double t) {
+LeafJets EvaluateLeaf(const Real* coefficients, const CertifiedLeaf& leaf, double s, double t) {
   const int pu = leaf.degree_u, pv = leaf.degree_v, n = leaf.points();
   LeafJets jets;
   jets.q.f = (leaf.flags & kLeafPerspective) ? 1 : 0;
@@ -76,48 +76,55 @@ LeafJets EvaluateLeaf(const Real* coefficients, const Leaf& leaf, double s, doub
   return jets;
 }
 
-Tangents EvaluateTangents(const Leaf& leaf, double s, double t, double x, double y,
-                          const CameraFrame& frame) {
-  const int pu = leaf.degree_u, pv = leaf.degree_v;
-  const bool perspective = (leaf.flags & kLeafPerspective) != 0;
-
-  // F = (X − x·W, Y − y·W), W and Q with their derivatives. F itself vanishes at a root.
+// F = (X − x·W, Y − y·W), W and Q with their derivatives. F itself vanishes at a root.
+struct RootJets {
   Jet fx, fy, w, q;
-  if (leaf.flags & kLeafHard) {
-    const double* c = leaf.coefficients;
-    const Jet jx = Bernstein(c, kX, pu, pv, s, t), jy = Bernstein(c, kY, pu, pv, s, t);
-    w = Bernstein(c, kW, pu, pv, s, t);
-    q = Bernstein(c, kQ, pu, pv, s, t);
-    fx = {0, jx.ds - x * w.ds, jx.dt - x * w.dt};
-    fy = {0, jy.ds - y * w.ds, jy.dt - y * w.dt};
-  } else {
-    const LeafJets jets = leaf.coefficients32 ? EvaluateLeaf(leaf.coefficients32, leaf, s, t)
-                                              : EvaluateLeaf(leaf.coefficients, leaf, s, t);
-    const Jet &g1 = jets.g1, &g2 = jets.g2;
-    w = jets.w;
-    q = jets.q;
-    const double dx = x - leaf.center_x, dy = y - leaf.center_y;
-    const double b1 = leaf.c11 * dx + leaf.c12 * dy, b2 = leaf.c21 * dx + leaf.c22 * dy;
-    const double h1s = g1.ds - b1 * w.ds, h1t = g1.dt - b1 * w.dt, h2s = g2.ds - b2 * w.ds,
-                 h2t = g2.dt - b2 * w.dt;
-    // Undo C.
-    const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
-    const double a11 = leaf.c22 / determinant, a12 = -leaf.c12 / determinant;
-    const double a21 = -leaf.c21 / determinant, a22 = leaf.c11 / determinant;
-    fx = {0, a11 * h1s + a12 * h2s, a11 * h1t + a12 * h2t};
-    fy = {0, a21 * h1s + a22 * h2s, a21 * h1t + a22 * h2t};
-  }
+};
 
-  // The pixel moves by F'/W; depth is Q/W, or W/Q in perspective, where the point is depth·(x, y, 1) in pixel
-  // units.
+RootJets JetsOf(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double s, double t, double x,
+                double y) {
+  const LeafJets jets = arithmetic.is_single() ? EvaluateLeaf(CoefficientsOf<float>(leaf), leaf, s, t)
+                                               : EvaluateLeaf(CoefficientsOf<double>(leaf), leaf, s, t);
+  const Jet &g1 = jets.g1, &g2 = jets.g2, &w = jets.w;
+  const double dx = x - leaf.center_x, dy = y - leaf.center_y;
+  const double b1 = leaf.c11 * dx + leaf.c12 * dy, b2 = leaf.c21 * dx + leaf.c22 * dy;
+  const double h1s = g1.ds - b1 * w.ds, h1t = g1.dt - b1 * w.dt, h2s = g2.ds - b2 * w.ds,
+               h2t = g2.dt - b2 * w.dt;
+  // Undo C.
+  const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
+  const double a11 = leaf.c22 / determinant, a12 = -leaf.c12 / determinant;
+  const double a21 = -leaf.c21 / determinant, a22 = leaf.c11 / determinant;
+  return {{0, a11 * h1s + a12 * h2s, a11 * h1t + a12 * h2t},
+          {0, a21 * h1s + a22 * h2s, a21 * h1t + a22 * h2t},
+          w,
+          jets.q};
+}
+
+RootJets JetsOf(const LeafHeader& leaf, const double* net, double s, double t, double x, double y) {
+  const int pu = leaf.degree_u, pv = leaf.degree_v;
+  const Jet jx = Bernstein(net, kX, pu, pv, s, t), jy = Bernstein(net, kY, pu, pv, s, t);
+  const Jet w = Bernstein(net, kW, pu, pv, s, t), q = Bernstein(net, kQ, pu, pv, s, t);
+  return {{0, jx.ds - x * w.ds, jx.dt - x * w.dt}, {0, jy.ds - y * w.ds, jy.dt - y * w.dt}, w, q};
+}
+
+// Where a leaf's depth begins, and its unit: depth is scale·W/Q in perspective, else offset + Q/W.
+struct DepthUnits {
+  double offset = 0, scale = 1;
+};
+
+// The pixel moves by F'/W; depth is Q/W, or W/Q in perspective, where the point is depth·(x, y, 1) in pixel
+// units.
+Tangents TangentsOf(const RootJets& jets, DepthUnits units, bool perspective, double x, double y,
+                    const CameraFrame& frame) {
+  const Jet &fx = jets.fx, &fy = jets.fy, &w = jets.w, &q = jets.q;
   const double xs = fx.ds / w.f, xt = fx.dt / w.f, ys = fy.ds / w.f, yt = fy.dt / w.f;
   if (!perspective) {
     const double depth = q.f / w.f;
     return {{xs * frame.pixel_x, ys * frame.pixel_y, (q.ds - depth * w.ds) / w.f},
             {xt * frame.pixel_x, yt * frame.pixel_y, (q.dt - depth * w.dt) / w.f},
-            (leaf.flags & kLeafHard) ? depth : leaf.depth_scale + depth};
+            units.offset + depth};
   }
-  const double scale = (leaf.flags & kLeafHard) ? 1 : leaf.depth_scale;
+  const double scale = units.scale;
   const double depth = scale * w.f / q.f;
   const double depth_s = (scale * w.ds - depth * q.ds) / q.f, depth_t = (scale * w.dt - depth * q.dt) / q.f;
   return {{(depth_s * x + depth * xs) * frame.pixel_x, (depth_s * y + depth * ys) * frame.pixel_y, depth_s},
@@ -134,11 +141,12 @@ bool IsSingular(const Tangents& tangents, Vec3 normal) {
   return !(Dot(normal, normal) > kSingular * kSingular * longest * longest);
 }
 
-}  // namespace
-
-HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame) {
+// `tangents_at(s, t)` are the leaf's.
+template <typename TangentsAt>
+HitGeometry Geometry(const TangentsAt& tangents_at, double s, double t, bool perspective, double x, double y,
+                     const CameraFrame& frame) {
   HitGeometry hit;
-  Tangents tangents = EvaluateTangents(leaf, s, t, x, y, frame);
+  Tangents tangents = tangents_at(s, t);
   hit.ds = tangents.ds;
   hit.dt = tangents.dt;
   hit.depth = tangents.depth;
@@ -146,15 +154,46 @@ HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y
   hit.singular = IsSingular(tangents, normal);
   // At a pole step back towards the middle, where the tangents span a plane again.
   for (double back = 0x1p-16; back <= 1 && IsSingular(tangents, normal); back *= 16) {
-    tangents = EvaluateTangents(leaf, s - back * s, t - back * t, x, y, frame);
+    tangents = tangents_at(s - back * s, t - back * t);
     normal = Cross(tangents.ds, tangents.dt);
   }
   normal = Normalized(normal);
   Vec3 ray{0, 0, 1};
-  if (leaf.flags & kLeafPerspective) ray = Normalized({x * frame.pixel_x, y * frame.pixel_y, 1});
+  if (perspective) ray = Normalized({x * frame.pixel_x, y * frame.pixel_y, 1});
   hit.cosine = std::fabs(Dot(normal, ray));
   hit.normal = normal.x * frame.right + normal.y * frame.down + normal.z * frame.forward;
   return hit;
+}
+
+HitGeometry EvaluateNet(const LeafHeader& leaf, const double* net, double s, double t, double x, double y,
+                        const CameraFrame& frame) {
+  const bool perspective = (leaf.flags & kLeafPerspective) != 0;
+  const auto tangents_at = [&](double at_s, double at_t) {
+    return TangentsOf(JetsOf(leaf, net, at_s, at_t, x, y), {}, perspective, x, y, frame);
+  };
+  return Geometry(tangents_at, s, t, perspective, x, y, frame);
+}
+
+}  // namespace
+
+HitGeometry EvaluateHit(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double s, double t,
+                        double x, double y, const CameraFrame& frame) {
+  const bool perspective = (leaf.flags & kLeafPerspective) != 0;
+  const DepthUnits units{leaf.depth_scale, leaf.depth_scale};
+  const auto tangents_at = [&](double at_s, double at_t) {
+    return TangentsOf(JetsOf(leaf, arithmetic, at_s, at_t, x, y), units, perspective, x, y, frame);
+  };
+  return Geometry(tangents_at, s, t, perspective, x, y, frame);
+}
+
+HitGeometry EvaluateHit(const HardLeaf& leaf, double s, double t, double x, double y,
+                        const CameraFrame& frame) {
+  return EvaluateNet(leaf, leaf.net, s, t, x, y, frame);
+}
+
+HitGeometry EvaluateHit(const SeamLeaf& leaf, double s, double t, double x, double y,
+                        const CameraFrame& frame) {
+  return EvaluateNet(leaf, leaf.net, s, t, x, y, frame);
 }
 
 }  // namespace facetless

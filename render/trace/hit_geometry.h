@@ -17,7 +17,13 @@ struct HitGeometry {
 };
 
 // Of the root (s, t) of the ray through (x, y) relative to the image centre. Where ds × dt vanishes (a pole,
-// a collapsed edge) the normal is the one-sided limit towards the leaf's middle.
-HitGeometry EvaluateHit(const Leaf& leaf, double s, double t, double x, double y, const CameraFrame& frame);
+// a collapsed edge) the normal is the one-sided limit towards the leaf's middle. `arithmetic` is that of the
+// kernel that the leaf was made for.
+HitGeometry EvaluateHit(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double s, double t,
+                        double x, double y, const CameraFrame& frame);
+HitGeometry EvaluateHit(const HardLeaf& leaf, double s, double t, double x, double y,
+                        const CameraFrame& frame);
+HitGeometry EvaluateHit(const SeamLeaf& leaf, double s, double t, double x, double y,
+                        const CameraFrame& frame);
 
 }  // namespace facetless

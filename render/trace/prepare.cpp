@@ -21,9 +21,8 @@ struct Worker {
   Worker(const SplitWindow& window, SplitBudget* budget) : splitter(window, budget) {}
   LeafSplitter splitter;
   CoefficientArena arena;
-  std::vector<Leaf> leaves;
+  LeafLists leaves;
   std::vector<std::uint32_t> faces;  // placed faces that have some of them, not for seams
-  std::uint64_t hard_leaves = 0;
 };
 
 class Preparation {
@@ -56,13 +55,13 @@ class Preparation {
 
     PreparedView view;
     view.nets = window_.nets;
-    std::vector<std::span<const Leaf>> leaves;
+    view.arithmetic = window_.arithmetic;
+    std::vector<LeafSpans> leaves;
     std::vector<bool> seen(model_.PlacedFaceCount(), false);
     for (const Worker& worker : workers_) {
-      leaves.emplace_back(worker.leaves);
+      leaves.push_back(worker.leaves.spans());
       for (const std::uint32_t face : worker.faces) seen[face] = true;
       view.nodes += worker.splitter.nodes();
-      view.hard_leaves += worker.hard_leaves;
     }
     view.tiles = std::make_unique<TileLeaves>(leaves, columns, rows);
     for (Worker& worker : workers_) view.arenas.push_back(std::move(worker.arena));
@@ -168,13 +167,12 @@ class Preparation {
     // An orthographic depth is Q/W.
     if (!window_.perspective && weight_varies && net.at(0, kQ) != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
-    ContinuePastBorder(surface, data, i, j, net, &split);
-    const std::size_t before = worker.leaves.size();
+    split.bounds = BoundsOf(data, surface, i, j);
+    ContinuePastBorder(split, net);
+    const std::size_t before = worker.leaves.spans().size();
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
-    if (worker.leaves.size() == before) return;
+    if (worker.leaves.spans().size() == before) return;
     if (worker.faces.empty() || worker.faces.back() != placed_face) worker.faces.push_back(placed_face);
-    for (std::size_t k = before; k < worker.leaves.size(); ++k)
-      worker.hard_leaves += (worker.leaves[k].flags & kLeafHard) != 0;
   }
 
   // A leaf of one sample for every seam sample: front to back it takes its turn among the others.
@@ -183,13 +181,13 @@ class Preparation {
     const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_, &budget_);
     Worker& worker = workers_.local();
     const SeamSample* before = nullptr;
-    const double* coefficients = nullptr;
+    const double* patch_net = nullptr;
     for (const SeamSample& sample : samples) {
       const Instance& instance = model_.instances[sample.instance];
       const std::uint32_t placed_face = PlacedFaceOf(model_, instance, sample.face);
       if (leave_out_ && (*leave_out_)[placed_face]) continue;
       const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
-      Leaf leaf;
+      SeamLeaf leaf;
       leaf.degree_u = surface.degree_u;
       leaf.degree_v = surface.degree_v;
       // Samples of one patch follow each other, and share its net.
@@ -204,42 +202,34 @@ class Preparation {
           const double components[kNetComponents] = {p.x, p.y, p.w, p.q};
           std::copy_n(components, int{kNetComponents}, net + kNetComponents * k);
         }
-        coefficients = net;
+        patch_net = net;
         before = &sample;
         budget_.bytes_left.fetch_sub(static_cast<std::int64_t>(kNetComponents * n * sizeof(double)));
       }
-      leaf.coefficients = coefficients;
-      leaf.flags = static_cast<std::uint16_t>(kLeafHard | kLeafSeam | kLeafWeightVaries | kLeafDepthVaries |
-                                              (window_.perspective ? kLeafPerspective : 0) |
-                                              (sample.odd ? kLeafOdd : 0));
-      leaf.s_low = 2 * sample.u - 1;
-      leaf.t_low = 2 * sample.v - 1;
+      leaf.net = patch_net;
+      leaf.flags = FlagsOf({window_.perspective, /*weight_varies=*/true, /*depth_varies=*/true});
+      leaf.odd = sample.odd;
+      leaf.s = 2 * sample.u - 1;
+      leaf.t = 2 * sample.v - 1;
       leaf.near_depth = sample.depth;
-      leaf.col_begin = sample.column;
-      leaf.col_end = sample.column + 1;
-      leaf.row_begin = sample.row;
-      leaf.row_end = sample.row + 1;
+      leaf.box = SampleBox::HalfOpen(sample.column, sample.column + 1, sample.row, sample.row + 1);
       leaf.placed_face = placed_face;
       leaf.patch = sample.patch;
-      worker.leaves.push_back(leaf);
+      worker.leaves.seams.push_back(leaf);
     }
   }
 
   // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may
   // lie there, and the rays between the two are ours.
-  static void ContinuePastBorder(const Surface& surface, const FaceData& data, std::uint32_t i,
-                                 std::uint32_t j, BezierNet& net, SplitPatch* split) {
-    if (i == 0) split->u_low = split->u_map.ToBezier(data.u_low);
-    if (i + 1 == surface.u_spans.count) split->u_high = split->u_map.ToBezier(data.u_high);
-    if (j == 0) split->v_low = split->v_map.ToBezier(data.v_low);
-    if (j + 1 == surface.v_spans.count) split->v_high = split->v_map.ToBezier(data.v_high);
+  static void ContinuePastBorder(const SplitPatch& split, BezierNet& net) {
+    const PatchBounds& bounds = split.bounds;
     // Components that are constant stay so to the bit.
     for (const NetComponent c : {kX, kY, kW, kQ}) {
-      if ((c == kW && !split->rule.weight_varies) || (c == kQ && !split->rule.depth_varies)) continue;
-      if (split->u_low < 0 || split->u_high > 1)
-        Extend(&net, c, Direction::kU, -split->u_low, split->u_high - 1);
-      if (split->v_low < 0 || split->v_high > 1)
-        Extend(&net, c, Direction::kV, -split->v_low, split->v_high - 1);
+      if ((c == kW && !split.rule.weight_varies) || (c == kQ && !split.rule.depth_varies)) continue;
+      if (bounds.u_low < 0 || bounds.u_high > 1)
+        Extend(&net, c, Direction::kU, -bounds.u_low, bounds.u_high - 1);
+      if (bounds.v_low < 0 || bounds.v_high > 1)
+        Extend(&net, c, Direction::kV, -bounds.v_low, bounds.v_high - 1);
     }
   }
 

@@ -15,9 +15,10 @@ namespace facetless {
 
 struct PreparedView {
   std::unique_ptr<TileLeaves> tiles;
-  std::vector<CoefficientArena> arenas;     // own the leaves' coefficients
+  std::vector<CoefficientArena> arenas;     // own the leaves' coefficients and nets
   std::vector<std::uint32_t> unseen_faces;  // placed faces without a leaf, ascending
-  std::uint64_t hard_leaves = 0, nodes = 0;
+  std::uint64_t nodes = 0;
+  KernelArithmetic arithmetic;          // of the kernel that the leaves were made for
   const NetOperations* nets = nullptr;  // that made the leaves
 
   std::size_t bytes() const;

@@ -52,44 +52,44 @@ double ContinueBy(const Model& model, const Surface& surface, Border border, dou
 FaceData MakeFaceData(const Model& model, std::uint32_t index) {
   const Face& face = model.faces[index];
   const Surface& surface = model.surfaces[face.surface];
-  FaceData data{FaceTrim::Build(model, index), {}, {}};
+  FaceData data{FaceTrim::Build(model, index), {}, {}, {}};
   for (const Vec4& p : PointsOf(model, surface)) data.bounds.Add(Cartesian(p));
 
   // Continue the grid where the face ends with it.
   const Span &u_first = model.spans[surface.u_spans.first], &u_last = model.spans[surface.u_spans.end() - 1];
   const Span &v_first = model.spans[surface.v_spans.first], &v_last = model.spans[surface.v_spans.end() - 1];
-  data.u_low = u_first.begin;
-  data.u_high = u_last.end;
-  data.v_low = v_first.begin;
-  data.v_high = v_last.end;
+  double u_low = u_first.begin, u_high = u_last.end, v_low = v_first.begin, v_high = v_last.end;
   if (const double reach_mm = kContinueGaps * LargestGap(model, face); reach_mm > 0) {
     const auto by = [&](bool across_u, bool high) {
       return ContinueBy(model, surface, {across_u, high}, reach_mm);
     };
     if (!surface.extendable_u) {
-      data.u_low = BezierToNative(u_first, -by(true, false));
-      data.u_high = BezierToNative(u_last, 1 + by(true, true));
+      u_low = BezierToNative(u_first, -by(true, false));
+      u_high = BezierToNative(u_last, 1 + by(true, true));
     }
     if (!surface.extendable_v) {
-      data.v_low = BezierToNative(v_first, -by(false, false));
-      data.v_high = BezierToNative(v_last, 1 + by(false, true));
+      v_low = BezierToNative(v_first, -by(false, false));
+      v_high = BezierToNative(v_last, 1 + by(false, true));
     }
-    data.u_low_continued = data.u_low < u_first.begin;
-    data.u_high_continued = data.u_high > u_last.end;
-    data.v_low_continued = data.v_low < v_first.begin;
-    data.v_high_continued = data.v_high > v_last.end;
+    data.u_low_continued = u_low < u_first.begin;
+    data.u_high_continued = u_high > u_last.end;
+    data.v_low_continued = v_low < v_first.begin;
+    data.v_high_continued = v_high > v_last.end;
     // Twice the distance bounds the continuation, which bends little.
     const Vec3 margin{2 * reach_mm, 2 * reach_mm, 2 * reach_mm};
     data.bounds = {data.bounds.low - margin, data.bounds.high + margin};
   }
 
+  data.continued = {NativeToBezier(u_first, u_low), NativeToBezier(u_last, u_high),
+                    NativeToBezier(v_first, v_low), NativeToBezier(v_last, v_high)};
+
   data.patches.reserve(surface.PatchCount());
   for (std::uint32_t i = 0; i < surface.u_spans.count; ++i) {
     for (std::uint32_t j = 0; j < surface.v_spans.count; ++j) {
       const Span &u = model.spans[surface.u_spans.first + i], &v = model.spans[surface.v_spans.first + j];
-      data.patches.push_back(data.trim.Classify(
-          i == 0 ? data.u_low : u.begin, i + 1 == surface.u_spans.count ? data.u_high : u.end,
-          j == 0 ? data.v_low : v.begin, j + 1 == surface.v_spans.count ? data.v_high : v.end));
+      data.patches.push_back(
+          data.trim.Classify(i == 0 ? u_low : u.begin, i + 1 == surface.u_spans.count ? u_high : u.end,
+                             j == 0 ? v_low : v.begin, j + 1 == surface.v_spans.count ? v_high : v.end));
     }
   }
   return data;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/nurbs/angle_map.h"
+#include "render/nurbs/leaf_place.h"
 #include "render/nurbs/trim_index.h"
 #include "render/trace/direct.h"
 #include "render/trace/seams.h"
@@ -14,11 +15,21 @@ struct FaceData {
   FaceTrim trim;
   Box3 bounds;                     // of the patches, continued as below; part coordinates
   std::vector<RectClass> patches;  // where each patch lies in the trimming, whatever the view
-  // The native rectangle that the patches are continued to: the grid's, and beyond it where the face ends
-  // with the grid and its edges lie off the surface by a gap.
-  double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  // What the outermost patches are continued to, each in its own Bézier parameters: beyond [0,1] where the face
+  // ends with the grid and its edges lie off the surface by a gap.
+  PatchBounds continued;
   bool u_low_continued = false, u_high_continued = false, v_low_continued = false, v_high_continued = false;
 };
+
+// What patch (i, j) of a face's surface is continued to.
+inline PatchBounds BoundsOf(const FaceData& face, const Surface& surface, std::uint32_t i, std::uint32_t j) {
+  PatchBounds bounds;
+  if (i == 0) bounds.u_low = face.continued.u_low;
+  if (i + 1 == surface.u_spans.count) bounds.u_high = face.continued.u_high;
+  if (j == 0) bounds.v_low = face.continued.v_low;
+  if (j + 1 == surface.v_spans.count) bounds.v_high = face.continued.v_high;
+  return bounds;
+}
 
 struct Scene::Data {
   const Model* model = nullptr;

@@ -319,7 +319,7 @@ class Finder {
     sample.u = std::clamp(NativeToBezier(model_.spans[surface.u_spans.first + i], uv.x), 0.0, 1.0);
     sample.v = std::clamp(NativeToBezier(model_.spans[surface.v_spans.first + j], uv.y), 0.0, 1.0);
     found_->push_back(sample);
-    budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(Leaf)), std::memory_order_relaxed);
+    budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(SeamLeaf)), std::memory_order_relaxed);
   }
 
   // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest

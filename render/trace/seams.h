@@ -62,7 +62,7 @@ struct SeamSample {
 };
 
 // All of a view, by instance, face, row and column. The result doesn't depend on the number of threads. Each
-// sample takes the bytes of a leaf from `budget`; once that is stopped, what is returned is a part, and the
+// sample takes the bytes of a SeamLeaf from `budget`; once that is stopped, what is returned is a part, and the
 // caller gives the view up.
 std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
                                         const CameraFrame& frame, SplitBudget* budget);

@@ -157,7 +157,7 @@ Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int cou
       std::uint8_t doubt = tracer.doubt[(static_cast<int>(sample) - tracer.row()) * kTileSize];
       row.clear();
       for (; next != crossings.end() && next->sample == sample; ++next) {
-        const std::uint32_t face = view.tiles->leaves()[next->leaf].placed_face,
+        const std::uint32_t face = view.tiles->leaves().Header(next->leaf).placed_face,
                             solid = solids_.SolidOf(face);
         doubt |= next->doubt;
         row.push_back({next->hit.depth, ErrorOf(*next), solid});

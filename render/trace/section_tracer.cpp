@@ -9,7 +9,7 @@ namespace facetless {
 
 SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Crossing> crossings,
                                          std::uint8_t doubt) {
-  const std::span<const Leaf> leaves = shared_.view.tiles->leaves();
+  const LeafSpans leaves = shared_.view.tiles->leaves();
   const CameraFrame& frame = shared_.frame;
   const bool perspective = frame.projection == Projection::kPerspective;
   const KeptInterval kept =
@@ -18,7 +18,7 @@ SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Cr
   for (const Crossing& crossing : crossings) {
     doubt |= crossing.doubt;
     solid_crossings_.push_back(
-        {crossing.hit.depth, ErrorOf(crossing), solids_.SolidOf(leaves[crossing.leaf].placed_face)});
+        {crossing.hit.depth, ErrorOf(crossing), solids_.SolidOf(leaves.Header(crossing.leaf).placed_face)});
   }
   const SectionAnswer answer = decision_.Decide(solid_crossings_, kept);
 
@@ -33,20 +33,20 @@ SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Cr
     found.normal = planes_[kept.plane].normal;
   } else if (answer.kind == SectionAnswer::Kind::kCrossing) {
     const Crossing& nearest = crossings[answer.index];
-    const Leaf& leaf = leaves[nearest.leaf];
+    const std::uint32_t placed_face = leaves.Header(nearest.leaf).placed_face;
     const double x = column + 0.5 - 0.5 * shared_.camera.width_px,
                  y = row + 0.5 - 0.5 * shared_.camera.height_px;
     found.depth = nearest.hit.depth;
     found.error = nearest.hit.error;
-    found.face = leaf.placed_face;
-    found.normal = shared_.Placed(leaf.placed_face).outward *
-                   EvaluateHit(leaf, nearest.hit.s, nearest.hit.t, x, y, frame).normal;
+    found.face = placed_face;
+    found.normal = shared_.Placed(placed_face).outward *
+                   shared_.HitAt(nearest.leaf, nearest.hit.s, nearest.hit.t, x, y).normal;
     found.crossing = &nearest;
     // What else lies within the error of the depth may be the nearest.
     for (const Crossing& other : crossings.subspan(answer.index + 1)) {
       const double least = other.hit.depth - ErrorOf(other);
       if (least > nearest.hit.depth + ErrorOf(nearest)) continue;
-      if (certify_ && leaves[other.leaf].placed_face != leaf.placed_face) found.doubt |= kDoubtCoincident;
+      if (certify_ && leaves.Header(other.leaf).placed_face != placed_face) found.doubt |= kDoubtCoincident;
       found.error = std::fmax(found.error, nearest.hit.depth - least);
     }
   }
@@ -75,11 +75,13 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       // Roots of hard leaves have been asked about. Whether the ray is clear depends on what the planes
       // remove: it is not asked.
       if (shared_.check && found.crossing && found.doubt == 0) {
-        const Leaf& leaf = shared_.view.tiles->leaves()[found.crossing->leaf];
+        const std::uint32_t leaf = found.crossing->leaf;
         const TileHit& hit = found.crossing->hit;
-        if (!(leaf.flags & kLeafHard) && shared_.IsRootChecked(column, row)) {
+        if (KindOf(leaf) == LeafKind::kCertified && shared_.IsRootChecked(column, row)) {
+          const double error =
+              shared_.view.tiles->leaves().certified[leaf].RootError(shared_.view.arithmetic);
           found.doubt = shared_.CheckRoot(
-              leaf, {hit.s, hit.t, leaf.root_error, leaf.root_error}, column + 0.5 - shared_.frame.center_x,
+              shared_.SiteOf(leaf), {hit.s, hit.t, error, error}, column + 0.5 - shared_.frame.center_x,
               row + 0.5 - shared_.frame.center_y, found.depth, found.error, &tally->check);
         }
       }
@@ -94,10 +96,9 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       if (!samples->uv.empty()) {
         samples->uv[out] = {0, 0};
         if (found.crossing) {
-          const Leaf& leaf = shared_.view.tiles->leaves()[found.crossing->leaf];
-          const TraceShared::LeafParameters at = shared_.Parameters(
-              leaf, shared_.Placed(leaf.placed_face).face, found.crossing->hit.s, found.crossing->hit.t);
-          samples->uv[out] = {at.u_map->ToNative(at.u), at.v_map->ToNative(at.v)};
+          const TraceShared::LeafSite site = shared_.SiteOf(found.crossing->leaf);
+          samples->uv[out] = {site.u_map->ToNative(site.U(found.crossing->hit.s)),
+                              site.v_map->ToNative(site.V(found.crossing->hit.t))};
         }
       }
       tally->AddDoubts(found.doubt);

@@ -25,14 +25,23 @@ std::optional<PatchBorder> BorderOf(double u, double error_u, double v, double e
   return PatchBorder{low_u || high_u, high_u || high_v};
 }
 
-// A root in the overlap past the border of its patch belongs to the border: on a closed surface without edges
-// the other side of the seam may have left it to this one. Where the patch is continued it lies where it
-// lies.
+// On a closed surface without edges the other side of the seam may have left a root in the overlap to this one.
 double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
   const double overlap = 2 * leaf_overlap * half;
   if (!low_continued && bezier < 0 && bezier >= -overlap) return 0;
   if (!high_continued && bezier > 1 && bezier <= 1 + overlap) return 1;
   return bezier;
+}
+
+// How far outside a leaf its own roots may lie.
+double OverlapOf(const PreparedView& view, std::uint32_t leaf) {
+  if (KindOf(leaf) != LeafKind::kCertified) return kBorderOverlap;
+  return Overlap(view.tiles->leaves().certified[leaf].RootError(view.arithmetic));
+}
+
+// How far off the depths of a leaf's roots may be, where the leaf says so of all of them.
+double DepthErrorOf(const LeafSpans& leaves, std::uint32_t leaf) {
+  return KindOf(leaf) == LeafKind::kCertified ? leaves.certified[leaf].depth_error : 0;
 }
 
 }  // namespace
@@ -61,44 +70,79 @@ TraceShared::PlacedFace TraceShared::Placed(std::uint32_t placed_face) const {
   return {index, face, model.faces[face].reversed != mirrored_[index] ? -1.0 : 1.0};
 }
 
-TraceShared::LeafParameters TraceShared::Parameters(const Leaf& leaf, std::uint32_t face, double s,
-                                                    double t) const {
-  const Surface& surface = scene.model->surfaces[scene.model->faces[face].surface];
-  const FaceData& data = scene.faces[face];
-  const std::uint32_t i = leaf.patch / surface.v_spans.count, j = leaf.patch % surface.v_spans.count;
-  return {&scene.spans[surface.u_spans.first + i], &scene.spans[surface.v_spans.first + j],
-          OntoPatch(leaf.u_mid + s * leaf.u_half, leaf.u_half, leaf.overlap(), i == 0 && data.u_low_continued,
-                    i + 1 == surface.u_spans.count && data.u_high_continued),
-          OntoPatch(leaf.v_mid + t * leaf.v_half, leaf.v_half, leaf.overlap(), j == 0 && data.v_low_continued,
-                    j + 1 == surface.v_spans.count && data.v_high_continued)};
+TraceShared::LeafSite TraceShared::SiteOf(std::uint32_t leaf) const {
+  const LeafSpans leaves = view.tiles->leaves();
+  const LeafPlace place = leaves.Place(leaf);
+  LeafSite site;
+  site.leaf = leaf;
+  site.placed_face = leaves.Header(leaf).placed_face;
+  site.patch = place.patch;
+  site.placed = Placed(site.placed_face);
+  site.overlap = OverlapOf(view, leaf);
+  const Surface& surface = scene.model->surfaces[scene.model->faces[site.placed.face].surface];
+  const FaceData& data = scene.faces[site.placed.face];
+  const std::uint32_t i = place.patch / surface.v_spans.count, j = place.patch % surface.v_spans.count;
+  // A seam leaf's parameters are those of the patch as it is.
+  const bool is_seam = KindOf(leaf) == LeafKind::kSeam;
+  site.rect = RectOf(place, is_seam ? PatchBounds{} : BoundsOf(data, surface, i, j));
+  site.u_map = &scene.spans[surface.u_spans.first + i];
+  site.v_map = &scene.spans[surface.v_spans.first + j];
+  site.u_low_continued = i == 0 && data.u_low_continued;
+  site.u_high_continued = i + 1 == surface.u_spans.count && data.u_high_continued;
+  site.v_low_continued = j == 0 && data.v_low_continued;
+  site.v_high_continued = j + 1 == surface.v_spans.count && data.v_high_continued;
+  return site;
 }
 
-std::uint8_t TraceShared::CheckRoot(const Leaf& leaf, const LeafRoot& root, double x, double y, double depth,
-                                    double error, CheckStats* stats) const {
-  const PlacedFace placed = Placed(leaf.placed_face);
+double TraceShared::LeafSite::U(double s) const {
+  return OntoPatch(rect.U(s), rect.u_half, overlap, u_low_continued, u_high_continued);
+}
+
+double TraceShared::LeafSite::V(double t) const {
+  return OntoPatch(rect.V(t), rect.v_half, overlap, v_low_continued, v_high_continued);
+}
+
+HitGeometry TraceShared::HitAt(std::uint32_t leaf, double s, double t, double x, double y) const {
+  const LeafSpans leaves = view.tiles->leaves();
+  const std::uint32_t index = IndexOf(leaf);
+  switch (KindOf(leaf)) {
+    case LeafKind::kHard:
+      return EvaluateHit(leaves.hard[index], s, t, x, y, frame);
+    case LeafKind::kSeam:
+      return EvaluateHit(leaves.seams[index], s, t, x, y, frame);
+    default:
+      return EvaluateHit(leaves.certified[index], view.arithmetic, s, t, x, y, frame);
+  }
+}
+
+std::uint8_t TraceShared::CheckRoot(const LeafSite& site, const LeafRoot& root, double x, double y,
+                                    double depth, double error, CheckStats* stats) const {
   ++stats->roots;
   const bool holds =
-      check->RootHolds({placed.instance, placed.face, leaf.patch, leaf.u_mid + root.s * leaf.u_half,
-                        leaf.v_mid + root.t * leaf.v_half, root.error_s * leaf.u_half,
-                        root.error_t * leaf.v_half, x + frame.center_x, y + frame.center_y, depth, error});
+      check->RootHolds({site.placed.instance, site.placed.face, site.patch, site.rect.U(root.s),
+                        site.rect.V(root.t), root.error_s * site.rect.u_half, root.error_t * site.rect.v_half,
+                        x + frame.center_x, y + frame.center_y, depth, error});
   if (holds) return 0;
   ++stats->roots_contradicted;
   return kDoubtContradicted;
 }
 
-RootTwin::RootTwin(const Leaf& leaf, const TileHit& hit) : depth(hit.depth) {
-  const double border = 1 - 2 * leaf.overlap();
-  on_border = !(leaf.flags & kLeafSeam) &&
-              ((leaf.flags & kLeafHard) || std::fabs(hit.s) >= border || std::fabs(hit.t) >= border);
+RootTwin::RootTwin(const PreparedView& view, std::uint32_t leaf, const TileHit& hit) : depth(hit.depth) {
+  const double overlap = OverlapOf(view, leaf), border = 1 - 2 * overlap;
+  const LeafKind kind = KindOf(leaf);
+  on_border = kind == LeafKind::kHard ||
+              (kind == LeafKind::kCertified && (std::fabs(hit.s) >= border || std::fabs(hit.t) >= border));
   // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by the
   // range of a floor piece.
-  error = std::fabs(hit.depth) * 0x1p-44 + std::fabs(hit.depth - leaf.near_depth) * 2 * leaf.overlap();
+  const double near_depth = view.tiles->leaves().Header(leaf).near_depth;
+  error = std::fabs(hit.depth) * 0x1p-44 + std::fabs(hit.depth - near_depth) * 2 * overlap;
 }
 
 TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certify)
     : shared_(shared), kernel_(kernel), solver_(*shared.view.nets) {
   job_.coincidences = certify;
-  job_.leaves = shared.view.tiles->leaves().data();
+  job_.leaves = shared.view.tiles->leaves();
+  job_.arithmetic = shared.view.arithmetic;
   job_.tile_size = kTileSize;
   job_.half_width = 0.5 * shared.camera.width_px;
   job_.half_height = 0.5 * shared.camera.height_px;
@@ -134,20 +178,20 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   kernel_(job_);
 }
 
-bool TileTracer::IsInsideFace(const Leaf& hit_leaf, double hit_s, double hit_t, double x, double y,
+bool TileTracer::IsInsideFace(std::uint32_t id, double hit_s, double hit_t, double x, double y,
                               std::uint8_t* hit_doubt) {
-  return IsInsideFace(hit_leaf, RootOf(hit_leaf, hit_s, hit_t), x, y, hit_doubt);
+  return IsInsideFace(shared_.SiteOf(id), RootOf(job_.leaves.certified[id], hit_s, hit_t), x, y, hit_doubt);
 }
 
-bool TileTracer::OwnsBorderRoot(const Leaf& hit_leaf, double x, double y, TileHit* hit,
-                                std::uint8_t* hit_doubt) {
-  return OwnsBorderRoot(hit_leaf, RootOf(hit_leaf, hit->s, hit->t), x, y, hit, hit_doubt);
+bool TileTracer::OwnsBorderRoot(std::uint32_t id, double x, double y, TileHit* hit, std::uint8_t* hit_doubt) {
+  return OwnsBorderRoot(shared_.SiteOf(id), RootOf(job_.leaves.certified[id], hit->s, hit->t), x, y, hit,
+                        hit_doubt);
 }
 
-void TileTracer::RecordHit(int sample, std::uint32_t leaf_index, const TileHit& hit, std::uint8_t hit_doubt) {
+void TileTracer::RecordHit(int sample, std::uint32_t id, const TileHit& hit, std::uint8_t hit_doubt) {
   const int row = job_.row + sample / kTileSize, column = job_.column + sample % kTileSize;
   crossings_->push_back(
-      {static_cast<std::uint32_t>(row * shared_.camera.width_px + column), leaf_index, hit, hit_doubt});
+      {static_cast<std::uint32_t>(row * shared_.camera.width_px + column), id, hit, hit_doubt});
 }
 
 int TileTracer::SampleAt(double x, double y) const {
@@ -156,32 +200,32 @@ int TileTracer::SampleAt(double x, double y) const {
   return row * kTileSize + column;
 }
 
-TileTracer::Root TileTracer::RootOf(const Leaf& leaf, double s, double t) {
-  return {s, t, leaf.root_error, leaf.root_error, leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21};
+TileTracer::Root TileTracer::RootOf(const CertifiedLeaf& certified, double root_s, double root_t) const {
+  const double root_error = certified.RootError(job_.arithmetic);
+  return {root_s, root_t, root_error, root_error,
+          certified.c11 * certified.c22 - certified.c12 * certified.c21};
 }
 
 TileTracer::Root TileTracer::RootOf(const FallbackRoot& root) {
   return {root.hit.s, root.hit.t, root.error_s, root.error_t, root.proven ? root.jacobian_sign : 0};
 }
 
-TrimAnswer TileTracer::QueryTrim(const Leaf& hit_leaf, const Root& root, double cosine) const {
+TrimAnswer TileTracer::QueryTrim(const LeafSite& site, const Root& root, double cosine) const {
   // Map the hit to native parameters: the hit, never the curve.
-  const std::uint32_t face = shared_.Placed(hit_leaf.placed_face).face;
-  const TraceShared::LeafParameters at = shared_.Parameters(hit_leaf, face, root.s, root.t);
-  return shared_.scene.faces[face].trim.Query(at.u_map->ToNative(at.u), at.v_map->ToNative(at.v),
-                                              root.error_s * hit_leaf.u_half / at.u_map->Rate(at.u),
-                                              root.error_t * hit_leaf.v_half / at.v_map->Rate(at.v),
-                                              std::min(kMaxBandScale, 1 / cosine));
+  const double u = site.U(root.s), v = site.V(root.t);
+  return shared_.scene.faces[site.placed.face].trim.Query(
+      site.u_map->ToNative(u), site.v_map->ToNative(v), root.error_s * site.rect.u_half / site.u_map->Rate(u),
+      root.error_t * site.rect.v_half / site.v_map->Rate(v), std::min(kMaxBandScale, 1 / cosine));
 }
 
-bool TileTracer::IsInsideFace(const Leaf& hit_leaf, const Root& root, double x, double y,
+bool TileTracer::IsInsideFace(const LeafSite& site, const Root& root, double x, double y,
                               std::uint8_t* hit_doubt) {
   // Most hits lie farther from every edge than the widest band.
-  const TrimAnswer far = QueryTrim(hit_leaf, root, 1 / kMaxBandScale);
+  const TrimAnswer far = QueryTrim(site, root, 1 / kMaxBandScale);
   if (far.certain && far.coedge == kNoIndex) return far.inside;
-  const TraceShared::PlacedFace placed = shared_.Placed(hit_leaf.placed_face);
-  const HitGeometry geometry = EvaluateHit(hit_leaf, root.s, root.t, x, y, shared_.frame);
-  const TrimAnswer answer = QueryTrim(hit_leaf, root, geometry.cosine);
+  const TraceShared::PlacedFace& placed = site.placed;
+  const HitGeometry geometry = shared_.HitAt(site.leaf, root.s, root.t, x, y);
+  const TrimAnswer answer = QueryTrim(site, root, geometry.cosine);
 
   // In an edge's band, both faces ask the edge itself.
   if (answer.coedge != kNoIndex && root.jacobian_sign != 0) {
@@ -191,14 +235,14 @@ bool TileTracer::IsInsideFace(const Leaf& hit_leaf, const Root& root, double x, 
         *shared_.scene.model, shared_.edges[placed.instance], answer, x + 0.5 * shared_.camera.width_px,
         y + 0.5 * shared_.camera.height_px, mm_per_px, root.jacobian_sign > 0);
     if (decision.verdict != EdgeVerdict::kUnknown) {
-      if (!decision.proven && !OnSeam(hit_leaf, root, answer, geometry.depth, x, y)) *hit_doubt |= kDoubtTrim;
+      if (!decision.proven && !OnSeam(site, root, answer, geometry.depth, x, y)) *hit_doubt |= kDoubtTrim;
       return decision.verdict == EdgeVerdict::kKeep;
     }
   }
   if (answer.certain) return answer.inside;
   // A whole surface that closes goes on across its border.
   if (shared_.scene.faces[placed.face].trim.whole() &&
-      NeighbourOf(hit_leaf, root, {geometry.depth, root.s, root.t, hit_leaf.depth_error}, x, y))
+      NeighbourOf(site, root, {geometry.depth, root.s, root.t, DepthErrorOf(job_.leaves, site.leaf)}, x, y))
     return true;
   *hit_doubt |= kDoubtTrim;
   return answer.inside;
@@ -214,35 +258,36 @@ bool TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const 
   work.Spend(job_.words);
   for (int word = 0; word < job_.words; ++word) {
     for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
-      const Leaf& candidate = job_.leaves[job_.list[64 * word + __builtin_ctzll(bits)]];
+      const std::uint32_t id = job_.list[64 * word + __builtin_ctzll(bits)];
+      const LeafHeader& candidate = job_.leaves.Header(id);
       work.Spend(1);
-      if (candidate.placed_face != placed_face || (candidate.flags & kLeafSeam)) continue;
+      if (candidate.placed_face != placed_face || KindOf(id) == LeafKind::kSeam) continue;
       work.Spend(candidate.points());
       if (work.exhausted()) return false;
-      if (candidate.flags & kLeafHard) {
+      if (KindOf(id) == LeafKind::kHard) {
         std::vector<FallbackRoot> roots;
-        solver_.Solve(candidate, x, y, INFINITY, &work, &roots);
-        for (const FallbackRoot& root : roots) found(candidate, RootOf(root), root.hit);
+        solver_.Solve(job_.leaves.hard[IndexOf(id)], shared_.SiteOf(id).rect, x, y, INFINITY, &work, &roots);
+        for (const FallbackRoot& root : roots) found(id, RootOf(root), root.hit);
         continue;
       }
+      const CertifiedLeaf& certified = job_.leaves.certified[id];
       TileHit hit;
-      if (SolveSample(candidate, x, y, &hit) == SampleRoot::kHit)
-        found(candidate, RootOf(candidate, hit.s, hit.t), hit);
+      if (SolveSample(certified, job_.arithmetic, x, y, &hit) == SampleRoot::kHit)
+        found(id, RootOf(certified, hit.s, hit.t), hit);
     }
   }
   return !work.exhausted();
 }
 
-std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, const Root& root,
+std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own, const Root& root,
                                                              const TileHit& own_hit, double x, double y) {
-  const double u = own.u_mid + root.s * own.u_half, v = own.v_mid + root.t * own.v_half;
-  const std::optional<PatchBorder> border =
-      BorderOf(u, root.error_s * own.u_half, v, root.error_t * own.v_half);
+  const std::optional<PatchBorder> border = BorderOf(own.rect.U(root.s), root.error_s * own.rect.u_half,
+                                                     own.rect.V(root.t), root.error_t * own.rect.v_half);
   if (!border || root.jacobian_sign == 0) return {};
 
   // The patch across it; on a closed surface, that at the other end.
-  const TraceShared::PlacedFace placed = shared_.Placed(own.placed_face);
-  const Surface& surface = shared_.scene.model->surfaces[shared_.scene.model->faces[placed.face].surface];
+  const Model& model = *shared_.scene.model;
+  const Surface& surface = model.surfaces[model.faces[own.placed.face].surface];
   const std::uint32_t nu = surface.u_spans.count, nv = surface.v_spans.count;
   std::uint32_t i = own.patch / nv, j = own.patch % nv;
   std::uint32_t& across = border->across_u ? i : j;
@@ -251,16 +296,16 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
   const std::uint32_t patch = i * nv + j;
 
   // How far apart the two may be along the border and off it: what neighbours overlap, in native parameters.
-  const auto native = [&](const Leaf& leaf, const Root& at) {
+  const auto native = [&](const LeafSite& site, const Root& at) {
     struct Native {
       double along, reach_along, reach_off, rate_off;
     };
-    const TraceShared::LeafParameters where = shared_.Parameters(leaf, placed.face, at.s, at.t);
-    const double rate_u = where.u_map->Rate(where.u), rate_v = where.v_map->Rate(where.v);
-    const double reach_u = (kBorderOverlap + 4 * at.error_s) * leaf.u_half / rate_u,
-                 reach_v = (kBorderOverlap + 4 * at.error_t) * leaf.v_half / rate_v;
-    return border->across_u ? Native{where.v_map->ToNative(where.v), reach_v, reach_u, rate_u}
-                            : Native{where.u_map->ToNative(where.u), reach_u, reach_v, rate_v};
+    const double u = site.U(at.s), v = site.V(at.t);
+    const double rate_u = site.u_map->Rate(u), rate_v = site.v_map->Rate(v);
+    const double reach_u = (kBorderOverlap + 4 * at.error_s) * site.rect.u_half / rate_u,
+                 reach_v = (kBorderOverlap + 4 * at.error_t) * site.rect.v_half / rate_v;
+    return border->across_u ? Native{site.v_map->ToNative(v), reach_v, reach_u, rate_u}
+                            : Native{site.u_map->ToNative(u), reach_u, reach_v, rate_v};
   };
   const auto here = native(own, root);
   // And in depth, which changes by its error where the root moves by its own. The ends of a surface that does
@@ -270,12 +315,12 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
   };
 
   std::optional<Neighbour> neighbour;
-  const auto consider = [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
-    const auto there = native(leaf, other);
-    const double beyond_low =
-        border->across_u ? leaf.u_mid + other.s * leaf.u_half : leaf.v_mid + other.t * leaf.v_half;
+  const auto consider = [&](const LeafSite& site, const Root& other, const TileHit& hit) {
+    const auto there = native(site, other);
+    const double beyond_low = border->across_u ? site.rect.U(other.s) : site.rect.V(other.t);
     const double inside = border->high ? beyond_low : 1 - beyond_low;  // of the opposite border
-    const double error = border->across_u ? other.error_s * leaf.u_half : other.error_t * leaf.v_half;
+    const double error =
+        border->across_u ? other.error_s * site.rect.u_half : other.error_t * site.rect.v_half;
     if (other.jacobian_sign * root.jacobian_sign <= 0 ||
         std::fabs(here.along - there.along) > here.reach_along + there.reach_along ||
         std::fabs(inside) > (here.reach_off + there.reach_off) * there.rate_off ||
@@ -286,14 +331,14 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const Leaf& own, co
   };
 
   const bool complete =
-      EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
-        if (leaf.patch == patch && !neighbour) consider(leaf, other, hit);
+      EveryRoot(own.placed_face, x, y, [&](std::uint32_t id, const Root& other, const TileHit& hit) {
+        if (!neighbour && job_.leaves.Place(id).patch == patch) consider(shared_.SiteOf(id), other, hit);
       });
   return complete ? neighbour : std::nullopt;
 }
 
-bool TileTracer::OnSeam(const Leaf& own, const Root& root, const TrimAnswer& answer, double depth, double x,
-                        double y) {
+bool TileTracer::OnSeam(const LeafSite& own, const Root& root, const TrimAnswer& answer, double depth,
+                        double x, double y) {
   // The face goes on there: whichever coedge the edge gives the ray to, the ray has its hit.
   const Model& model = *shared_.scene.model;
   // At a corner another edge has a say.
@@ -301,44 +346,49 @@ bool TileTracer::OnSeam(const Leaf& own, const Root& root, const TrimAnswer& ans
       model.coedges[answer.other_coedge].edge != model.coedges[answer.coedge].edge)
     return false;
   bool again = false;
-  EveryRoot(own.placed_face, x, y, [&](const Leaf& leaf, const Root& other, const TileHit& hit) {
+  const double own_error = DepthErrorOf(job_.leaves, own.leaf);
+  EveryRoot(own.placed_face, x, y, [&](std::uint32_t id, const Root& other, const TileHit& hit) {
     if (again || other.jacobian_sign * root.jacobian_sign <= 0) return;
-    if (std::fabs(hit.depth - depth) > hit.error + own.depth_error) return;
-    const HitGeometry geometry = EvaluateHit(leaf, other.s, other.t, x, y, shared_.frame);
-    const TrimAnswer there = QueryTrim(leaf, other, geometry.cosine);
+    if (std::fabs(hit.depth - depth) > hit.error + own_error) return;
+    const HitGeometry geometry = shared_.HitAt(id, other.s, other.t, x, y);
+    const TrimAnswer there = QueryTrim(shared_.SiteOf(id), other, geometry.cosine);
     again = there.coedge != kNoIndex && there.coedge != answer.coedge &&
             model.coedges[there.coedge].edge == model.coedges[answer.coedge].edge;
   });
   return again;
 }
 
-bool TileTracer::OwnsBorderRoot(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
+bool TileTracer::OwnsBorderRoot(const LeafSite& site, const Root& root, double x, double y, TileHit* hit,
                                 std::uint8_t* hit_doubt) {
   // Where both patches have the root and turn the same way, the border runs between their images: one of them
   // has the ray, and the surface there is seen by it once.
-  const std::optional<Neighbour> neighbour = NeighbourOf(leaf, root, *hit, x, y);
+  const std::optional<Neighbour> neighbour = NeighbourOf(site, root, *hit, x, y);
   if (!neighbour || !neighbour->within) {
     *hit_doubt |= kDoubtTwoRoots;
     return true;
   }
   // A root beyond the border is the neighbour's, unless there is an edge to decide that.
-  const double u = leaf.u_mid + root.s * leaf.u_half, v = leaf.v_mid + root.t * leaf.v_half;
-  const double error_u = root.error_s * leaf.u_half, error_v = root.error_t * leaf.v_half;
+  const double u = site.rect.U(root.s), v = site.rect.V(root.t);
+  const double error_u = root.error_s * site.rect.u_half, error_v = root.error_t * site.rect.v_half;
   const bool beyond = u < -error_u || u > 1 + error_u || v < -error_v || v > 1 + error_v;
-  if (beyond && !(leaf.flags & kLeafTrimmed)) return false;
+  if (beyond && !IsTrimmed(site.leaf)) return false;
   hit->error += neighbour->error + std::fabs(neighbour->depth - hit->depth);
   return true;
 }
 
-std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, RootSink* roots) {
+bool TileTracer::IsTrimmed(std::uint32_t id) const {
+  return (job_.leaves.Header(id).flags & kLeafTrimmed) != 0;
+}
+
+std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, RootSink* roots) {
   // Every root of the face on this ray, with the trimming's answer.
   seam_roots_.clear();
   const bool complete =
-      EveryRoot(seam.placed_face, x, y, [&](const Leaf& leaf, const Root& root, const TileHit& hit) {
+      EveryRoot(seam.placed_face, x, y, [&](std::uint32_t id, const Root& root, const TileHit& hit) {
         std::uint8_t ignored = 0;
         if (!(hit.depth > job_.near_depth)) return;
-        if ((leaf.flags & kLeafTrimmed) && !IsInsideFace(leaf, root, x, y, &ignored)) return;
-        seam_roots_.emplace_back(leaf, hit);
+        if (IsTrimmed(id) && !IsInsideFace(shared_.SiteOf(id), root, x, y, &ignored)) return;
+        seam_roots_.emplace_back(shared_.view, id, hit);
       });
   if (!complete) return kDoubtLimit;
 
@@ -348,29 +398,31 @@ std::uint8_t TileTracer::SolveSeam(const Leaf& seam, double x, double y, RootSin
   const auto end = std::unique(seam_roots_.begin(), seam_roots_.end(),
                                [](const RootTwin& a, const RootTwin& b) { return a.Is(b); });
   const bool odd = (end - seam_roots_.begin()) % 2 != 0;
-  if (odd != ((seam.flags & kLeafOdd) != 0) && seam.near_depth > job_.near_depth)
-    roots->Add({seam.near_depth, seam.s_low, seam.t_low, INFINITY}, kDoubtTrim, true);
+  if (odd != seam.odd && seam.near_depth > job_.near_depth)
+    roots->Add({seam.near_depth, seam.s, seam.t, INFINITY}, kDoubtTrim, true);
   return 0;
 }
 
-std::uint8_t TileTracer::SolveHardLeaf(const Leaf& hard_leaf, double x, double y, double limit,
-                                       RootSink* roots) {
-  if (hard_leaf.flags & kLeafSeam) return SolveSeam(hard_leaf, x, y, roots);
+std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, double limit,
+                                          RootSink* roots) {
+  if (KindOf(id) == LeafKind::kSeam) return SolveSeam(job_.leaves.seams[IndexOf(id)], x, y, roots);
+  const LeafSite site = shared_.SiteOf(id);
   roots_.clear();
-  const std::uint8_t result = solver_.Solve(hard_leaf, x, y, limit, &work_[SampleAt(x, y)], &roots_);
+  const std::uint8_t result =
+      solver_.Solve(job_.leaves.hard[IndexOf(id)], site.rect, x, y, limit, &work_[SampleAt(x, y)], &roots_);
   for (const FallbackRoot& root : roots_) {
     if (!(root.hit.depth > job_.near_depth)) continue;
     const Root at = RootOf(root);
-    std::uint8_t root_doubt = DoubtOf(hard_leaf, root, x, y);
+    std::uint8_t root_doubt = DoubtOf(id, root, x, y);
     TileHit hit = root.hit;
     if (shared_.check && root.proven && root_doubt == 0)
-      root_doubt |= shared_.CheckRoot(hard_leaf, {hit.s, hit.t, root.error_s, root.error_t}, x, y, hit.depth,
+      root_doubt |= shared_.CheckRoot(site, {hit.s, hit.t, root.error_s, root.error_t}, x, y, hit.depth,
                                       hit.error, &check);
-    if (root.on_border && !OwnsBorderRoot(hard_leaf, at, x, y, &hit, &root_doubt)) continue;
+    if (root.on_border && !OwnsBorderRoot(site, at, x, y, &hit, &root_doubt)) continue;
     bool kept = true;
-    if (hard_leaf.flags & kLeafTrimmed) {
+    if (IsTrimmed(id)) {
       ++counters.trim_tests;
-      kept = IsInsideFace(hard_leaf, at, x, y, &root_doubt);
+      kept = IsInsideFace(site, at, x, y, &root_doubt);
     }
     roots->Add(hit, root_doubt, kept);
   }
@@ -378,10 +430,10 @@ std::uint8_t TileTracer::SolveHardLeaf(const Leaf& hard_leaf, double x, double y
 }
 
 // Why a root of the fallback solver is not certified.
-std::uint8_t TileTracer::DoubtOf(const Leaf& hard_leaf, const FallbackRoot& root, double x, double y) const {
+std::uint8_t TileTracer::DoubtOf(std::uint32_t id, const FallbackRoot& root, double x, double y) const {
   std::uint8_t result = 0;
   if (!root.proven) {
-    const bool singular = EvaluateHit(hard_leaf, root.hit.s, root.hit.t, x, y, shared_.frame).singular;
+    const bool singular = shared_.HitAt(id, root.hit.s, root.hit.t, x, y).singular;
     result |= singular ? kDoubtPole : kDoubtSilhouette;
   }
   // Another root of the same leaf, not the same one found again at the border of two pieces.

@@ -14,6 +14,7 @@
 #include "render/kernels/tile_kernel.h"
 #include "render/trace/certificate_check.h"
 #include "render/trace/fallback_solver.h"
+#include "render/trace/hit_geometry.h"
 #include "render/trace/prepare.h"
 #include "render/trace/projected_edges.h"
 
@@ -36,13 +37,24 @@ struct TraceShared {
   };
   PlacedFace Placed(std::uint32_t placed_face) const;
 
-  // Bézier parameters of (s, t) of a leaf in its patch, and their maps to native ones.
-  struct LeafParameters {
-    const SpanParameter* u_map;
-    const SpanParameter* v_map;
-    double u, v;
+  // Where in its face a leaf lies.
+  struct LeafSite {
+    std::uint32_t leaf, placed_face, patch;
+    PlacedFace placed;
+    ParameterRect rect;
+    double overlap;  // of the leaf and its neighbours, in s and t
+    const SpanParameter *u_map, *v_map;
+    // Where the patch is continued past the border of its face, a root lies where it lies.
+    bool u_low_continued, u_high_continued, v_low_continued, v_high_continued;
+
+    // Bézier parameters in the patch, for u_map and v_map. A root in the overlap past the border of its patch
+    // belongs to the border.
+    double U(double s) const;
+    double V(double t) const;
   };
-  LeafParameters Parameters(const Leaf& leaf, std::uint32_t face, double s, double t) const;
+  LeafSite SiteOf(std::uint32_t leaf) const;
+  // Of the leaf's root (s, t), as the function of that name.
+  HitGeometry HitAt(std::uint32_t leaf, double s, double t, double x, double y) const;
 
   // A root of a leaf, in the leaf's parameters, and how far off it may be.
   struct LeafRoot {
@@ -50,7 +62,7 @@ struct TraceShared {
   };
   // Asks `check` about a certified hit of the ray through (x, y), relative to the image centre. Returns
   // kDoubtContradicted or 0. Requires a check.
-  std::uint8_t CheckRoot(const Leaf& leaf, const LeafRoot& root, double x, double y, double depth,
+  std::uint8_t CheckRoot(const LeafSite& site, const LeafRoot& root, double x, double y, double depth,
                          double error, CheckStats* stats) const;
   // Whether the root of a certified sample is one of the share that is asked about. The pattern meets every
   // place in a packet.
@@ -71,7 +83,7 @@ struct TraceShared {
 // One crossing of a ray with a face.
 struct Crossing {
   std::uint32_t sample;  // row·width + column of the image
-  std::uint32_t leaf;    // index into the view's leaves
+  std::uint32_t leaf;    // LeafId
   TileHit hit;
   std::uint8_t doubt;
 };
@@ -80,7 +92,7 @@ struct Crossing {
 // on the border of their leaves, or were met without proof, and their depths agree to within the solver's
 // error.
 struct RootTwin {
-  RootTwin(const Leaf& leaf, const TileHit& hit);
+  RootTwin(const PreparedView& view, std::uint32_t leaf, const TileHit& hit);
   bool Is(const RootTwin& other) const {
     return on_border && other.on_border && std::fabs(depth - other.depth) <= error + other.error;
   }
@@ -120,10 +132,11 @@ class TileTracer final : private HitResolver {
     double s, t, error_s, error_t;
     double jacobian_sign;  // of (s, t) → pixel; 0: not known
   };
-  static Root RootOf(const Leaf& certified, double s, double t);
+  Root RootOf(const CertifiedLeaf& leaf, double s, double t) const;
   static Root RootOf(const FallbackRoot& root);
+  using LeafSite = TraceShared::LeafSite;
   // With its errors, in native parameters.
-  TrimAnswer QueryTrim(const Leaf& leaf, const Root& root, double cosine) const;
+  TrimAnswer QueryTrim(const LeafSite& site, const Root& root, double cosine) const;
   // Where the ray through (x, y), relative to the image centre, lies in the arrays of the tile.
   int SampleAt(double x, double y) const;
   // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed. Returns false
@@ -132,29 +145,32 @@ class TileTracer final : private HitResolver {
   bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
   // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds
   // to *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
-  bool OwnsBorderRoot(const Leaf& leaf, const Root& root, double x, double y, TileHit* hit,
+  bool OwnsBorderRoot(const LeafSite& site, const Root& root, double x, double y, TileHit* hit,
                       std::uint8_t* doubt);
   // The root of the same ray in the patch across the border.
   struct Neighbour {
     double depth, error;
     bool within;  // not proven to lie beyond its own border
   };
-  std::optional<Neighbour> NeighbourOf(const Leaf& leaf, const Root& root, const TileHit& hit, double x,
+  std::optional<Neighbour> NeighbourOf(const LeafSite& site, const Root& root, const TileHit& hit, double x,
                                        double y);
   // Whether the face has the root again on the other side of the seam that `answer` names.
-  bool OnSeam(const Leaf& leaf, const Root& root, const TrimAnswer& answer, double depth, double x, double y);
-  bool IsInsideFace(const Leaf& leaf, const Root& root, double x, double y, std::uint8_t* doubt);
+  bool OnSeam(const LeafSite& site, const Root& root, const TrimAnswer& answer, double depth, double x,
+              double y);
+  bool IsInsideFace(const LeafSite& site, const Root& root, double x, double y, std::uint8_t* doubt);
+  bool IsTrimmed(std::uint32_t leaf) const;
   // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they
   // should.
-  std::uint8_t SolveSeam(const Leaf& leaf, double x, double y, RootSink* roots);
+  std::uint8_t SolveSeam(const SeamLeaf& leaf, double x, double y, RootSink* roots);
 
   // As HitResolver.
-  bool IsInsideFace(const Leaf& leaf, double s, double t, double x, double y, std::uint8_t* doubt) override;
-  bool OwnsBorderRoot(const Leaf& leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) override;
-  std::uint8_t SolveHardLeaf(const Leaf& leaf, double x, double y, double limit, RootSink* roots) override;
+  bool IsInsideFace(std::uint32_t leaf, double s, double t, double x, double y, std::uint8_t* doubt) override;
+  bool OwnsBorderRoot(std::uint32_t leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) override;
+  std::uint8_t SolveUncertified(std::uint32_t leaf, double x, double y, double limit,
+                                RootSink* roots) override;
   void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) override;
 
-  std::uint8_t DoubtOf(const Leaf& leaf, const FallbackRoot& root, double x, double y) const;
+  std::uint8_t DoubtOf(std::uint32_t leaf, const FallbackRoot& root, double x, double y) const;
 
   const TraceShared& shared_;
   TileKernel kernel_;

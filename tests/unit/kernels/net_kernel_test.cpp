@@ -150,7 +150,7 @@ RC_GTEST_PROP(NetKernel, EveryBuildGivesTheSameBits, ()) {
       RC_ASSERT(SameBits(halves[i].net.error, halves[i + 2].net.error, kNetComponents));
     }
 
-    Leaf expected, leaf;
+    CertifiedLeaf expected, leaf;
     std::vector<double> expected_monomials(n), monomials(n);
     const Verdict first = oracle.certify(net, rule, kDoubleArithmetic, &expected, expected_monomials.data());
     const Verdict second = nets.certify(net, rule, kDoubleArithmetic, &leaf, monomials.data());
@@ -158,8 +158,8 @@ RC_GTEST_PROP(NetKernel, EveryBuildGivesTheSameBits, ()) {
     RC_ASSERT(SameBits(&first.kappa_halved_u, &second.kappa_halved_u, 1));
     RC_ASSERT(SameBits(&first.kappa_halved_v, &second.kappa_halved_v, 1));
     RC_ASSERT(SameBits(expected_monomials.data(), monomials.data(), n));
-    for (const auto member : {&Leaf::center_x, &Leaf::center_y, &Leaf::c11, &Leaf::c22, &Leaf::b_limit,
-                              &Leaf::newton_factor, &Leaf::rounding, &Leaf::depth_scale, &Leaf::depth_error})
+    for (const auto member : {&CertifiedLeaf::center_x, &CertifiedLeaf::center_y, &CertifiedLeaf::c11, &CertifiedLeaf::c22, &CertifiedLeaf::b_limit,
+                              &CertifiedLeaf::newton_factor, &CertifiedLeaf::rounding, &CertifiedLeaf::depth_scale, &CertifiedLeaf::depth_error})
       RC_ASSERT(SameBits(&(expected.*member), &(leaf.*member), 1));
     RC_TAG(first.certified ? "certified" : "not certified");
 

@@ -15,7 +15,7 @@ namespace {
 constexpr int kSize = 64;
 
 // A sheet over the whole window that bends too much for one leaf.
-std::vector<Leaf> LeavesOfASheet(std::uint64_t max_nodes, CoefficientArena* arena) {
+LeafLists LeavesOfASheet(std::uint64_t max_nodes, CoefficientArena* arena) {
   SplitWindow window;
   window.half_width = window.half_height = kSize / 2;
   window.nets = &kernel_scalar::kNets;
@@ -37,34 +37,58 @@ std::vector<Leaf> LeavesOfASheet(std::uint64_t max_nodes, CoefficientArena* aren
   patch.u_map = patch.v_map = SpanParameter(Span{});
   patch.trim_class = RectClass::kInside;
   patch.max_nodes = max_nodes;
-  std::vector<Leaf> leaves;
+  LeafLists leaves;
   splitter.Split(patch, &leaves, arena);
   return leaves;
 }
 
-bool Holds(const std::vector<Leaf>& leaves, int column, int row) {
-  return std::any_of(leaves.begin(), leaves.end(), [&](const Leaf& leaf) {
-    return leaf.col_begin <= column && column < leaf.col_end && leaf.row_begin <= row && row < leaf.row_end;
-  });
+bool Holds(const LeafLists& leaves, int column, int row) {
+  const auto holds = [&](const LeafHeader& leaf) { return leaf.box.Holds(column, row); };
+  return std::ranges::any_of(leaves.certified, holds) || std::ranges::any_of(leaves.hard, holds);
 }
 
 TEST(LeafSplitter, GivesUpByNameAndDropsNothing) {
   CoefficientArena arena;
-  const std::vector<Leaf> whole = LeavesOfASheet(1 << 20, &arena);
-  ASSERT_GT(whole.size(), 100u);
-  for (const Leaf& leaf : whole) EXPECT_FALSE(leaf.flags & kLeafGivenUp);
+  const LeafLists whole = LeavesOfASheet(1 << 20, &arena);
+  ASSERT_GT(whole.spans().size(), 100u);
+  const auto is_given_up = [](const HardLeaf& leaf) { return leaf.kind == HardKind::kGivenUp; };
+  EXPECT_TRUE(std::ranges::none_of(whole.hard, is_given_up));
   for (const std::uint64_t max_nodes : {1u, 2u, 7u, 30u, 100u}) {
-    const std::vector<Leaf> limited = LeavesOfASheet(max_nodes, &arena);
-    const auto given_up = std::count_if(limited.begin(), limited.end(),
-                                        [](const Leaf& leaf) { return (leaf.flags & kLeafGivenUp) != 0; });
+    const LeafLists limited = LeavesOfASheet(max_nodes, &arena);
+    const auto given_up = std::ranges::count_if(limited.hard, is_given_up);
     EXPECT_GT(given_up, 0) << max_nodes;
-    EXPECT_LE(limited.size(), max_nodes + 65);
+    EXPECT_LE(limited.spans().size(), max_nodes + 65);
     for (int row = 0; row < kSize; ++row)
       for (int column = 0; column < kSize; ++column)
         if (Holds(whole, column, row)) {
           ASSERT_TRUE(Holds(limited, column, row)) << max_nodes;
         }
   }
+}
+
+// A leaf's place says which part of the patch it is: together the leaves cover all of it, and none twice.
+TEST(LeafSplitter, PlacesOfLeavesTileThePatch) {
+  CoefficientArena arena;
+  const LeafLists leaves = LeavesOfASheet(1 << 20, &arena);
+  ASSERT_EQ(leaves.places.size(), leaves.certified.size());
+  std::vector<LeafPlace> places = leaves.places;
+  for (const HardLeaf& leaf : leaves.hard) places.push_back(leaf.place);
+  double area = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const ParameterRect a = RectOf(places[i], {});
+    area += a.u_half * a.v_half * 4;
+    EXPECT_EQ(i < leaves.places.size() ? leaves.certified[i].borders
+                                       : leaves.hard[i - leaves.places.size()].borders,
+              BordersOf(a));
+    for (std::size_t k = 0; k < i; ++k) {
+      const ParameterRect b = RectOf(places[k], {});
+      EXPECT_TRUE(std::fabs(a.u_mid - b.u_mid) >= a.u_half + b.u_half ||
+                  std::fabs(a.v_mid - b.v_mid) >= a.v_half + b.v_half);
+    }
+  }
+  // Pieces beside the window or between the sample centres have no leaf.
+  EXPECT_LE(area, 1);
+  EXPECT_GT(area, 0.5);
 }
 
 // No bound that a sound patch could meet: more pieces than samples, whatever the degrees.

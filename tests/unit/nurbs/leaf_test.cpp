@@ -67,7 +67,7 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   const double bump = 0.03 / std::max({degree_u, degree_v, 3});
   const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), degree_u, degree_v, bump,
                                      spread / std::max({degree_u, degree_v, 1}));
-  Leaf leaf;
+  CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   const DepthRule rule{false, spread > 0, true};
   if (!kernel_scalar::kNets.certify(sheet.net, rule, kDoubleArithmetic, &leaf, monomials).certified)
@@ -77,7 +77,7 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   const double u = *rc::gen::inRange(0, 1001) / 1000.0, v = *rc::gen::inRange(0, 1001) / 1000.0;
   const Point p = Evaluate(sheet.net, u, v);
   TileHit hit{};
-  RC_ASSERT(kernel_scalar::SolveSample(leaf, double(p.x / p.w), double(p.y / p.w), &hit) == SampleRoot::kHit);
+  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(p.x / p.w), double(p.y / p.w), &hit) == SampleRoot::kHit);
   // The pixel itself is rounded: half a unit of 128 over the leaf's size of some ten pixels.
   RC_ASSERT(std::fabs(hit.s - (2 * u - 1)) < 1e-11);
   RC_ASSERT(std::fabs(hit.t - (2 * v - 1)) < 1e-11);
@@ -86,7 +86,7 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
 
 RC_GTEST_PROP(Leaf, ARayBesideTheLeafIsAProvenMiss, ()) {
   const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
-  Leaf leaf;
+  CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   if (!kernel_scalar::kNets.certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials)
            .certified)
@@ -97,7 +97,7 @@ RC_GTEST_PROP(Leaf, ARayBesideTheLeafIsAProvenMiss, ()) {
   const double along = *rc::gen::inRange(0, 1001) / 1000.0;
   const Point p = Evaluate(sheet.net, 1 + outside, along);
   TileHit hit{};
-  RC_ASSERT(kernel_scalar::SolveSample(leaf, double(p.x / p.w), double(p.y / p.w), &hit) ==
+  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(p.x / p.w), double(p.y / p.w), &hit) ==
             SampleRoot::kMiss);
 }
 
@@ -111,7 +111,7 @@ TEST(Leaf, AFoldHasNoCertificate) {
     fold.net.at(i, kW) = 1;
     fold.net.at(i, kQ) = i;
   }
-  Leaf leaf;
+  CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   const Verdict verdict =
       kernel_scalar::kNets.certify(fold.net, {false, false, true}, kDoubleArithmetic, &leaf, monomials);
@@ -128,7 +128,7 @@ TEST(Leaf, HalvingIsPromisedToHelpInTheDirectionThatBends) {
     bent.net.at(i, kW) = 1;
     bent.net.at(i, kQ) = 0;
   }
-  Leaf leaf;
+  CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   const Verdict verdict =
       kernel_scalar::kNets.certify(bent.net, {false, false, false}, kDoubleArithmetic, &leaf, monomials);
@@ -157,7 +157,7 @@ ThesisStep Thesis(const BezierNet& net, long double u, long double v, long doubl
 
 RC_GTEST_PROP(Leaf, TheThesisIterationConvergesToTheSameRoot, ()) {
   const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), 3, 3, 0.01, 0.02);
-  Leaf leaf;
+  CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
   if (!kernel_scalar::kNets.certify(sheet.net, {false, true, true}, kDoubleArithmetic, &leaf, monomials)
            .certified)
@@ -166,7 +166,7 @@ RC_GTEST_PROP(Leaf, TheThesisIterationConvergesToTheSameRoot, ()) {
   const Point p = Evaluate(sheet.net, 0.3L, 0.8L);
   const long double x = double(p.x / p.w), y = double(p.y / p.w);
   TileHit hit{};
-  RC_ASSERT(kernel_scalar::SolveSample(leaf, double(x), double(y), &hit) == SampleRoot::kHit);
+  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(x), double(y), &hit) == SampleRoot::kHit);
   long double u = 0.5L, v = 0.5L;
   for (int i = 0; i < 40; ++i) {
     const ThesisStep step = Thesis(sheet.net, u, v, x, y);

@@ -180,8 +180,7 @@ Result<SweepResult> Sweep(const Scene& scene, const std::vector<SweepView>& view
     result.crossings += audit.crossings;
     result.odd += audit.odd_samples.size();
     result.mismatched += audit.mismatched_samples.size();
-    for (const Leaf& leaf : view.value().tiles->leaves())
-      result.seam_samples += (leaf.flags & kLeafSeam) != 0;
+    result.seam_samples += view.value().tiles->leaves().seams.size();
     // Say where.
     std::vector<std::uint32_t> leaking = audit.odd_samples;
     leaking.insert(leaking.end(), audit.mismatched_samples.begin(), audit.mismatched_samples.end());
