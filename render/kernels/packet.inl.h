@@ -78,16 +78,10 @@ class Packet {
       for (int j = 0; j < kPacketWidth; ++j) in_columns |= columns[j * words + k];
       for (std::uint64_t candidates = in_rows & in_columns; candidates; candidates &= candidates - 1) {
         const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
+        const LeafHeader& header = job_.leaves.Header(index);
         if (!begun_) Begin();
-        if (KindOf(index) == LeafKind::kCertified) {
-          const CertifiedLeaf& leaf = job_.leaves.certified[index];
-          if (IsHidden(leaf)) return;
-          TestLeaf(leaf, index);
-        } else {
-          const LeafHeader& leaf = job_.leaves.Header(index);
-          if (IsHidden(leaf)) return;
-          TestUncertified(leaf, index);
-        }
+        if (nearest_only_ && header.near_depth > farthest_) return;
+        TestLeaf(header, index);
       }
     }
   }
@@ -132,9 +126,6 @@ class Packet {
     return from < to ? (1u << to) - (1u << from) : 0;
   }
 
-  // Whether the leaf, and what follows it front to back, begins behind the hits of all lanes.
-  bool IsHidden(const LeafHeader& leaf) const { return nearest_only_ && leaf.near_depth > farthest_; }
-
   // The lanes whose sample lies in the leaf's box and that it could still serve.
   unsigned LanesIn(const LeafHeader& leaf) const {
     const SampleBox box = leaf.box;
@@ -150,10 +141,15 @@ class Packet {
     return mask & reached;
   }
 
-  void TestLeaf(const CertifiedLeaf& leaf, std::uint32_t index) {
-    const unsigned lanes = LanesIn(leaf);
+  void TestLeaf(const LeafHeader& header, std::uint32_t index) {
+    const unsigned lanes = LanesIn(header);
     if (lanes == 0) return;
     ++job_.counters->candidates;
+    if (KindOf(index) != LeafKind::kCertified) {
+      TestUncertified(header, index, lanes);
+      return;
+    }
+    const CertifiedLeaf& leaf = job_.leaves.certified[index];
     const double root_error = leaf.RootError(job_.arithmetic);
     bool nearer = false;
     for (int first = 0; first < kPacketLanes; first += kLanes) {
@@ -287,10 +283,7 @@ class Packet {
     int lane_;
   };
 
-  void TestUncertified(const LeafHeader& leaf, std::uint32_t index) {
-    const unsigned lanes = LanesIn(leaf);
-    if (lanes == 0) return;
-    ++job_.counters->candidates;
+  void TestUncertified(const LeafHeader& leaf, std::uint32_t index, unsigned lanes) {
     for (unsigned rest = lanes; rest; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
       ++job_.counters->fallbacks;

@@ -160,7 +160,8 @@ struct SeamLeaf : LeafHeader {
   bool odd = false;  // the ray should cross the face an odd number of times
 };
 
-// A leaf of a view is named by its kind and its index among the leaves of its kind. kNoIndex names none.
+// A leaf of a view is named by its kind and its index among the leaves of its kind: a certified leaf by its index
+// alone. kNoIndex names none.
 enum class LeafKind : std::uint8_t { kCertified, kHard, kSeam };
 inline constexpr int kLeafIndexBits = 30;
 inline constexpr std::uint32_t LeafId(LeafKind kind, std::size_t index) {
@@ -182,24 +183,14 @@ struct LeafSpans {
 
   std::size_t size() const { return certified.size() + hard.size() + seams.size(); }
   const LeafHeader& Header(std::uint32_t id) const {
-    switch (KindOf(id)) {
-      case LeafKind::kHard:
-        return hard[IndexOf(id)];
-      case LeafKind::kSeam:
-        return seams[IndexOf(id)];
-      default:
-        return certified[IndexOf(id)];
-    }
+    if (KindOf(id) == LeafKind::kCertified) return certified[id];
+    if (KindOf(id) == LeafKind::kHard) return hard[IndexOf(id)];
+    return seams[IndexOf(id)];
   }
   LeafPlace Place(std::uint32_t id) const {
-    switch (KindOf(id)) {
-      case LeafKind::kHard:
-        return hard[IndexOf(id)].place;
-      case LeafKind::kSeam:
-        return {0, seams[IndexOf(id)].patch, 0, 0};
-      default:
-        return places[IndexOf(id)];
-    }
+    if (KindOf(id) == LeafKind::kCertified) return places[id];
+    if (KindOf(id) == LeafKind::kHard) return hard[IndexOf(id)].place;
+    return {0, seams[IndexOf(id)].patch, 0, 0};
   }
 };
 

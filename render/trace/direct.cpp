@@ -19,17 +19,47 @@
 namespace facetless {
 namespace {
 
+// The leaf that a sample shows: its neighbours mostly show the same one.
+class ShownLeaf {
+ public:
+  explicit ShownLeaf(const TraceShared& shared) : shared_(shared), leaves_(shared.view.tiles->leaves()) {}
+
+  const TraceShared::LeafSite& Site(std::uint32_t leaf) {
+    if (site_.leaf != leaf) site_ = shared_.SiteOf(leaf);
+    return site_;
+  }
+
+  struct Face {
+    std::uint32_t placed_face = kNoIndex;
+    float outward = 1;
+  };
+  const Face& FaceOf(std::uint32_t leaf) {
+    if (leaf == of_) return face_;
+    of_ = leaf;
+    const std::uint32_t placed_face = leaves_.Header(leaf).placed_face;
+    if (placed_face != face_.placed_face) face_ = {placed_face, float(shared_.Placed(placed_face).outward)};
+    return face_;
+  }
+
+ private:
+  const TraceShared& shared_;
+  const LeafSpans leaves_;
+  TraceShared::LeafSite site_;
+  std::uint32_t of_ = kNoIndex;
+  Face face_;
+};
+
 // Asks the independent check about the root of sample `k` of a tile, if it is certified and one of the share
 // that is checked. Roots of hard leaves have been asked about.
 std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
-                         CheckStats* stats) {
+                         ShownLeaf* shown, CheckStats* stats) {
   if (!shared.check || !shared.IsRootChecked(column, row) || tile.doubt[k] != 0 || tile.leaf[k] == kNoIndex)
     return 0;
-  const std::uint32_t leaf = tile.leaf[k];
-  if (KindOf(leaf) != LeafKind::kCertified) return 0;
-  const double root_error = shared.view.tiles->leaves().certified[leaf].RootError(shared.view.arithmetic);
+  const std::uint32_t id = tile.leaf[k];
+  if (KindOf(id) != LeafKind::kCertified) return 0;
+  const double root_error = shared.view.tiles->leaves().certified[id].RootError(shared.view.arithmetic);
   const double x = column + 0.5 - shared.frame.center_x, y = row + 0.5 - shared.frame.center_y;
-  return shared.CheckRoot(shared.SiteOf(leaf), {tile.s[k], tile.t[k], root_error, root_error}, x, y,
+  return shared.CheckRoot(shown->Site(id), {tile.s[k], tile.t[k], root_error, root_error}, x, y,
                           tile.depth[k], tile.error[k], stats);
 }
 
@@ -71,7 +101,6 @@ void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
-  const LeafSpans leaves = shared.view.tiles->leaves();
   // All misses first: most tiles are of one kind or the other.
   for (int i = 0; i < tile.rows(); ++i) {
     const std::size_t first = std::size_t(tile.row() + i) * samples->width + tile.column();
@@ -90,17 +119,15 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
     CheckRays(shared, tile, samples, tally);  // that no leaf is seen here is a claim, too
     return;
   }
-  std::uint32_t known_face = kNoIndex;  // what `placed` is of: neighbours mostly share it
-  TraceShared::PlacedFace placed{};
-  TraceShared::LeafSite site{};  // of the leaf that the sample before it shows, too, mostly
-  site.leaf = kNoIndex;
+  ShownLeaf shown(shared);
   for (int i = 0; i < tile.rows(); ++i) {
     const int row = tile.row() + i;
     for (int j = 0; j < tile.columns(); ++j) {
       const int k = i * kTileSize + j;
       const int column = tile.column() + j;
       const std::size_t out = std::size_t(row) * samples->width + column;
-      const std::uint8_t doubt = tile.doubt[k] | CheckSample(shared, tile, k, column, row, &tally->check);
+      const std::uint8_t doubt =
+          tile.doubt[k] | CheckSample(shared, tile, k, column, row, &shown, &tally->check);
       const Certificate certificate = CertificateOf(doubt);
       if (doubt != 0) {
         samples->certificate[out] = certificate;
@@ -111,11 +138,8 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       }
       if (tile.leaf[k] == kNoIndex) continue;
 
-      const std::uint32_t leaf = tile.leaf[k], placed_face = leaves.Header(leaf).placed_face;
-      if (placed_face != known_face) {
-        placed = shared.Placed(placed_face);
-        known_face = placed_face;
-      }
+      const std::uint32_t leaf = tile.leaf[k];
+      const ShownLeaf::Face& face = shown.FaceOf(leaf);
       std::array<float, 3> normal = tile.normal[k];
       if (normal == std::array<float, 3>{0, 0, 0}) {
         const double x = column + 0.5 - 0.5 * shared.camera.width_px,
@@ -123,12 +147,12 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
         const Vec3 alone = shared.HitAt(leaf, tile.s[k], tile.t[k], x, y).normal;
         normal = {float(alone.x), float(alone.y), float(alone.z)};
       }
-      const float outward = float(placed.outward);
+      const float outward = face.outward;
       samples->depth[out] = tile.depth[k];
-      samples->face[out] = placed_face;
+      samples->face[out] = face.placed_face;
       samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
       if (!samples->uv.empty()) {
-        if (site.leaf != leaf) site = shared.SiteOf(leaf);
+        const TraceShared::LeafSite& site = shown.Site(leaf);
         samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
       }
       ++tally->hits;

@@ -178,14 +178,18 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   kernel_(job_);
 }
 
+const TileTracer::LeafSite& TileTracer::SiteOf(std::uint32_t id) {
+  if (site_.leaf != id) site_ = shared_.SiteOf(id);
+  return site_;
+}
+
 bool TileTracer::IsInsideFace(std::uint32_t id, double hit_s, double hit_t, double x, double y,
                               std::uint8_t* hit_doubt) {
-  return IsInsideFace(shared_.SiteOf(id), RootOf(job_.leaves.certified[id], hit_s, hit_t), x, y, hit_doubt);
+  return IsInsideFace(SiteOf(id), RootOf(job_.leaves.certified[id], hit_s, hit_t), x, y, hit_doubt);
 }
 
 bool TileTracer::OwnsBorderRoot(std::uint32_t id, double x, double y, TileHit* hit, std::uint8_t* hit_doubt) {
-  return OwnsBorderRoot(shared_.SiteOf(id), RootOf(job_.leaves.certified[id], hit->s, hit->t), x, y, hit,
-                        hit_doubt);
+  return OwnsBorderRoot(SiteOf(id), RootOf(job_.leaves.certified[id], hit->s, hit->t), x, y, hit, hit_doubt);
 }
 
 void TileTracer::RecordHit(int sample, std::uint32_t id, const TileHit& hit, std::uint8_t hit_doubt) {
@@ -406,7 +410,7 @@ std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, Roo
 std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, double limit,
                                           RootSink* roots) {
   if (KindOf(id) == LeafKind::kSeam) return SolveSeam(job_.leaves.seams[IndexOf(id)], x, y, roots);
-  const LeafSite site = shared_.SiteOf(id);
+  const LeafSite& site = SiteOf(id);
   roots_.clear();
   const std::uint8_t result =
       solver_.Solve(job_.leaves.hard[IndexOf(id)], site.rect, x, y, limit, &work_[SampleAt(x, y)], &roots_);

@@ -39,7 +39,8 @@ struct TraceShared {
 
   // Where in its face a leaf lies.
   struct LeafSite {
-    std::uint32_t leaf, placed_face, patch;
+    std::uint32_t leaf = kNoIndex;
+    std::uint32_t placed_face, patch;
     PlacedFace placed;
     ParameterRect rect;
     double overlap;  // of the leaf and its neighbours, in s and t
@@ -170,6 +171,8 @@ class TileTracer final : private HitResolver {
                                 RootSink* roots) override;
   void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) override;
 
+  // For what the kernel asks about: it asks many times of one leaf before it asks of the next.
+  const LeafSite& SiteOf(std::uint32_t leaf);
   std::uint8_t DoubtOf(std::uint32_t leaf, const FallbackRoot& root, double x, double y) const;
 
   const TraceShared& shared_;
@@ -181,6 +184,7 @@ class TileTracer final : private HitResolver {
   std::vector<FallbackRoot> roots_;
   std::vector<RootTwin> seam_roots_;
   std::vector<Crossing>* crossings_ = nullptr;
+  LeafSite site_;  // SiteOf's
 };
 
 }  // namespace facetless

@@ -158,8 +158,10 @@ RC_GTEST_PROP(NetKernel, EveryBuildGivesTheSameBits, ()) {
     RC_ASSERT(SameBits(&first.kappa_halved_u, &second.kappa_halved_u, 1));
     RC_ASSERT(SameBits(&first.kappa_halved_v, &second.kappa_halved_v, 1));
     RC_ASSERT(SameBits(expected_monomials.data(), monomials.data(), n));
-    for (const auto member : {&CertifiedLeaf::center_x, &CertifiedLeaf::center_y, &CertifiedLeaf::c11, &CertifiedLeaf::c22, &CertifiedLeaf::b_limit,
-                              &CertifiedLeaf::newton_factor, &CertifiedLeaf::rounding, &CertifiedLeaf::depth_scale, &CertifiedLeaf::depth_error})
+    for (const auto member :
+         {&CertifiedLeaf::center_x, &CertifiedLeaf::center_y, &CertifiedLeaf::c11, &CertifiedLeaf::c22,
+          &CertifiedLeaf::b_limit, &CertifiedLeaf::newton_factor, &CertifiedLeaf::rounding,
+          &CertifiedLeaf::depth_scale, &CertifiedLeaf::depth_error})
       RC_ASSERT(SameBits(&(expected.*member), &(leaf.*member), 1));
     RC_TAG(first.certified ? "certified" : "not certified");
 

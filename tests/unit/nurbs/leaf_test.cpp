@@ -77,7 +77,8 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   const double u = *rc::gen::inRange(0, 1001) / 1000.0, v = *rc::gen::inRange(0, 1001) / 1000.0;
   const Point p = Evaluate(sheet.net, u, v);
   TileHit hit{};
-  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(p.x / p.w), double(p.y / p.w), &hit) == SampleRoot::kHit);
+  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(p.x / p.w), double(p.y / p.w), &hit) ==
+            SampleRoot::kHit);
   // The pixel itself is rounded: half a unit of 128 over the leaf's size of some ten pixels.
   RC_ASSERT(std::fabs(hit.s - (2 * u - 1)) < 1e-11);
   RC_ASSERT(std::fabs(hit.t - (2 * v - 1)) < 1e-11);
@@ -166,7 +167,8 @@ RC_GTEST_PROP(Leaf, TheThesisIterationConvergesToTheSameRoot, ()) {
   const Point p = Evaluate(sheet.net, 0.3L, 0.8L);
   const long double x = double(p.x / p.w), y = double(p.y / p.w);
   TileHit hit{};
-  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(x), double(y), &hit) == SampleRoot::kHit);
+  RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(x), double(y), &hit) ==
+            SampleRoot::kHit);
   long double u = 0.5L, v = 0.5L;
   for (int i = 0; i < 40; ++i) {
     const ThesisStep step = Thesis(sheet.net, u, v, x, y);
