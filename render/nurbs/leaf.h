@@ -94,6 +94,7 @@ struct SampleBox {
   int col_end() const { return last_col + 1; }
   int row_begin() const { return first_row; }
   int row_end() const { return last_row + 1; }
+  double samples() const { return double(col_end() - first_col) * (row_end() - first_row); }
   bool Holds(int column, int row) const {
     return first_col <= column && column <= last_col && first_row <= row && row <= last_row;
   }
@@ -164,6 +165,7 @@ struct SeamLeaf : LeafHeader {
 // alone. kNoIndex names none.
 enum class LeafKind : std::uint8_t { kCertified, kHard, kSeam };
 inline constexpr int kLeafIndexBits = 30;
+inline constexpr std::size_t kMostLeaves = std::size_t{1} << kLeafIndexBits;  // of a kind
 inline constexpr std::uint32_t LeafId(LeafKind kind, std::size_t index) {
   return static_cast<std::uint32_t>(kind) << kLeafIndexBits | static_cast<std::uint32_t>(index);
 }

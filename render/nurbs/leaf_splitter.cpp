@@ -151,7 +151,9 @@ void LeafSplitter::Visit(const Node& node) {
   // A box without a measure says nothing: the weights are positive, and too small to divide by.
   if (!(box.in_front && box.error < INFINITY) && CullFrustum(net, window_) == Visibility::kHidden) return;
   if (window_.perspective && box.in_front && box.far_depth <= window_.near_depth) return;
-  int col_begin = 0, col_end = 0, row_begin = 0, row_end = 0;
+  const SampleBox whole_window = SampleBox::HalfOpen(0, static_cast<int>(2 * window_.half_width), 0,
+                                                     static_cast<int>(2 * window_.half_height));
+  SampleBox seen_in = whole_window;
   if (box.in_front) {
     const double slack = kBoxSlack + box.error;
     const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
@@ -163,10 +165,8 @@ void LeafSplitter::Visit(const Node& node) {
     const double r0 = first(box.y_low - slack, window_.half_height),
                  r1 = last(box.y_high + slack, window_.half_height);
     if (!(c0 < c1 && r0 < r1)) return;
-    col_begin = static_cast<int>(c0);
-    col_end = static_cast<int>(c1);
-    row_begin = static_cast<int>(r0);
-    row_end = static_cast<int>(r1);
+    seen_in = SampleBox::HalfOpen(static_cast<int>(c0), static_cast<int>(c1), static_cast<int>(r0),
+                                  static_cast<int>(r1));
   }
 
   // Ask the trimming, unless the parent knew, about all that the leaf will answer for: its overlap with its
@@ -188,10 +188,6 @@ void LeafSplitter::Visit(const Node& node) {
   // near plane has taken all that is merely near the eye. One leaf says so of the whole patch.
   const bool last_level = node.level >= kMaxLevels;
   const double nearest_seen = window_.perspective ? window_.near_depth : -INFINITY;
-  const SampleBox whole_window = SampleBox::HalfOpen(0, static_cast<int>(2 * window_.half_width), 0,
-                                                     static_cast<int>(2 * window_.half_height));
-  const SampleBox seen_in =
-      box.in_front ? SampleBox::HalfOpen(col_begin, col_end, row_begin, row_end) : whole_window;
   if ((!box.in_front && last_level) ||
       (!(box.in_front && box.error < half_window) && IsLost(net, half_window))) {
     if (lost_) return;
@@ -201,8 +197,7 @@ void LeafSplitter::Visit(const Node& node) {
   }
 
   // Give up what is left of a patch that has had its share of work.
-  const double window_samples = 4 * window_.half_width * window_.half_height;
-  const double samples = box.in_front ? double(col_end - col_begin) * (row_end - row_begin) : window_samples;
+  const double samples = seen_in.samples();
   if (node.level == 0) {
     const std::uint64_t limit = std::min(patch_->max_nodes, NodeLimit(samples, net.degree_u, net.degree_v));
     node_limit_ = nodes_ + limit;
@@ -247,10 +242,14 @@ void LeafSplitter::Visit(const Node& node) {
     if ((best == Direction::kV ? extent.v : extent.u) >= 1) direction = best;
   }
 
+  VisitHalves(node, direction, trim);
+}
+
+void LeafSplitter::VisitHalves(const Node& node, Direction direction, RectClass trim) {
   Node* low = Level(node.level + 1, 0);
   Node* high = Level(node.level + 1, 1);
-  low->SetDegrees(net.degree_u, net.degree_v);
-  high->SetDegrees(net.degree_u, net.degree_v);
+  low->SetDegrees(node.net.degree_u, node.net.degree_v);
+  high->SetDegrees(node.net.degree_u, node.net.degree_v);
   low->place = Halved(node.place, direction, /*upper=*/false);
   high->place = Halved(node.place, direction, /*upper=*/true);
   low->rect = high->rect = node.rect;
@@ -265,7 +264,7 @@ void LeafSplitter::Visit(const Node& node) {
   }
   low->trim = high->trim = trim;
   low->level = high->level = node.level + 1;
-  nets.halve(net, direction, &low->net, &high->net);
+  window_.nets->halve(node.net, direction, &low->net, &high->net);
   Visit(*low);
   Visit(*high);
 }

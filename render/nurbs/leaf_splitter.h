@@ -95,6 +95,7 @@ class LeafSplitter {
  private:
   struct Node;
   void Visit(const Node& node);
+  void VisitHalves(const Node& node, Direction direction, RectClass trim);
   // Append the leaf of a node, of which near depth and box are known; `monomials`: as many as the leaf's planes
   // have.
   void KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass trim, const double* monomials);

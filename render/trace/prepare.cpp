@@ -63,6 +63,8 @@ class Preparation {
       for (const std::uint32_t face : worker.faces) seen[face] = true;
       view.nodes += worker.splitter.nodes();
     }
+    if (TooMany(leaves))
+      return Error{ErrorCode::kLimitExceeded, "the view needs more than 2^30 leaves; use a smaller image"};
     view.tiles = std::make_unique<TileLeaves>(leaves, columns, rows);
     for (Worker& worker : workers_) view.arenas.push_back(std::move(worker.arena));
     for (std::uint32_t id = 0; id < seen.size(); ++id) {
@@ -72,6 +74,17 @@ class Preparation {
   }
 
  private:
+  // More than have a name.
+  static bool TooMany(const std::vector<LeafSpans>& parts) {
+    std::size_t certified = 0, hard = 0, seams = 0;
+    for (const LeafSpans& part : parts) {
+      certified += part.certified.size();
+      hard += part.hard.size();
+      seams += part.seams.size();
+    }
+    return certified > kMostLeaves || hard > kMostLeaves || seams > kMostLeaves;
+  }
+
   void Split() {
     budget_.bytes_left = max_bytes_;
     ParallelFor(std::size_t{0}, model_.instances.size(),
