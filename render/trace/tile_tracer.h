@@ -54,7 +54,7 @@ struct TraceShared {
     double V(double t) const;
   };
   LeafSite SiteOf(std::uint32_t leaf) const;
-  // Of the leaf's root (s, t), as the function of that name.
+  // EvaluateHit of the leaf, whichever its kind.
   HitGeometry HitAt(std::uint32_t leaf, double s, double t, double x, double y) const;
 
   // A root of a leaf, in the leaf's parameters, and how far off it may be.
