@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/model/walk.h"
-#include "render/trace/hit_geometry.h"
-
 namespace facetless {
 namespace {
 
@@ -25,118 +22,12 @@ std::optional<PatchBorder> BorderOf(double u, double error_u, double v, double e
   return PatchBorder{low_u || high_u, high_u || high_v};
 }
 
-// On a closed surface without edges the other side of the seam may have left a root in the overlap to this one.
-double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
-  const double overlap = 2 * leaf_overlap * half;
-  if (!low_continued && bezier < 0 && bezier >= -overlap) return 0;
-  if (!high_continued && bezier > 1 && bezier <= 1 + overlap) return 1;
-  return bezier;
-}
-
-// How far outside a leaf its own roots may lie.
-double OverlapOf(const PreparedView& view, std::uint32_t leaf) {
-  if (KindOf(leaf) != LeafKind::kCertified) return kBorderOverlap;
-  return Overlap(view.tiles->leaves().certified[leaf].RootError(view.arithmetic));
-}
-
 // How far off the depths of a leaf's roots may be, where the leaf says so of all of them.
 double DepthErrorOf(const LeafSpans& leaves, std::uint32_t leaf) {
   return KindOf(leaf) == LeafKind::kCertified ? leaves.certified[leaf].depth_error : 0;
 }
 
 }  // namespace
-
-TraceShared::TraceShared(const Scene::Data& scene_data, const PreparedView& prepared,
-                         const Camera& view_camera, const CameraFrame& view_frame)
-    : scene(scene_data), view(prepared), camera(view_camera), frame(view_frame) {
-  const Model& model = *scene.model;
-  edges.reserve(model.instances.size());
-  for (const Instance& instance : model.instances) {
-    edges.emplace_back(model, instance.placement, frame);
-    mirrored_.push_back(instance.placement.Determinant() < 0);
-  }
-  if (model.instances.size() < 2) return;
-  instance_of_face_.reserve(model.PlacedFaceCount());
-  for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
-    instance_of_face_.insert(instance_of_face_.end(), model.parts[model.instances[i].part].faces.count, i);
-  }
-}
-
-TraceShared::PlacedFace TraceShared::Placed(std::uint32_t placed_face) const {
-  const Model& model = *scene.model;
-  const std::uint32_t index = instance_of_face_.empty() ? 0 : instance_of_face_[placed_face];
-  const Instance& instance = model.instances[index];
-  const std::uint32_t face = FacesOf(model, instance).first + placed_face - instance.first_placed_face;
-  return {index, face, model.faces[face].reversed != mirrored_[index] ? -1.0 : 1.0};
-}
-
-TraceShared::LeafSite TraceShared::SiteOf(std::uint32_t leaf) const {
-  const LeafSpans leaves = view.tiles->leaves();
-  const LeafPlace place = leaves.Place(leaf);
-  LeafSite site;
-  site.leaf = leaf;
-  site.placed_face = leaves.Header(leaf).placed_face;
-  site.patch = place.patch;
-  site.placed = Placed(site.placed_face);
-  site.overlap = OverlapOf(view, leaf);
-  const Surface& surface = scene.model->surfaces[scene.model->faces[site.placed.face].surface];
-  const FaceData& data = scene.faces[site.placed.face];
-  const std::uint32_t i = place.patch / surface.v_spans.count, j = place.patch % surface.v_spans.count;
-  // A seam leaf's parameters are those of the patch as it is.
-  const bool is_seam = KindOf(leaf) == LeafKind::kSeam;
-  site.rect = RectOf(place, is_seam ? PatchBounds{} : BoundsOf(data, surface, i, j));
-  site.u_map = &scene.spans[surface.u_spans.first + i];
-  site.v_map = &scene.spans[surface.v_spans.first + j];
-  site.u_low_continued = i == 0 && data.u_low_continued;
-  site.u_high_continued = i + 1 == surface.u_spans.count && data.u_high_continued;
-  site.v_low_continued = j == 0 && data.v_low_continued;
-  site.v_high_continued = j + 1 == surface.v_spans.count && data.v_high_continued;
-  return site;
-}
-
-double TraceShared::LeafSite::U(double s) const {
-  return OntoPatch(rect.U(s), rect.u_half, overlap, u_low_continued, u_high_continued);
-}
-
-double TraceShared::LeafSite::V(double t) const {
-  return OntoPatch(rect.V(t), rect.v_half, overlap, v_low_continued, v_high_continued);
-}
-
-HitGeometry TraceShared::HitAt(std::uint32_t leaf, double s, double t, double x, double y) const {
-  const LeafSpans leaves = view.tiles->leaves();
-  const std::uint32_t index = IndexOf(leaf);
-  switch (KindOf(leaf)) {
-    case LeafKind::kHard:
-      return EvaluateHit(leaves.hard[index], s, t, x, y, frame);
-    case LeafKind::kSeam:
-      return EvaluateHit(leaves.seams[index], s, t, x, y, frame);
-    default:
-      return EvaluateHit(leaves.certified[index], view.arithmetic, s, t, x, y, frame);
-  }
-}
-
-std::uint8_t TraceShared::CheckRoot(const LeafSite& site, const LeafRoot& root, double x, double y,
-                                    double depth, double error, CheckStats* stats) const {
-  ++stats->roots;
-  const bool holds =
-      check->RootHolds({site.placed.instance, site.placed.face, site.patch, site.rect.U(root.s),
-                        site.rect.V(root.t), root.error_s * site.rect.u_half, root.error_t * site.rect.v_half,
-                        x + frame.center_x, y + frame.center_y, depth, error});
-  if (holds) return 0;
-  ++stats->roots_contradicted;
-  return kDoubtContradicted;
-}
-
-RootTwin::RootTwin(const PreparedView& view, std::uint32_t leaf, const TileHit& hit) : depth(hit.depth) {
-  const double overlap = OverlapOf(view, leaf), border = 1 - 2 * overlap;
-  const LeafKind kind = KindOf(leaf);
-  on_border = kind == LeafKind::kHard ||
-              (kind == LeafKind::kCertified && (std::fabs(hit.s) >= border || std::fabs(hit.t) >= border));
-  // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by the
-  // range of a floor piece.
-  const double near_depth = view.tiles->leaves().Header(leaf).near_depth;
-  error = std::fabs(hit.depth) * 0x1p-44 + std::fabs(hit.depth - near_depth) * 2 * overlap;
-}
 
 TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certify)
     : shared_(shared), kernel_(kernel), solver_(*shared.view.nets) {
