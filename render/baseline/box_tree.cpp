@@ -75,7 +75,7 @@ BoxTree::BoxTree(BoxTree&&) noexcept = default;
 BoxTree& BoxTree::operator=(BoxTree&&) noexcept = default;
 
 Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
-  if (boxes.empty()) return Error{ErrorCode::kNothingUsable, "there is no box to build a tree of"};
+  if (boxes.empty()) return Error{ErrorCode::kNothingUsable, "there are no boxes to build a tree of"};
   auto data = std::make_unique<Data>();
   data->boxes.assign(boxes.begin(), boxes.end());
   data->nearest = boxes.front().near_depth;

@@ -67,8 +67,8 @@ class GlbReader {
 
   Error Broken(const std::string& what) const { return {ErrorCode::kFormatBroken, name_ + ": " + what}; }
   Error TooLarge() const {
-    return {ErrorCode::kLimitExceeded,
-            name_ + ": unpacked, it takes more than " + std::to_string(options_.max_memory_bytes) + " bytes"};
+    return {ErrorCode::kLimitExceeded, name_ + ": the triangles take more memory than " +
+                                           std::to_string(options_.max_memory_bytes) + " bytes"};
   }
   // Adds to what the mesh takes. Primitives may share data, so a small file can describe a large mesh.
   bool Charge(std::uint64_t bytes) { return (memory_ += bytes) <= options_.max_memory_bytes; }
@@ -97,11 +97,15 @@ class GlbReader {
 
 Result<void> GlbReader::CheckChunks(Bytes bytes) const {
   if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
-    return Error{ErrorCode::kLimitExceeded, name_ + ": glTF binary ends at 4 GB"};
-  if (bytes.size() < kGlbHeader + kChunkHeader) return Broken("cut short, the glTF header is incomplete");
+    return Error{ErrorCode::kLimitExceeded,
+                 name_ + ": the file is larger than 4 GB, the limit of glTF binary"};
+  if (bytes.size() < kGlbHeader + kChunkHeader)
+    return Broken("the glTF header is incomplete; the file was cut short");
   if (ReadU32(&bytes[4]) != 2)
-    return Broken("glTF version " + std::to_string(ReadU32(&bytes[4])) + ", 2 is read");
-  if (ReadU32(&bytes[8]) > bytes.size()) return Broken("cut short, the file is smaller than its header says");
+    return Broken("glTF version " + std::to_string(ReadU32(&bytes[4])) +
+                  " is not supported; only version 2 is");
+  if (ReadU32(&bytes[8]) > bytes.size())
+    return Broken("the file is smaller than its header says; it was cut short");
   const std::size_t json = ReadU32(&bytes[kGlbHeader]);
   if (json > bytes.size() - kGlbHeader - kChunkHeader)
     return Broken("the JSON chunk reaches beyond the file");
@@ -135,11 +139,11 @@ Result<void> GlbReader::Parse(Bytes bytes) {
   try {
     if (!loader.LoadBinaryFromMemory(&gltf_, &problem, &warning, bytes.data(),
                                      static_cast<unsigned>(bytes.size())))
-      return Broken("not sound glTF: " + (problem.empty() ? std::string("no reason given") : problem));
+      return Broken("invalid glTF: " + (problem.empty() ? std::string("no reason given") : problem));
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimitExceeded, name_ + ": too large for this machine's memory"};
   } catch (const std::exception& error) {
-    return Broken(std::string("not sound glTF: ") + error.what());
+    return Broken(std::string("invalid glTF: ") + error.what());
   }
   return {};
 }
@@ -443,7 +447,8 @@ Result<Mesh> GlbReader::Read(Bytes bytes, FileAxes axes) {
   }
   mesh.from_model = mesh.from_model && faces_named;
   if (Result<void> placed = ReadNodes(FileToModel(axes), mesh); !placed.ok()) return placed.error();
-  if (PlacedTriangleCount(mesh) == 0) return Error{ErrorCode::kNothingUsable, name_ + ": shows no triangle"};
+  if (PlacedTriangleCount(mesh) == 0)
+    return Error{ErrorCode::kNothingUsable, name_ + ": the mesh has no visible triangle"};
   // A mesh that names no faces is one face.
   if (!mesh.from_model) {
     for (MeshPart& part : mesh.parts) part.face_of_triangle.assign(part.triangles.size(), 0);

@@ -41,14 +41,16 @@ class GlbWriter {
     FinishRoot();
     FinishAsset();
     if (vectors_.size() + indices_.size() > kMaxBytes)
-      return Error{ErrorCode::kLimitExceeded, "glTF binary ends at 4 GB; the mesh is larger"};
+      return Error{ErrorCode::kLimitExceeded,
+                   "a glTF binary file holds at most 4 GB, and the mesh is larger"};
     JoinBuffers();
     std::ostringstream stream;
     if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&gltf_, stream, false, true))
       return Error{ErrorCode::kInternal, "the mesh cannot be written as glTF"};
     std::string bytes = std::move(stream).str();
     if (bytes.size() > kMaxBytes)
-      return Error{ErrorCode::kLimitExceeded, "glTF binary ends at 4 GB; the mesh is larger"};
+      return Error{ErrorCode::kLimitExceeded,
+                   "a glTF binary file holds at most 4 GB, and the mesh is larger"};
     return bytes;
   }
 

@@ -58,7 +58,7 @@ Result<std::vector<unsigned char>> ReadBytes(const std::string& path, const std:
   if (failed) return Error{ErrorCode::kFileUnreadable, name + ": " + failed.message()};
   if (size > limit)
     return Error{ErrorCode::kLimitExceeded,
-                 name + ": " + std::to_string(size) + " bytes, the limit is " + std::to_string(limit)};
+                 name + ": " + std::to_string(size) + " bytes; the limit is " + std::to_string(limit)};
   std::ifstream stream(path, std::ios::binary);
   std::vector<unsigned char> bytes(size);
   if (!stream || !stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))

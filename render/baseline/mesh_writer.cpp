@@ -80,9 +80,8 @@ Result<MeshFormat> MeshFormatOf(const std::string& path) {
     if (suffix == known.name) return known.format;
     names += (names.empty() ? "" : ", ") + std::string(known.name);
   }
-  return Error{ErrorCode::kBadUsage, "--out " + path +
-                                         ": a mesh is written in the format that the suffix names: " + names +
-                                         (suffix.empty() ? "" : "; not " + suffix)};
+  return Error{ErrorCode::kBadUsage, "--out " + path + ": the suffix must name the format of the mesh: " +
+                                         names + (suffix.empty() ? "" : "; not " + suffix)};
 }
 
 Result<std::vector<MeshOutput>> EncodeMesh(const Mesh& mesh, const Model& model, MeshFormat format,

@@ -150,11 +150,12 @@ class Builder {
       if (uses[node.part] > 1 && !instanced) copied += part.triangles.size();
       if (copied > kMostCopied)
         return Error{ErrorCode::kLimitExceeded,
-                     "its nodes are flattened, or scaled beyond what single precision can undo; apply their "
+                     "the transformation of a node is singular, or scales by more than single precision can "
+                     "invert; apply their "
                      "transformations to the triangles"};
       if (!(instanced ? AddInstance(i) : AddPlaced(i))) {
         const Result<void> why = CheckEmbree(data_.device);
-        return why.ok() ? Error{ErrorCode::kInternal, "Embree takes no more of the mesh"} : why.error();
+        return why.ok() ? Error{ErrorCode::kInternal, "Embree cannot hold the whole mesh"} : why.error();
       }
     }
     rtcCommitScene(data_.scene);
@@ -278,12 +279,13 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
   data->triangles = PlacedTriangleCount(mesh);
   data->mesh_bytes = MeshBytes(mesh);
   data->noise_mm = PositionNoise(mesh);
-  if (data->triangles == 0) return Error{ErrorCode::kNothingUsable, "the mesh shows no triangle"};
+  if (data->triangles == 0) return Error{ErrorCode::kNothingUsable, "the mesh has no visible triangle"};
   if (const double size = data->bounds.diagonal(); !(size <= kLargestMesh)) {
     char text[100];
-    std::snprintf(text, sizeof text,
-                  "the mesh is %.3g mm large, and its tracer's largest is %.0e mm; scale it", size,
-                  kLargestMesh);
+    std::snprintf(
+        text, sizeof text,
+        "the mesh is %.3g mm large, and the mesh tracer accepts at most %.0e mm; scale the mesh down", size,
+        kLargestMesh);
     return Error{ErrorCode::kLimitExceeded, text};
   }
   data->reach = std::min(kReachShare * data->bounds.diagonal(), kGreatestCoordinate);

@@ -46,7 +46,7 @@ class Triangles {
     const std::size_t base = part_.positions.size();
     if (base + 3 >= kNoIndex || (base + 3) * kVertexBytes + (base / 3 + 1) * kTriangleBytes > max_bytes_)
       return Error{ErrorCode::kLimitExceeded,
-                   name_ + ": unpacked, it takes more than " + std::to_string(max_bytes_) + " bytes"};
+                   name_ + ": the triangles take more memory than " + std::to_string(max_bytes_) + " bytes"};
     for (const auto& corner : corners)
       for (float coordinate : corner)
         if (!std::isfinite(coordinate))
@@ -59,7 +59,8 @@ class Triangles {
   }
 
   Result<MeshPart> Take() && {
-    if (part_.triangles.empty()) return Error{ErrorCode::kNothingUsable, name_ + ": holds no triangle"};
+    if (part_.triangles.empty())
+      return Error{ErrorCode::kNothingUsable, name_ + ": the mesh has no triangle"};
     part_.face_of_triangle.assign(part_.triangles.size(), 0);
     return std::move(part_);
   }

@@ -29,7 +29,8 @@ Result<std::string> EncodeStl(const Mesh& mesh, const Model& model) {
     const WeldedPart welded = Weld(part, SolidsOfFaces(node, model));
     count += welded.triangles.size();
     if (count > std::numeric_limits<std::uint32_t>::max())
-      return Error{ErrorCode::kLimitExceeded, "STL ends at 4,294,967,295 triangles; the mesh has more"};
+      return Error{ErrorCode::kLimitExceeded,
+                   "an STL file holds at most 4,294,967,295 triangles, and the mesh has more"};
     const bool mirrored = node.placement.Determinant() < 0;
     bytes.reserve(bytes.size() + kRecordBytes * welded.triangles.size());
     for (const auto& triangle : welded.triangles) {

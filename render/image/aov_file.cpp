@@ -90,12 +90,12 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
   if (Result<void> size = CheckImageSize(path, samples.width, samples.height, count, 1); !size.ok())
     return size;
   if (aovs.uv && samples.uv.size() != count)
-    return Error{ErrorCode::kBadUsage, path + ": the samples hold no uv; trace with uv"};
+    return Error{ErrorCode::kBadUsage, path + ": the samples hold no uv parameters"};
   if (aovs.certificate && (samples.certificate.size() != count || samples.doubt.size() != count ||
                            samples.depth_error.size() != count))
     return Error{ErrorCode::kBadUsage, path + ": the samples hold no certificates"};
   if (aovs.curvature != nullptr && aovs.curvature->size() != count)
-    return Error{ErrorCode::kSizeMismatch, path + ": curvature has another size than the samples"};
+    return Error{ErrorCode::kSizeMismatch, path + ": the curvature and the samples have different sizes"};
   try {
     Channels channels(samples.width, samples.height);
     if (aovs.depth) channels.FloatOf("depth.Z", count, [&](std::size_t i) { return samples.depth[i]; });
@@ -115,7 +115,7 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
       channels.Float("certificate.error", samples.depth_error.data(), sizeof(float));
     }
     if (aovs.curvature != nullptr) channels.Float("curvature.H", aovs.curvature->data(), sizeof(float));
-    if (channels.empty()) return Error{ErrorCode::kBadUsage, path + ": no AOV is asked for"};
+    if (channels.empty()) return Error{ErrorCode::kBadUsage, path + ": no AOV is requested"};
     MemoryStream stream(path);
     channels.Write(stream, samples.height);
     return WriteAtomically(path, stream.bytes());

@@ -13,7 +13,8 @@ Result<void> CheckImageSize(const std::string& path, int width, int height, std:
                                                 std::to_string(height) +
                                                 " pixels; 1 to 65536 on a side can be written"};
   if (found != static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels)
-    return Error{ErrorCode::kSizeMismatch, path + ": the picture's size and its number of pixels disagree"};
+    return Error{ErrorCode::kSizeMismatch,
+                 path + ": the picture's size and its number of pixels do not match"};
   return {};
 }
 

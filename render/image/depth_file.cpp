@@ -183,20 +183,20 @@ Result<DepthImage> ReadDepth(const std::string& path) {
   };
   // Both byte orders, small and large files.
   if (!starts_with("II*\0") && !starts_with("MM\0*") && !starts_with("II+\0") && !starts_with("MM\0+"))
-    return Error{ErrorCode::kFormatUnknown, path + ": is no tiff image"};
+    return Error{ErrorCode::kFormatUnknown, path + ": not a TIFF image"};
   Memory memory;
   memory.bytes = std::move(bytes).value();
   const auto broken = [&] {
     return Error{
         ErrorCode::kFormatBroken,
-        path + ": " + (memory.failure.empty() ? "its blocks and its size disagree" : memory.failure)};
+        path + ": " + (memory.failure.empty() ? "its blocks do not match its size" : memory.failure)};
   };
   const Tiff tiff = Open(memory, path, "r");
   if (tiff == nullptr) return broken();
   const auto width = Field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGEWIDTH);
   const auto height = Field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGELENGTH);
   if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide)
-    return Error{ErrorCode::kLimitExceeded, path + ": not 1 to 65536 pixels on a side"};
+    return Error{ErrorCode::kLimitExceeded, path + ": each side must have 1 to 65536 pixels"};
   const auto bits = Field<std::uint16_t>(tiff.get(), TIFFTAG_BITSPERSAMPLE);
   if (Field<std::uint16_t>(tiff.get(), TIFFTAG_SAMPLESPERPIXEL) != 1 || (bits != 32 && bits != 64) ||
       Field<std::uint16_t>(tiff.get(), TIFFTAG_SAMPLEFORMAT) != SAMPLEFORMAT_IEEEFP)

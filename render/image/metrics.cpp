@@ -74,7 +74,8 @@ Result<void> CheckSameSize(const Image8& a, const Image8& b) {
   for (const Image8* image : {&a, &b})
     if (image->width < 1 || image->height < 1 || (image->channels != 3 && image->channels != 4) ||
         image->bytes.size() != static_cast<std::size_t>(image->width) * image->height * image->channels)
-      return Error{ErrorCode::kBadUsage, "a picture is empty, or its size and its bytes disagree"};
+      return Error{ErrorCode::kBadUsage,
+                   "a picture is empty, or its size and its number of bytes do not match"};
   return {};
 }
 

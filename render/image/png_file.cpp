@@ -78,7 +78,7 @@ bool Encode(const Image8& image, Meaning meaning, int level, Sink& sink) {
 Result<std::vector<unsigned char>> EncodePng(const std::string& path, const Image8& image, Meaning meaning,
                                              int level) {
   if (image.channels != 3 && (image.channels != 4 || meaning == Meaning::kData))
-    return Error{ErrorCode::kBadUsage, path + ": a picture has 3 or 4 channels, data have 3"};
+    return Error{ErrorCode::kBadUsage, path + ": a picture must have 3 or 4 channels, and data must have 3"};
   if (Result<void> size = CheckImageSize(path, image.width, image.height, image.bytes.size(), image.channels);
       !size.ok())
     return size.error();
@@ -115,7 +115,7 @@ Result<Image8> ReadPng(const std::string& path) {
   const Result<std::vector<unsigned char>> bytes = ReadImageBytes(path);
   if (!bytes.ok()) return bytes.error();
   if (bytes.value().size() < 8 || png_sig_cmp(bytes.value().data(), 0, 8) != 0)
-    return Error{ErrorCode::kFormatUnknown, path + ": is no png image"};
+    return Error{ErrorCode::kFormatUnknown, path + ": not a PNG image"};
 
   // libpng's simplified interface turns palettes, grey and 16 bits into what is asked for.
   png_image reader;
@@ -129,7 +129,7 @@ Result<Image8> ReadPng(const std::string& path) {
   if (png_image_begin_read_from_memory(&reader, bytes.value().data(), bytes.value().size()) == 0)
     return broken();
   if (reader.width > kMaxImageSide || reader.height > kMaxImageSide)
-    return Error{ErrorCode::kLimitExceeded, path + ": more than 65536 pixels on a side"};
+    return Error{ErrorCode::kLimitExceeded, path + ": a side has more than 65536 pixels"};
   reader.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   const bool alpha = (reader.format & PNG_FORMAT_FLAG_ALPHA) != 0;
   reader.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;

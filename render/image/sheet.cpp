@@ -74,7 +74,7 @@ void Label(Image8& sheet, int left, int top, int width, const std::string& words
 
 Result<Image8> Reduced(const Image8& picture, int most) {
   const int side = std::max(picture.width, picture.height);
-  if (side < 1) return Error{ErrorCode::kBadUsage, "a picture without pixels"};
+  if (side < 1) return Error{ErrorCode::kBadUsage, "a picture of the contact sheet has no pixels"};
   const double scale = std::min(1.0, static_cast<double>(most) / side);
   const int width = std::max(1, static_cast<int>(std::round(picture.width * scale)));
   const int height = std::max(1, static_cast<int>(std::round(picture.height * scale)));
@@ -103,7 +103,7 @@ int SheetColumns(std::size_t count) {
 }
 
 Result<Image8> DrawSheet(const std::vector<SheetTile>& tiles, int columns) {
-  if (tiles.empty() || columns < 1) return Error{ErrorCode::kBadUsage, "a contact sheet without pictures"};
+  if (tiles.empty() || columns < 1) return Error{ErrorCode::kBadUsage, "the contact sheet has no pictures"};
   int width = 0, height = 0;
   for (const SheetTile& tile : tiles) {
     width = std::max(width, tile.picture.width);

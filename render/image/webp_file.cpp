@@ -47,13 +47,14 @@ Result<Animation> Animation::Begin(int width, int height) {
   encoder->width = width;
   encoder->height = height;
   if (WebPConfigPreset(&encoder->config, WEBP_PRESET_PICTURE, kQuality) == 0)
-    return Failed("the library's version is another one");
+    return Failed("the libwebp library has another version than its headers");
   encoder->config.method = kMethod;
   encoder->config.thread_level = 0;
   // Thin coloured lines keep their colour.
   encoder->config.use_sharp_yuv = 1;
   WebPAnimEncoderOptions options;
-  if (WebPAnimEncoderOptionsInit(&options) == 0) return Failed("the library's version is another one");
+  if (WebPAnimEncoderOptionsInit(&options) == 0)
+    return Failed("the libwebp library has another version than its headers");
   options.anim_params.loop_count = 0;  // for ever
   options.kmin = 0;
   options.kmax = 1;  // law 1
@@ -69,7 +70,8 @@ Result<void> Animation::Add(const Image8& frame, int at_ms) {
       frame.bytes.size() != static_cast<std::size_t>(frame.width) * frame.height * frame.channels)
     return Error{ErrorCode::kSizeMismatch, "a frame's size is not the animation's"};
   WebPPicture picture;
-  if (WebPPictureInit(&picture) == 0) return Failed("the library's version is another one");
+  if (WebPPictureInit(&picture) == 0)
+    return Failed("the libwebp library has another version than its headers");
   picture.use_argb = 1;
   picture.width = frame.width;
   picture.height = frame.height;

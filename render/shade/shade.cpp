@@ -40,7 +40,7 @@ Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options
   if (!(options.edge_angle_deg >= 0 && options.edge_angle_deg <= 180))
     return Error{ErrorCode::kBadUsage, "the edge angle must lie between 0 and 180 degrees"};
   if (options.samples_x < 1 || options.samples_y < 1)
-    return Error{ErrorCode::kBadUsage, "there is at least one sample per pixel"};
+    return Error{ErrorCode::kBadUsage, "the number of samples per pixel must be at least 1"};
   return {};
 }
 

@@ -144,7 +144,7 @@ Result<Arrangement> Arrange(const Model& model, const ArrangementRequest& reques
   if (arrangement.bounds.empty()) {
     if (left_out > 0)
       return Error{ErrorCode::kBadUsage,
-                   "the file hides everything that would be shown; --show-hidden shows it all the same"};
+                   "the file hides everything that would be shown; use --show-hidden to show it"};
     return Error{ErrorCode::kBadUsage, "--parts and --hide leave nothing to be shown"};
   }
   return arrangement;

@@ -171,7 +171,7 @@ Vec3 TurnedTo(UpAxis up, Vec3 direction) {
 
 Result<BoxFit> FitBox(const Camera& camera, const Box3& bounds, double margin) {
   if (bounds.empty() || !Finite(bounds.low) || !Finite(bounds.high))
-    return Bad(camera, "there is nothing to look at, the bounds are empty");
+    return Bad(camera, "the model has no extent to look at");
   const double size = bounds.diagonal() > 0 ? bounds.diagonal() : 1.0;
   const Result<CameraFrame> frame = MakeFrame(camera, size);
   if (!frame.ok()) return frame.error();
@@ -203,8 +203,7 @@ Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection
     return Error{ErrorCode::kBadUsage, "no view is named '" + name + "'; there are: " + names};
   }
   if (bounds.empty() || !Finite(bounds.low) || !Finite(bounds.high))
-    return Error{ErrorCode::kBadUsage,
-                 "view '" + name + "': there is nothing to look at, the bounds are empty"};
+    return Error{ErrorCode::kBadUsage, "view '" + name + "': the model has no extent to look at"};
 
   if (!(options.margin >= 0 && options.margin <= kMostMargin))
     return Error{ErrorCode::kBadUsage, "view '" + name + "': the margin must lie between 0 and 0.45"};

@@ -21,7 +21,7 @@ constexpr double kUnitRounding = 1e-9;
 Result<void> CheckSections(std::span<const SectionPlane> planes) {
   if (planes.size() > kMostSectionPlanes)
     return Error{ErrorCode::kBadUsage, "there are " + std::to_string(planes.size()) + " section planes; " +
-                                           std::to_string(kMostSectionPlanes) + " can be taken"};
+                                           std::to_string(kMostSectionPlanes) + " are allowed"};
   for (const SectionPlane& plane : planes) {
     if (!std::isfinite(Dot(plane.point, plane.point)))
       return Error{ErrorCode::kBadUsage,

@@ -57,9 +57,9 @@ Result<Json> ParseJsonText(const std::string& text, const std::string& what, boo
     json = Json::parse(text, watch, /*allow_exceptions=*/true, ignore_comments);
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kBadUsage,
-                 what + " is no valid JSON: " + PlaceOf(text, error.byte) + ": " + ReasonOf(error.what())};
+                 what + " is not valid JSON: " + PlaceOf(text, error.byte) + ": " + ReasonOf(error.what())};
   } catch (const Json::exception& error) {
-    return Error{ErrorCode::kBadUsage, what + " is no valid JSON: " + ReasonOf(error.what())};
+    return Error{ErrorCode::kBadUsage, what + " is not valid JSON: " + ReasonOf(error.what())};
   }
   if (!twice.empty()) return Error{ErrorCode::kBadUsage, what + " has the name " + twice + " twice"};
   return json;

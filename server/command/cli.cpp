@@ -27,13 +27,22 @@ constexpr const char* kFooter = R"(Examples:
   facetless inspect part.step                          what the file holds, and what was lost
   facetless compare part.step --out report             exact image, tessellation, difference; open report/report.html
   facetless compare part.step --out r --mesh web.glb   is this mesh good enough?
-  facetless trade part.step --out trade                what does accuracy cost, on the mesh and direct?
+  facetless trade part.step --out trade                what does accuracy cost with a mesh, and what without?
   facetless bench part.step                            how fast is it here?
   facetless serve                                      the same in a browser
 
-Exit codes: 0 done; 1 done, but faces, loops or edges of the file were lost, or a face has no triangle; 2 failed under --strict or a --fail-*
-threshold, because the mesh has nothing in common with the model or is inside out, because the section planes leave nothing to see, or because a certificate is contradicted; 3 images of different sizes; 4 nothing usable in the input; 5 compare: the exact half alone, because there is no mesh; 64 wrong options; 70 a defect of Facetless; 74 cannot write.
-'facetless COMMAND --help' tells more.)";
+Exit codes:
+  0   The command succeeded.
+  1   The command succeeded, but faces, loops or edges of the file were lost, or a face has no triangle.
+  2   The result failed: under --strict or a --fail-* threshold, because the mesh has nothing in common with the model or is
+      inside out, because the section planes leave nothing to see, or because the independent check contradicts a certificate.
+  3   The images have different sizes.
+  4   The input holds nothing usable.
+  5   compare wrote the exact half only, because there is no mesh.
+  64  The options are wrong.
+  70  Facetless has a defect.
+  74  The results cannot be written.
+Run 'facetless COMMAND --help' for the options of a command.)";
 
 constexpr const char* kRenderFooter = R"(Examples:
   facetless render part.step --out images --view iso --view front --size 1920x1080
@@ -44,45 +53,47 @@ constexpr const char* kRenderFooter = R"(Examples:
   facetless render car.step --out images --parts wheel --hide "*bolt*" --explode 0.5 --color part --axes --scale-bar
   facetless render part.step --out images --view front --view top --view iso --sheet --turntable 36
 
---out receives NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html;
-standard output gets the path of report.json.)";
+The command writes NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html
+to the directory of --out, and prints the path of report.json.)";
 
 constexpr const char* kCompareFooter = R"(Examples:
   facetless compare part.step --out report
   facetless compare part.step --out report --deflection 1e-4 --view iso --view top
   facetless compare part.step --out report --mesh exported.glb --fail-deviation-mm 0.05
   facetless compare part.step --out report --mesh exported.stl --mesh-unit in --mesh-up y
-  facetless compare part.step --out report --mesh-timeout 60      after 60 s of meshing the exact half is the answer
+  facetless compare part.step --out report --mesh-timeout 60      stop meshing after 60 s and report the exact half
 
---out receives, for each view, NAME.direct.png, NAME.baseline.png, NAME.difference.png, NAME.depth.tif and
-NAME.baseline-depth.tif, and report.json and report.html; standard output gets the path of report.json.)";
+The command writes, for each view, NAME.direct.png, NAME.baseline.png, NAME.difference.png, NAME.depth.tif and
+NAME.baseline-depth.tif, and also report.json and report.html, to the directory of --out. It prints the path of report.json.)";
 
 constexpr const char* kTradeFooter = R"(Examples:
   facetless trade part.step --out trade
   facetless trade part.step --out trade --max-error-mm 0.05       which deflection keeps the error under 0.05 mm?
   facetless trade part.step --out trade --deflections 1e-2,1e-3,1e-4 --angles 20 --view iso --view top
-  facetless trade part.step --out trade --budget-seconds 300      let finer meshes take their time
+  facetless trade part.step --out trade --budget-seconds 300      allow more time for finer meshes
 
-Both tracers are measured at many accuracies: time, memory, and error against the certified exact image. --out receives
-report.json, report.html, the plots trade-time and trade-memory (.svg, .png) and NAME.direct.png; standard output gets the path of
-report.json, standard error a table and the answers. docs/trade.md says how it is measured.)";
+The command measures time, memory and the error against the certified exact image, for both tracers at many accuracies. It
+writes report.json, report.html, the plots trade-time and trade-memory (.svg, .png) and NAME.direct.png to the directory of
+--out. Standard output gets the path of report.json; standard error gets a table and the answers. docs/trade.md describes the
+method.)";
 
 constexpr const char* kBenchFooter = R"(Examples:
-  facetless bench part.step other.igs                    the aims, what was measured, and each file
+  facetless bench part.step other.igs                    the performance aims, the measured values, and each file
   facetless bench parts/*.step --json bench.json --plot bench.svg --markdown
-  facetless bench --published                            the papers' tables, on this machine
-  facetless bench --published part.step                  and acceleration structures over this file's leaves
+  facetless bench --published                            the tables of the published papers, on this machine
+  facetless bench --published part.step                  also compare acceleration structures over this file's leaves
 
-Both sides take turns on an otherwise idle machine, and medians count. docs/performance.md has results and what they mean.)";
+The two sides of each comparison are measured in turn, and their medians are reported; the machine should otherwise be idle.
+docs/performance.md has results and explains them.)";
 
 constexpr const char* kMeshFooter = R"(Examples:
   facetless mesh part.step --out part.glb
   facetless mesh part.step --out part.glb --deflection-mm 0.01 --angular 10
   facetless mesh part.step --out part.stl --deflection-mm 0.05 --angular 5
-  facetless mesh part.step --out part.obj        with colours in part.mtl
+  facetless mesh part.step --out part.obj        colours go to part.mtl
 
-The suffix says the format: .glb, .stl (binary), .obj or .3mf. Standard output gets the path; standard error says how many triangles were
-written and whether they are watertight.)";
+The suffix selects the format: .glb, .stl (binary), .obj or .3mf. The command prints the path on standard output; on standard
+error it reports the number of triangles and whether the mesh is watertight.)";
 
 constexpr const char* kInspectFooter = R"(Example:
   facetless inspect part.step | jq '.model.faces_skipped')";
@@ -91,26 +102,25 @@ constexpr const char* kContinuityFooter = R"(Examples:
   facetless continuity part.step | jq '.continuity.counts'
   facetless continuity part.step | jq '.continuity.worst.G1[:10]'
 
-Every edge that two faces share: how far apart they are, at what angle they meet, how much the curvature jumps; worst first.
-docs/inspection.md says how it is measured.)";
+For every edge that two faces share, the command reports the gap between the faces, the angle at which they meet and the jump
+of the curvature, worst first. docs/inspection.md describes the method.)";
 
 constexpr const char* kRegressFooter = R"(Examples:
-  facetless regress manifest.json --update          write the references
-  facetless regress manifest.json --out failures    compare with them; pictures of what failed go to failures/
+  facetless regress manifest.json --update          write the reference images
+  facetless regress manifest.json --out failures    compare with them; write pictures of failures to failures/
 
-The manifest is described in docs/regression.md. The verdict is JSON on standard output; exit code 0 means that everything passed.)";
+docs/regression.md describes the manifest. The verdict is JSON on standard output; exit code 0 means that everything passed.)";
 
 constexpr const char* kServeFooter = R"(Examples:
   facetless serve
   facetless keys create /var/lib/facetless --name anna && facetless serve --listen 0.0.0.0:8080 --data /var/lib/facetless --jobs 4
-  facetless serve --max-store 50000 --max-age 30          give up what was not used for a month
+  facetless serve --max-store 50000 --max-age 30          delete what was not used for a month
   facetless serve --config /etc/facetless.toml --ops-listen 127.0.0.1:9090 --log json
-  FACETLESS_SERVE_JOBS=4 facetless serve --print-config   what would it do, and why?
+  FACETLESS_SERVE_JOBS=4 facetless serve --print-config   show every option and where its value comes from
   curl -F file=@part.step http://127.0.0.1:8080/v1/comparisons
 
-On an address that other hosts can reach, the service requires keys (facetless keys create). It does not speak TLS: put it behind a proxy
-that does.
-docs/api.md has the API.)";
+If other hosts can reach the address, the service requires keys (facetless keys create). The service does not speak TLS; put it
+behind a proxy that does. docs/api.md documents the API.)";
 
 constexpr const char* kKeysFooter = R"(Examples:
   facetless keys create /var/lib/facetless --name anna --rate 600 --quota 20000
@@ -121,8 +131,9 @@ constexpr const char* kKeysFooter = R"(Examples:
 constexpr const char* kStoreCheckFooter = R"(Example:
   facetless store check /var/lib/facetless | jq '.faults'
 
-Exit codes: 0 everything agrees; 1 something does not, and "faults" names it; 64 the directory is in use or is none.
-After a crash, files that belong to nothing and what lies in tmp/ are faults, too: the next start of the service removes them.)";
+Exit codes: 0 the database and the files agree; 1 they do not, and "faults" lists the differences; 64 the directory is in use, or
+is not a data directory.
+After a crash, orphaned files and files in tmp/ are reported as faults, too; the service removes them at its next start.)";
 
 CLI::App* AddFileCommand(CLI::App& app, const std::string& name, const std::string& help, const char* footer,
                          CommandArguments& arguments) {
@@ -142,22 +153,24 @@ KeyCommands AddKeyCommands(CLI::App& app, KeyArguments& key) {
   keys->require_subcommand(1);
   keys->footer(kKeysFooter);
   KeyCommands commands;
-  commands.create = keys->add_subcommand("create", "Create a key, which is shown only this once");
+  commands.create = keys->add_subcommand("create", "Create a key and print it; it cannot be shown again");
   commands.list = keys->add_subcommand("list", "List the keys");
   commands.revoke = keys->add_subcommand("revoke", "Revoke a key");
   for (CLI::App* command : {commands.create, commands.list, commands.revoke})
     command->add_option("DIR", key.directory, "Data directory of the service")->required();
   commands.revoke->add_option("ID", key.id, "Id of the key")->required();
-  commands.create->add_option("--name", key.name, "Human-readable owner")->required()->type_name("NAME");
-  commands.create->add_option("--scopes", key.scopes, "What it may do: read, submit, admin")
+  commands.create->add_option("--name", key.name, "Readable name of the key's owner")
+      ->required()
+      ->type_name("NAME");
+  commands.create->add_option("--scopes", key.scopes, "Scopes of the key: read, submit, admin")
       ->type_name("LIST")
       ->capture_default_str();
-  commands.create->add_option("--rate", key.rate, "Requests a minute (0: any number)")
+  commands.create->add_option("--rate", key.rate, "Requests allowed per minute (0: no limit)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   commands.create
-      ->add_option("--quota", key.quota_mb, "Megabytes that are kept for it (0: no bound of its own)")
+      ->add_option("--quota", key.quota_mb, "Megabytes that the service stores for this key (0: no limit)")
       ->type_name("MB")
       ->check(CLI::Range(0, 1 << 30))
       ->capture_default_str();
@@ -205,8 +218,9 @@ int RunCommandLine(int argc, char** argv) {
   OptionCollector options;
 
   // The commands.
-  CLI::App* inspect = AddFileCommand(app, "inspect", "List what the file holds and what was lost (JSON)",
-                                     kInspectFooter, arguments);
+  CLI::App* inspect =
+      AddFileCommand(app, "inspect", "List the contents of a file and what the import lost (JSON)",
+                     kInspectFooter, arguments);
   CLI::App* continuity = AddFileCommand(
       app, "continuity", "Measure how smoothly neighbouring faces meet (JSON)", kContinuityFooter, arguments);
   CLI::App* render = AddFileCommand(app, "render", "Render the exact surfaces", kRenderFooter, arguments);
@@ -217,11 +231,13 @@ int RunCommandLine(int argc, char** argv) {
                      kCompareFooter, arguments);
   CLI::App* trade = AddFileCommand(app, "trade", "Measure the speed of both tracers against their accuracy",
                                    kTradeFooter, arguments);
-  CLI::App* bench = app.add_subcommand("bench", "Measure the performance tables, on files or as published");
+  CLI::App* bench =
+      app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
   bench->footer(kBenchFooter);
   CLI::App* regress = app.add_subcommand("regress", "Compare renderings with reference images, for CI");
   regress->footer(kRegressFooter);
-  regress->add_option("MANIFEST", arguments.file, "JSON file: models, views, tolerances")->required();
+  regress->add_option("MANIFEST", arguments.file, "JSON file with the models, views and tolerances")
+      ->required();
   CLI::App* serve_command = app.add_subcommand("serve", "Serve the HTTP API and a page for browsers");
   serve_command->footer(kServeFooter);
   ServeConfig serve(serve_command);
@@ -236,16 +252,18 @@ int RunCommandLine(int argc, char** argv) {
 
   // Their options.
   for (CLI::App* command : {render, compare, trade})
-    command->add_option("--out", arguments.out, "Directory for the results; made if absent")
+    command->add_option("--out", arguments.out, "Directory for the results; created if absent")
         ->required()
         ->type_name("DIR");
   mesh->add_option("--out", arguments.out,
-                   "The file to write; its suffix is the format: .glb, .stl, .obj, .3mf")
+                   "The file to write; its suffix selects the format: .glb, .stl, .obj or .3mf")
       ->required()
       ->type_name("FILE");
   AddBenchOptions(bench, arguments);
-  regress->add_flag("--update", arguments.update, "Write the references instead of comparing with them");
-  regress->add_option("--out", arguments.out, "Directory for pictures of what failed")->type_name("DIR");
+  regress->add_flag("--update", arguments.update,
+                    "Write the reference images instead of comparing with them");
+  regress->add_option("--out", arguments.out, "Directory for pictures of the views that failed")
+      ->type_name("DIR");
   for (const auto& [command, bit] : {std::pair{inspect, kInspect},
                                      {continuity, kContinuity},
                                      {render, kRender},
@@ -256,7 +274,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {regress, kRegress}}) {
     AddOptions(command, bit, options);
     command->add_flag("--progress", arguments.progress,
-                      "Print progress even if standard error is no terminal");
+                      "Print progress even if standard error is not a terminal");
   }
 
   // Parse: help and version end with 0, everything that is wrong with 64.

@@ -59,19 +59,21 @@ void AddOptions(CLI::App* app, Commands command, OptionCollector& options, const
 void AddBenchOptions(CLI::App* app, CommandArguments& arguments) {
   BenchSettings& bench = arguments.bench;
   app->add_option("FILE", arguments.files, "STEP, IGES, BREP or model files");
-  app->add_option("--repeats", bench.repeats, "Runs of each measurement after a warm-up; the median counts")
+  app->add_option("--repeats", bench.repeats,
+                  "Runs of each measurement after a warm-up; the median is reported")
       ->type_name("N")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app->add_option("--time-limit", bench.time_limit_s, "Seconds of one mesh; it counts at the limit")
+  app->add_option("--time-limit", bench.time_limit_s,
+                  "Time limit of one mesh in seconds; a slower mesh is reported at the limit")
       ->type_name("S")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--json", arguments.json_out, "Also write everything that was measured")->type_name("FILE");
-  app->add_option("--plot", arguments.plot_out, "Also draw the rows")->type_name("FILE.svg");
+  app->add_option("--json", arguments.json_out, "Also write all measurements to FILE")->type_name("FILE");
+  app->add_option("--plot", arguments.plot_out, "Also plot the rows of the table")->type_name("FILE.svg");
   app->add_flag("--markdown", bench.markdown, "Print the tables as Markdown");
   app->add_flag("!--no-growth", bench.growth, "Leave out row 9, which takes about a minute");
-  app->add_flag("--published", bench.published, "Measure the tables of the papers instead");
+  app->add_flag("--published", bench.published, "Measure the tables of the published papers instead");
 }
 
 }  // namespace facetless

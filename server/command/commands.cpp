@@ -164,7 +164,7 @@ int CompareCommand(const CommandArguments& arguments) {
   if (auto can = CheckMeshCanShow(options.inspection, true); !can) return PrintError(can.error());
   if (options.mesh.empty() && !(options.mesh_unit + options.mesh_up).empty())
     return PrintError(
-        {ErrorCode::kBadUsage, "--mesh-unit and --mesh-up are about --mesh, which is not given"});
+        {ErrorCode::kBadUsage, "--mesh-unit and --mesh-up apply to --mesh, which is not given"});
   const ImportRequest request = ToImportRequest(arguments, progress);
   if (options.mesh.empty()) {
     auto compared = CompareWithOwnMesh(request, options, arguments.out, ToContext(progress));

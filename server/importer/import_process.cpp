@@ -200,16 +200,16 @@ constexpr const char* kCoarserMesh = ", and a coarser --deflection needs less";
 
 Error TimeError(const std::string& name, const ImportLimits& limits, bool meshing) {
   const std::string message = meshing ? ": meshing took longer than " + Seconds(limits.mesh_timeout_s) +
-                                            "; --mesh-timeout allows more" + kCoarserMesh
+                                            "; use --mesh-timeout to allow more" + kCoarserMesh
                                       : ": the import took longer than " + Seconds(limits.timeout_s) +
-                                            "; --import-timeout allows more";
+                                            "; use --import-timeout to allow more";
   return {ErrorCode::kLimitExceeded, name + message};
 }
 
 Error MemoryError(const std::string& name, const ImportLimits& limits, bool meshing) {
   return {ErrorCode::kLimitExceeded, name + (meshing ? ": meshing" : ": the import") + " needs more than " +
                                          std::to_string(limits.memory_mb) +
-                                         " MB of memory; --import-memory allows more" +
+                                         " MB of memory; use --import-memory to allow more" +
                                          (meshing ? kCoarserMesh : "")};
 }
 
@@ -260,10 +260,11 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
         name + ": the import was killed from outside, most likely because the machine ran out of memory"};
   if (RanOutOfMemory(outcome, child_limits)) return MemoryError(name, limits, clock.meshing());
   if (clock.meshing())
-    return Error{ErrorCode::kImporterCrashed, name + ": the mesher died of " + SignalName(outcome.signal) +
+    return Error{ErrorCode::kImporterCrashed, name + ": the mesher was killed by " +
+                                                  SignalName(outcome.signal) +
                                                   "; another --deflection may avoid it"};
   return Error{ErrorCode::kImporterCrashed,
-               name + ": the importer died of " + SignalName(outcome.signal) + " while reading it" +
+               name + ": the importer was killed by " + SignalName(outcome.signal) + " while reading it" +
                    (clock.stage().empty() ? "" : ", in the stage \"" + clock.stage() + "\"") +
                    (entity.empty() ? "" : ", at or after entity " + entity) +
                    "; export the model again, or in another format"};
@@ -319,7 +320,8 @@ std::optional<Error> AnsweredError(const nlohmann::json& answer, const std::stri
     return found != error->end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   const std::string message = Printable(text("message"));
-  return Error{ErrorCodeFromName(text("code")), message.empty() ? name + ": no reason given" : message};
+  return Error{ErrorCodeFromName(text("code")),
+               message.empty() ? name + ": the importer gave no reason" : message};
 }
 
 // Nothing, or why what should be a file of the importer's is none: links, pipes and devices would lead us
@@ -330,8 +332,8 @@ std::optional<Error> OutputError(const std::string& path, const std::string& nam
     return Error{ErrorCode::kImporterCrashed, name + ": the importer's answer is " + what};
   };
   if (lstat(path.c_str(), &info) != 0) return broken("incomplete: a file is missing");
-  if (!S_ISREG(info.st_mode)) return broken("not sound: one of its files is no regular file");
-  if (info.st_nlink != 1) return broken("not sound: one of its files has another name, too");
+  if (!S_ISREG(info.st_mode)) return broken("invalid: one of its files is not a regular file");
+  if (info.st_nlink != 1) return broken("invalid: one of its files has a second hard link");
   return std::nullopt;
 }
 

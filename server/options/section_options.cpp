@@ -118,7 +118,7 @@ Result<std::vector<SectionRequest>> ParseSections(const Json& json) {
   if (!json.is_array() || (!json.empty() && json[0].is_number())) planes = Json::array({json});
   if (planes.size() > kMostSectionPlanes)
     return Error{ErrorCode::kBadUsage, "section lists " + std::to_string(planes.size()) + " planes; " +
-                                           std::to_string(kMostSectionPlanes) + " can be taken"};
+                                           std::to_string(kMostSectionPlanes) + " are allowed"};
   std::vector<SectionRequest> requests;
   for (const Json& plane : planes) {
     auto request = ParseOne(plane);
@@ -135,7 +135,7 @@ Result<std::vector<SectionPlane>> ResolveSections(const std::vector<SectionReque
     planes.push_back(request.plane);
     if (request.axis < 0) continue;
     if (bounds.empty())
-      return Error{ErrorCode::kBadUsage, "a section at a share of the bounds needs a model that has some"};
+      return Error{ErrorCode::kBadUsage, "a section at a percentage needs a model with an extent"};
     const double low[] = {bounds.low.x, bounds.low.y, bounds.low.z};
     const double high[] = {bounds.high.x, bounds.high.y, bounds.high.z};
     double* const point[] = {&planes.back().point.x, &planes.back().point.y, &planes.back().point.z};

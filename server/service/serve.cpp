@@ -69,7 +69,7 @@ Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& ho
   }
   return Error{ErrorCode::kBadUsage, "others reach " + options.listen +
                                          ", and there is no key: make one with facetless keys create " +
-                                         data + " --name NAME, or let everybody in with --allow-anonymous"};
+                                         data + " --name NAME, or allow every client with --allow-anonymous"};
 }
 
 constexpr double kDaySeconds = 24 * 3600, kMillisecond = 1e-3;

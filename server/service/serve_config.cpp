@@ -55,7 +55,7 @@ Result<void> AddJson(Values& values, const std::string& path, const Json& json, 
       continue;
     }
     if (!value.is_string() && !value.is_number() && !value.is_boolean())
-      return BadUsage(path + ": \"" + name + "\" must be a text, a number, true or false");
+      return BadUsage(path + ": \"" + name + "\" must be a string, a number, true or false");
     auto added = AddValue(values, path, name, value.is_string() ? value.get<std::string>() : value.dump());
     if (!added) return added;
   }
@@ -119,22 +119,21 @@ void ServeConfig::AddFlag(const std::string& name, bool& value, const std::strin
 }
 
 ServeConfig::ServeConfig(CLI::App* command) : command_(command) {
-  Add("listen", options_.listen, "Address and port; port 0 takes a free one", "ADDR:PORT")
+  Add("listen", options_.listen, "Address and port to listen on; port 0 selects a free one", "ADDR:PORT")
       ->capture_default_str();
   Add("ops-listen", options_.ops_listen,
-      "Another address and port for /healthz, /readyz and /metrics, without keys: for operators",
-      "ADDR:PORT");
+      "Separate address and port for operators, without keys: /healthz, /readyz and /metrics", "ADDR:PORT");
   Add("data", options_.data, "Directory of models and results (default: " + DefaultDataDirectory() + ")",
       "DIR");
-  Add("log", options_.log, "json, text, or auto: text on a terminal, else json", "FORM")
+  Add("log", options_.log,
+      "Format of the log: json, text, or auto, which is text on a terminal and json otherwise", "FORM")
       ->check(CLI::IsMember({"auto", "json", "text"}))
       ->capture_default_str();
   AddBounds();
   Add("allow-host", options_.allow_host,
-      "Names by which the service is reached besides localhost and numeric addresses, as a list a,b; *.NAME "
-      "for all "
-      "names below NAME, * for any name. Without keys "
-      "on an address of this machine, requests that name another host are refused",
+      "Host names under which clients reach the service, besides localhost and numeric addresses, as a list "
+      "a,b; *.NAME allows all names below NAME, * allows any name. A service without keys on a loopback "
+      "address refuses requests for other hosts",
       "NAMES");
   Add("allow-origin", options_.allow_origin,
       "Origins of other sites whose pages may send requests, as a list a,b", "ORIGINS");
@@ -143,40 +142,44 @@ ServeConfig::ServeConfig(CLI::App* command) : command_(command) {
           "Accept requests without a key, also on an address that other hosts can reach");
   command_->add_option("--config", file_, "File with these options, JSON or TOML (docs/api.md)")
       ->type_name("FILE");
-  command_->add_flag("--print-config", print_, "Print the options, and where each comes from, and end");
+  command_->add_flag("--print-config", print_,
+                     "Print the value of each option and where it comes from, and exit");
 }
 
 void ServeConfig::AddBounds() {
-  Add("jobs", options_.jobs, "Jobs that run at the same time", "N")
+  Add("jobs", options_.jobs, "Number of jobs that run at the same time", "N")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  Add("queue", options_.queue, "Jobs that may wait; more get status 503", "N")
+  Add("queue", options_.queue, "Number of jobs that may wait; further requests get status 503", "N")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  Add("max-upload", options_.max_upload_mb, "Megabytes of one upload", "MB")
+  Add("max-upload", options_.max_upload_mb, "Largest upload in megabytes", "MB")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  Add("max-samples", options_.max_samples, "Samples of one request: pixels × samples × views", "N")
+  Add("max-samples", options_.max_samples,
+      "Largest number of samples of one request: pixels × samples per pixel × views", "N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  Add("timeout", options_.timeout_s, "Seconds that one job may run, and one upload take", "S")
+  Add("timeout", options_.timeout_s, "Time limit in seconds for a job, and for an upload", "S")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  Add("import-memory", options_.import_memory_mb, "Megabytes of address space of one import", "MB")
+  Add("import-memory", options_.import_memory_mb, "Limit of an importer's address space in megabytes", "MB")
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();
   Add("max-view-memory", options_.max_view_memory_mb,
-      "Megabytes that the leaves of views and the search trees of meshes may take, of all jobs that run at "
-      "the "
-      "same time; a view that needs more than its share is refused",
+      "Memory limit in megabytes for the leaves of views and the search trees of meshes, shared equally by "
+      "the jobs that run at the same time; a view that needs more than its share is refused",
       "MB")
       ->check(CLI::Range(64, 1 << 30))
       ->capture_default_str();
   Add("max-store", options_.max_store_mb,
-      "Megabytes of files that are kept; what was used longest ago goes first (0: no limit)", "MB")
+      "Largest size of the stored files in megabytes; the least recently used are deleted first (0: no "
+      "limit)",
+      "MB")
       ->check(CLI::Range(0, 1 << 30))
       ->capture_default_str();
-  Add("max-age", options_.max_age_days, "Days that unused models and answers are kept (0: no limit)", "DAYS")
+  Add("max-age", options_.max_age_days, "Days after which unused models and answers are deleted (0: never)",
+      "DAYS")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
@@ -211,7 +214,7 @@ Result<void> ServeConfig::TakeFile(const std::string& path) {
   for (const Setting& setting : settings_) known += (known.empty() ? "" : ", ") + setting.name;
   for (const auto& [name, text] : values.value()) {
     if (Find(name) == nullptr)
-      return BadUsage(path + " has \"" + name + "\", which is no option; there are " + known);
+      return BadUsage(path + " has \"" + name + "\", which is not an option; the options are " + known);
   }
   for (const auto& [name, text] : values.value()) {
     Setting& setting = *Find(name);

@@ -71,7 +71,8 @@ std::optional<HttpResponse> AccessControl::Judge(HttpRequest& request, const Rou
                            : (reads ? caller.read : caller.submit) || (caller.admin && job);
   if (!allowed) {
     reason = "its scopes are " + ScopesText(*key);
-    return Problem(403, "forbidden", "This key may not do that", "Its scopes are " + ScopesText(*key) + ".");
+    return Problem(403, "forbidden", "This key does not allow the request",
+                   "Its scopes are " + ScopesText(*key) + ".");
   }
   if (!TakeToken(*key)) {
     reason = "more than " + std::to_string(key->rate) + " requests a minute";

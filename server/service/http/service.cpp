@@ -65,8 +65,8 @@ HttpResponse Busy(const std::string& detail) {
 }
 
 HttpResponse ShuttingDown() {
-  HttpResponse response =
-      Problem(503, "shutting-down", "The service is shutting down", "It takes nothing new. Try again soon.");
+  HttpResponse response = Problem(503, "shutting-down", "The service is shutting down",
+                                  "The service accepts no new requests. Try again soon.");
   response.headers.emplace_back("Retry-After", "5");
   return response;
 }
@@ -214,7 +214,7 @@ HttpResponse Service::Health() {
 HttpResponse Service::Ready() {
   const std::string reason = WhyNotReady();
   if (reason.empty()) return JsonResponse(200, {{"status", "ready"}, {"version", Version()}});
-  HttpResponse response = Problem(503, "not-ready", "The service takes no work", reason);
+  HttpResponse response = Problem(503, "not-ready", "The service is not ready", reason);
   response.headers = {{"Cache-Control", "no-store"}, {"Retry-After", "5"}};
   return response;
 }
@@ -334,7 +334,9 @@ HttpResponse Service::ListJobs(const HttpRequest& request) {
   const auto page = ParsePageRequest(request.query, kJobIdDigits);
   if (!page) return ProblemOf(page.error());
   const auto ids = jobs_.List(request.caller.owner, page.value().after, page.value().limit + 1);
-  if (!ids) return ProblemOf({ErrorCode::kBadUsage, "after names no job of yours, or one that is forgotten"});
+  if (!ids)
+    return ProblemOf(
+        {ErrorCode::kBadUsage, "after must name one of your jobs that the service still remembers"});
   Json jobs = Json::array();
   for (const std::string& id : *ids)
     if (const auto view = jobs_.Find(id)) jobs.push_back(ListedJobJson(*view));
@@ -354,7 +356,7 @@ HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
 HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
   if (!FindJob(caller, id)) return ProblemOfStatus(404);
   auto place = std::make_shared<Place>(*listeners_, limits_.listeners);
-  if (!place->held()) return Busy("Too many listen for events; ask for the job itself now and then.");
+  if (!place->held()) return Busy("Too many clients follow events; poll the job instead.");
   HttpResponse response = EventsResponse(jobs_, store_, id);
   // The count lives as long as the stream, also beyond the service.
   response.stream = [place, count = listeners_, next = std::move(response.stream)] { return next(); };
@@ -402,7 +404,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   if (!submitted) return ProblemOf({submitted.error().code, "the job cannot be stored"});
   switch (submitted.value().outcome) {
     case SubmitOutcome::kKeyReused:
-      return Problem(422, "key-reused", "The Idempotency-Key stands for another request",
+      return Problem(422, "key-reused", "The Idempotency-Key belongs to another request",
                      "Send a new key with a new request.");
     case SubmitOutcome::kQueueFull:
       return Busy("Too many jobs are waiting; try again soon.");
@@ -453,7 +455,7 @@ HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted&
       return ProblemResponse(view->job.problem);
     case JobState::kCancelled:
       return Problem(409, "cancelled", "The job was cancelled",
-                     "Somebody asked for that. Send it again if needed.");
+                     "A client cancelled the job. Send the request again if you need the result.");
     case JobState::kDone:
       break;
   }

@@ -144,7 +144,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
     active->version = ++changes_;
     changed_.notify_all();
   };
-  Result<std::string> result = Error{ErrorCode::kInternal, "the job threw something"};
+  Result<std::string> result = Error{ErrorCode::kInternal, "the job failed with an unknown exception"};
   try {
     result = RunJob(active->job, store_, settings_.run, watch);
   } catch (const std::bad_alloc&) {

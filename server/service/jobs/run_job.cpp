@@ -121,9 +121,9 @@ class JobRun {
     model_ = store_.FindModel(job_.owner, request_.model_id);
     if (model_) return {};
     if (request_.file_name.empty())
-      return Error{ErrorCode::kFileUnreadable, "the model " + request_.model_id + " is not there any more"};
+      return Error{ErrorCode::kFileUnreadable, "the model " + request_.model_id + " no longer exists"};
     const auto source = store_.Pin(source_id_.empty() ? request_.model_id : source_id_);
-    if (!source) return Error{ErrorCode::kInternal, "the uploaded file is not there any more"};
+    if (!source) return Error{ErrorCode::kInternal, "the uploaded file no longer exists"};
 
     // Import it, with its mesh on the way.
     std::vector<TessellationOptions> meshes;
@@ -175,7 +175,7 @@ class JobRun {
     if (no_baseline_) return std::string();
     if (foreign_mesh()) {
       posted_mesh_ = store_.Pin(request_.mesh);
-      if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh is not there any more"};
+      if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh no longer exists"};
       // Under the name that it came with, which errors show.
       auto path = UnderName(posted_mesh_->path, request_.mesh_name.empty() ? "mesh" : request_.mesh_name);
       if (!path) return path.error();

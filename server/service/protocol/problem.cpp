@@ -35,9 +35,9 @@ const char* TitleOf(ErrorCode code) {
     case ErrorCode::kCancelled:
       return "The request was stopped";
     case ErrorCode::kInternal:
-      return "An error of the service itself";
+      return "Internal error of the service";
   }
-  return "An error of the service itself";
+  return "Internal error of the service";
 }
 
 bool CallerIsToBlame(ErrorCode code) {
@@ -77,7 +77,8 @@ HttpResponse ProblemOfStatus(int status) {
     case 404:
       return Problem(404, "not-found", "Not found", "There is nothing at this address.");
     case 405:
-      return Problem(405, "method-not-allowed", "Method not allowed", "This address knows other methods.");
+      return Problem(405, "method-not-allowed", "Method not allowed",
+                     "This address does not support the method; see the Allow header.");
     case 408:
       return Problem(408, "request-timeout", "Request timeout", "The request took too long to arrive.");
     case 413:
@@ -88,7 +89,8 @@ HttpResponse ProblemOfStatus(int status) {
       break;
   }
   if (status >= 500)
-    return Problem(status, "internal", "An error of the service itself", "The log has the cause.");
+    return Problem(status, "internal", "Internal error of the service",
+                   "The log of the service states the cause.");
   return Problem(status, "malformed-request", "Malformed request", "The request is not well-formed.");
 }
 

@@ -57,9 +57,9 @@ Result<void> MakeSchema(Database& database, const std::string& path) {
   if (version == kSchemaVersion) return {};
   if (version > kSchemaVersion)
     return Error{ErrorCode::kBadUsage, path + " was written by a newer facetless (its version is " +
-                                           std::to_string(version) + ", this program knows " +
+                                           std::to_string(version) + ", this program supports up to " +
                                            std::to_string(kSchemaVersion) +
-                                           "); use that one, or choose another --data"};
+                                           "); use the newer program, or choose another --data"};
   const std::string version_statement = "PRAGMA user_version = " + std::to_string(kSchemaVersion) + ";";
   if (auto made = database.RunScript(kSchema + version_statement); !made) return made;
   return transaction.Commit();

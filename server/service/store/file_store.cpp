@@ -295,7 +295,7 @@ Result<void> FileStore::PutMesh(const std::string& owner, const std::string& id,
   auto asked =
       database.Query("SELECT 1 FROM items WHERE id = ?", {item}, [&](const SqlRow&) { known = true; });
   if (!asked) return asked;
-  if (!known) return Error{ErrorCode::kInternal, "the model " + id + " is not there any more"};
+  if (!known) return Error{ErrorCode::kInternal, "the model " + id + " no longer exists"};
   if (auto used = InsertUse(database, item, "mesh-" + key, mesh); !used) return used;
   return transaction.Commit();
 }
@@ -423,7 +423,7 @@ Result<void> FileStore::MakeRoomFor(const std::string& owner, std::uint64_t quot
   while (BytesOf(owner) + bytes > quota) {
     if (bytes > quota || !GiveUpOldest(std::numeric_limits<double>::infinity(), owner + "/"))
       return Error{ErrorCode::kWriteFailed,
-                   "the key's quota is used up: it allows " + std::to_string(quota >> 20) + " MB"};
+                   "the key's quota is exhausted: it allows " + std::to_string(quota >> 20) + " MB"};
     RemoveLooseFiles();
   }
   return {};

@@ -162,7 +162,7 @@ class StoreCheck {
 Result<Json> CheckStore(const std::string& directory) {
   std::error_code error;
   if (!fs::exists(directory + "/facetless.db", error))
-    return Error{ErrorCode::kBadUsage, directory + " is no data directory: it has no facetless.db"};
+    return Error{ErrorCode::kBadUsage, directory + " is not a data directory: it has no facetless.db"};
   auto opened = DataDirectory::Open(directory);
   if (!opened) return opened.error();
   return StoreCheck(*opened.value()).Run();

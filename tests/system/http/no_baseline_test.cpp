@@ -41,7 +41,7 @@ class HttpNoBaseline : public testing::Test {
 TEST_F(HttpNoBaseline, SaysWhyForEachEndOfTheMesher) {
   LiveServer server({}, FakeImporter());
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash",
-                  "the mesher died of SIGSEGV");
+                  "the mesher was killed by SIGSEGV");
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}}), "timeout",
                   "meshing took longer than 0.3 s; mesh_timeout allows more");
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-unusable write-failed"), "failed", "");

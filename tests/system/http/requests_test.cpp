@@ -18,8 +18,8 @@ TEST(HttpTerms, OptionsAreNamedAsRequestsNameThem) {
   EXPECT_EQ(InHttpTerms("try the other one of --mesh-up y, --mesh-up z"),
             "try the other one of mesh_up y, mesh_up z");
   EXPECT_EQ(InHttpTerms("--parts and --hide leave nothing"), "parts and hide leave nothing");
-  EXPECT_EQ(InHttpTerms("--import-memory allows more"),
-            "the service's own option --import-memory allows more");
+  EXPECT_EQ(InHttpTerms("use --import-memory to allow more"),
+            "the service's own option use --import-memory to allow more");
   EXPECT_EQ(InHttpTerms("as (--mesh) says"), "as (the part mesh) says");
   EXPECT_EQ(InHttpTerms("a--strict b -- --nonsense"), "a--strict b -- --nonsense");
   EXPECT_TRUE(IsRequestOption("mesh_unit"));
@@ -45,7 +45,7 @@ class Requests : public testing::Test {
 
 TEST_F(Requests, JsonErrorsHaveTheirPosition) {
   EXPECT_THAT(DetailOfOptions("{\n  \"size\": 32x32\n}"),
-              AllOf(HasSubstr("the part \"options\" is no valid JSON: line 2, column 13"), HasSubstr("x")));
+              AllOf(HasSubstr("the part \"options\" is not valid JSON: line 2, column 13"), HasSubstr("x")));
   EXPECT_THAT(DetailOfOptions(""), HasSubstr("line 1, column 1"));
   EXPECT_THAT(DetailOfOptions(R"({"size":"32x32","view":"iso","view":"top"})"),
               HasSubstr("has the name \"view\" twice"));
@@ -53,7 +53,7 @@ TEST_F(Requests, JsonErrorsHaveTheirPosition) {
   const Reply body =
       server_.Request("POST", "/v1/renders", {{"Content-Type", "application/json"}}, "{\"model\": nul}");
   EXPECT_EQ(body.status, 422);
-  EXPECT_THAT(body.Json().at("detail"), HasSubstr("the body is no valid JSON: line 1, column 1"));
+  EXPECT_THAT(body.Json().at("detail"), HasSubstr("the body is not valid JSON: line 1, column 1"));
   // A word of a megabyte is not repeated.
   EXPECT_LT(DetailOfOptions("{\"size\": " + std::string(50000, 'y') + "}").size(), 400u);
   EXPECT_LT(DetailOfOptions("{\"" + std::string(50000, 'y') + "\": 1}").size(), 3000u);

@@ -131,7 +131,7 @@ TEST_F(CommandLine, SaysInOneSentenceWhyAFileCannotBeUsed) {
   EXPECT_EQ(RunFake("inspect", "garbage", {}).exit_code, kExitUnusable);
   const ChildOutcome hanging = RunFake("inspect", "hang", {"--import-timeout", "0.3"});
   EXPECT_EQ(hanging.exit_code, kExitUnusable);
-  EXPECT_THAT(hanging.error_tail, HasSubstr("--import-timeout allows more"));
+  EXPECT_THAT(hanging.error_tail, HasSubstr("use --import-timeout to allow more"));
   EXPECT_EQ(Run({"inspect", "absent.step"}).exit_code, kExitUnusable);
 }
 

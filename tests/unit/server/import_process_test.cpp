@@ -50,7 +50,7 @@ TEST_F(ImportProcess, PassesTheImportersOwnErrorOn) {
 TEST_F(ImportProcess, SurvivesACrashAndNamesTheSignal) {
   const Error error = ErrorOf(Request("crash"));
   EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
-  EXPECT_THAT(error.message, HasSubstr("part.step: the importer died of SIGSEGV"));
+  EXPECT_THAT(error.message, HasSubstr("part.step: the importer was killed by SIGSEGV"));
 }
 
 TEST_F(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
@@ -58,7 +58,7 @@ TEST_F(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
   request.limits.timeout_s = 0.3;
   const Error error = ErrorOf(request);
   EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
-  EXPECT_THAT(error.message, HasSubstr("0.3 s; --import-timeout allows more"));
+  EXPECT_THAT(error.message, HasSubstr("0.3 s; use --import-timeout to allow more"));
 }
 
 TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
@@ -67,7 +67,7 @@ TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
   request.limits.memory_mb = 300;
   const Error error = ErrorOf(request);
   EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
-  EXPECT_THAT(error.message, HasSubstr("300 MB of memory; --import-memory allows more"));
+  EXPECT_THAT(error.message, HasSubstr("300 MB of memory; use --import-memory to allow more"));
 }
 
 TEST_F(ImportProcess, KeepsTheModelOfAMesherThatFailsIfThatSuffices) {

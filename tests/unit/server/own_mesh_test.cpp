@@ -80,7 +80,7 @@ TEST_F(OwnMesh, TakesOverFromTheEarlyPicturesOfASlowMesher) {
 TEST_F(OwnMesh, ThatTakesTooLongLeavesTheExactHalf) {
   ExpectExactHalf(Compare("mesh-hang", {"--mesh-timeout", "0.3"}), "timeout",
                   "meshing took longer than 0.3 s",
-                  "--mesh-timeout allows more, and a coarser --deflection needs less");
+                  "use --mesh-timeout to allow more, and a coarser --deflection needs less");
   // The same after the exact pictures were made early.
   ExpectExactHalf(Compare("mesh-spin", {"--mesh-timeout", "2.5"}), "timeout",
                   "meshing took longer than 2.5 s",
@@ -88,14 +88,14 @@ TEST_F(OwnMesh, ThatTakesTooLongLeavesTheExactHalf) {
 }
 
 TEST_F(OwnMesh, ThatCrashesLeavesTheExactHalf) {
-  ExpectExactHalf(Compare("mesh-crash"), "crash", "the mesher died of SIGSEGV", "another --deflection");
+  ExpectExactHalf(Compare("mesh-crash"), "crash", "the mesher was killed by SIGSEGV", "another --deflection");
   ExpectExactHalf(Compare("mesh-garbage"), "crash", "gave up with exit code 0", "render");
 }
 
 TEST_F(OwnMesh, ThatNeedsTooMuchMemoryLeavesTheExactHalf) {
   if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
   ExpectExactHalf(Compare("mesh-memory", {"--import-memory", "300"}), "memory",
-                  "meshing needs more than 300 MB of memory", "--import-memory allows more");
+                  "meshing needs more than 300 MB of memory", "use --import-memory to allow more");
 }
 
 TEST_F(OwnMesh, ThatTheMesherRefusesLeavesTheExactHalf) {
@@ -126,9 +126,10 @@ TEST_F(OwnMesh, IsWhatTheMeshCommandIsFor) {
       RunProgram(Program("facetless"),
                  {"mesh", file, "--out", out_.File("part.stl"), "--mesh-timeout", "0.3"}, out_.path());
   EXPECT_EQ(outcome.exit_code, kExitUnusable);
-  EXPECT_EQ(outcome.error_tail,
-            "facetless: part.step: meshing took longer than 0.3 s; --mesh-timeout allows more, and a coarser "
-            "--deflection needs less\n");
+  EXPECT_EQ(
+      outcome.error_tail,
+      "facetless: part.step: meshing took longer than 0.3 s; use --mesh-timeout to allow more, and a coarser "
+      "--deflection needs less\n");
 }
 
 TEST_F(OwnMesh, IsNotWaitedForByTheExactPictures) {

@@ -69,7 +69,7 @@ class Manifest : public testing::Test {
 };
 
 TEST_F(Manifest, ThatIsWrongSaysWhere) {
-  EXPECT_THAT(ErrorOf("nonsense"), HasSubstr("is no valid JSON: line 1, column 2"));
+  EXPECT_THAT(ErrorOf("nonsense"), HasSubstr("is not valid JSON: line 1, column 2"));
   EXPECT_THAT(ErrorOf("{}"), HasSubstr("list \"files\""));
   EXPECT_THAT(ErrorOf(R"({"files":[],"extra":1})"), HasSubstr("there is no \"extra\""));
   EXPECT_THAT(ErrorOf(R"({"files":[{}]})"), HasSubstr("an object with a \"file\""));

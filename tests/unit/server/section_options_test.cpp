@@ -60,7 +60,7 @@ TEST(SectionOptions, ThatAreNoPlaneSayWhatIs) {
   EXPECT_THAT(MessageOf(7), HasSubstr("must be"));
   EXPECT_THAT(MessageOf({{"point", {1, 2, 3}}}), HasSubstr("must be"));
   EXPECT_THAT(MessageOf({{"point", {1, 2}}, {"normal", {0, 0, 0, 1}}}), HasSubstr("must be"));
-  EXPECT_THAT(MessageOf(Json(std::vector<std::string>(17, "z=1"))), HasSubstr("16 can be taken"));
+  EXPECT_THAT(MessageOf(Json(std::vector<std::string>(17, "z=1"))), HasSubstr("16 are allowed"));
 }
 
 TEST(SectionOptions, AtAShareOfNothingAreRefused) {

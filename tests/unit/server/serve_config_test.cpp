@@ -85,7 +85,7 @@ TEST_F(ServeConfiguration, ChecksEveryValueWhereverItComesFrom) {
   ExpectRefused(Run({"--config", File("jobs = many\n")}), "jobs");
   ExpectRefused(Run({"--config", File(R"({"jobs": [1, 2]})")}), "\"jobs\"");
   ExpectRefused(Run({"--config", File("jobs = 1\nqueue = 2\njobs = 3\n")}), "\"jobs\" twice");
-  ExpectRefused(Run({"--config", File("{\"jobs\": 3")}), "is no valid JSON: line 1, column 11");
+  ExpectRefused(Run({"--config", File("{\"jobs\": 3")}), "is not valid JSON: line 1, column 11");
   ExpectRefused(Run({"--config", File("require-keys = perhaps\n")}), "require-keys");
   ExpectRefused(Run({}, {"FACETLESS_SERVE_JOBS=0"}), "FACETLESS_SERVE_JOBS");
   ExpectRefused(Run({}, {"FACETLESS_SERVE_LOG=xml"}), "FACETLESS_SERVE_LOG");
