@@ -1,14 +1,20 @@
-// BMSSM (V. Skala, "Memory saving technique for space subdivision technique"): for each sample row and each
-// sample column a bitmap with a bit per leaf. The leaves whose screen box holds the sample (row i, column j)
-// are exactly the bits of R_i & S_j.
+// BMSSM (V. Skala, "Memory saving technique for space subdivision technique"). Each sample row i has a bitmap
+// R_i and each sample column j a bitmap S_j, with one bit per leaf. The set bits of R_i & S_j are exactly the
+// leaves whose screen box contains the sample (i, j).
 //
-//  1. Bits are numbered per screen tile: a tile lists the leaves whose boxes meet it, and its bitmaps have
+//     const TileLeaves tiles({leaves}, columns, rows);
+//     TileBitmaps bitmaps;
+//     bitmaps.Build(tiles, tile, column, row);
+//     for (int w = 0; w < bitmaps.words(); ++w)
+//       Visit(tiles.Tile(tile), w, bitmaps.Row(i)[w] & bitmaps.Column(j)[w]);
+//
+//  1. Bits are numbered per screen tile. A tile lists the leaves whose boxes overlap it, and its bitmaps have
 //     one bit per listed leaf.
-//  2. A tile's list is sorted by (near depth, placed face, patch, u, v): walking set bits upwards goes front
-//     to back, and the walk ends at the first leaf that begins behind the hit. The order is total, so it does
-//     not depend on threads.
-//  3. An object without a bit in some row (the paper's V) or column (W) is met by no ray. Leaves are only
-//     kept when their box holds a sample centre, so a placed face without leaves is one that no ray can see.
+//  2. The list of a tile is sorted by (near depth, placed face, patch, u, v). Visiting the set bits in
+//     ascending order therefore visits the leaves from front to back, and the visit ends at the first leaf
+//     that begins behind the hit. The order is total, so it does not depend on the number of threads.
+//  3. No ray meets an object whose bit is clear in all rows (the paper's V) or in all columns (W). A leaf is
+//     listed only if its box contains a sample centre, so a placed face without leaves is not visible.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +26,7 @@
 
 namespace facetless {
 
-inline constexpr int kTileSize = 32;  // samples along each side
+inline constexpr int kTileSize = 32;  // samples along each side of a tile
 
 // The order of tiles' lists (Law 2), of leaves `a` and `b` of a view.
 bool FrontToBack(const LeafSpans& leaves, std::uint32_t a, std::uint32_t b);
@@ -28,8 +34,8 @@ bool FrontToBack(const LeafSpans& leaves, std::uint32_t a, std::uint32_t b);
 // The leaves of all tiles of one view, front to back within each tile.
 class TileLeaves {
  public:
-  // Sorts the leaves of all parts and lists them per tile; in parallel, and the result depends neither on the
-  // thread count nor on how the leaves are dealt out to the parts.
+  // Sorts the leaves of all parts and lists them per tile, in parallel. The result depends neither on the
+  // number of threads nor on the distribution of the leaves over the parts.
   TileLeaves(const std::vector<LeafSpans>& parts, int columns, int rows);
 
   int tiles_x() const { return tiles_x_; }
@@ -40,7 +46,9 @@ class TileLeaves {
   std::span<const std::uint32_t> Tile(int tile) const {
     return {indices_.data() + begin_[tile], begin_[tile + 1] - begin_[tile]};
   }
-  std::uint64_t bits() const { return indices_.size() * 2 * kTileSize; }  // of all bitmaps together
+  std::uint64_t bits() const {
+    return indices_.size() * 2 * kTileSize;
+  }  // total size of all bitmaps, in bits
   std::size_t bytes() const;
   std::size_t leaf_bytes() const;  // those of the leaves alone
 
@@ -62,10 +70,10 @@ class TileLeaves {
   std::vector<std::uint32_t> indices_;
 };
 
-// The row and column bitmaps of one tile. Reused from tile to tile: storage only grows.
+// The row and column bitmaps of one tile. An object is reused for many tiles; its storage only grows.
 class TileBitmaps {
  public:
-  // For the tile whose first sample is (column, row).
+  // Builds the bitmaps of `tile`, whose first sample is (column, row).
   void Build(const TileLeaves& tiles, int tile, int column, int row);
 
   int words() const { return words_; }

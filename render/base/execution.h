@@ -1,4 +1,7 @@
-// How a piece of work is to be run: on how many threads, and until when.
+// Execution: the number of threads that a computation may use, and the flag that cancels it.
+//
+//     std::atomic<bool> stop = false;
+//     auto answer = TraceDirect(scene, camera, {.execution = {.threads = 4, .cancel = &stop}});
 #pragma once
 
 #include <atomic>
@@ -6,8 +9,9 @@
 namespace facetless {
 
 struct Execution {
-  int threads = 0;                            // 0: all cores
-  const std::atomic<bool>* cancel = nullptr;  // polled; true ends the work with kCancelled
+  int threads = 0;  // 0: one per core
+  const std::atomic<bool>* cancel =
+      nullptr;  // polled if not null; the work ends with kCancelled once it is true
 
   bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
 };

@@ -1,8 +1,11 @@
-// An allocator for images: large pages where the system has them, and no values written before somebody's
-// own.
+// An allocator for images. It uses large pages where the system has them, and it leaves new elements
+// uninitialised.
 //
-// A megapixel of samples is 27 MB. In pages of 4 KiB its first touch costs as much as tracing simple models
-// does.
+// A megapixel of samples takes 27 MB. In pages of 4 KiB, the first access to that memory costs as much as
+// tracing a simple model.
+//
+//     std::vector<double, LargePages<double>> depth;
+//     depth.resize(1 << 20);  // the values are indeterminate until they are written
 #pragma once
 
 #include <sys/mman.h>
@@ -29,7 +32,7 @@ struct LargePages {
     const std::size_t whole = (bytes + kPage - 1) / kPage * kPage;
     void* memory = std::aligned_alloc(kPage, whole);
     if (memory == nullptr) throw std::bad_alloc();
-    madvise(memory, whole, MADV_HUGEPAGE);  // a wish: small pages work as well
+    madvise(memory, whole, MADV_HUGEPAGE);  // a hint only: small pages work, too
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t count) {
@@ -39,8 +42,8 @@ struct LargePages {
       std::free(memory);
     }
   }
-  // std::vector::resize leaves new elements as they are, also of types whose constructor would write
-  // something.
+  // std::vector::resize does not initialise new elements of trivially copyable types, even if their
+  // constructors would write to them.
   template <typename U>
   void construct(U* at) {
     if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(at)) U;
@@ -53,7 +56,8 @@ struct LargePages {
 
  private:
   static constexpr std::size_t kPage = std::size_t{1} << 21;
-  static constexpr std::size_t kFewest = kPage;  // smaller blocks would waste more than they save
+  static constexpr std::size_t kFewest =
+      kPage;  // for smaller blocks, the memory wasted outweighs the time saved
 };
 
 }  // namespace facetless

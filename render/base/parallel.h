@@ -1,15 +1,21 @@
-// Parallel loops: the only file that knows oneTBB.
+// Parallel loops. This is the only file that uses oneTBB directly.
 //
-//  1. A loop returns when all its bodies have ended. Bodies see what the caller wrote before the loop, and
-//     the caller sees what they wrote after it. Nothing orders the bodies of one loop among each other: two
-//     that touch the same memory are a race if one of them writes.
-//  2. A body may start another loop. While it waits there, its thread may take up other bodies, of the outer
-//     loop too: nothing that belongs to a thread (PerThread) is held across a loop.
-//  3. An exception in a body ends the loop, and leaves it as if thrown by the caller.
-//  4. oneTBB comes without the thread sanitizer's instrumentation, which therefore sees none of the
-//     synchronisation inside the library. A build with that sanitizer is told law 1 here, and no more: two
-//     bodies that race are still reported (tests/unit/trace/parallel_test.cpp). What the library does to its
-//     own tasks is left out by tools/tsan.supp, and what it leaves on the caller's stack by RunLoop below.
+//     PerThread<std::uint64_t> sums;
+//     ParallelFor(0, rows, [&](int row) { sums.local() += CountHits(row); });
+//     for (const std::uint64_t sum : sums) total += sum;
+//
+//  1. A loop returns when all its bodies have ended. The bodies see everything that the caller wrote before
+//     the loop, and the caller sees everything that the bodies wrote. The bodies of one loop are not ordered
+//     among each other: if two of them access the same memory and one writes, that is a data race.
+//  2. A body may start another loop. While it waits for that loop, its thread may run other bodies, including
+//     bodies of the outer loop. Code must therefore not hold a reference to per-thread data (PerThread)
+//     across a loop.
+//  3. An exception in a body ends the loop and propagates to the caller.
+//  4. The oneTBB library is not built with the thread sanitizer's instrumentation, so the sanitizer sees none
+//     of its internal synchronisation. In a sanitized build this file declares law 1 to the sanitizer, and
+//     nothing more: a race between two bodies is still reported (tests/unit/trace/parallel_test.cpp).
+//     tools/tsan.supp suppresses reports about the library's own tasks, and RunLoop below those about data
+//     that the library leaves on the caller's stack.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -28,15 +34,15 @@
 
 namespace facetless {
 
-// A T for each thread that asks for its own by local(); after the loop, iterate over all of them.
+// One T for each thread that calls local(). After the loop, iterate over all of them.
 template <typename T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
-// A piece of work that threads hand to each other: Run from any of them between the making and the end of
-// this object, which are on the thread that waits for it. The loops below use it, and who gives work to
-// another library that runs it on oneTBB's threads. The two addresses stand for its two facts: the caller's
-// writes come before each body, and each body's writes before the caller's return. One address for both would
-// order the bodies too, and hide their races.
+// Work that one thread hands to others. The waiting thread constructs and destroys this object; between the
+// two, any thread may call Run. The loops below use it, and so does code that hands work to another library
+// that runs it on oneTBB's threads. The two addresses declare two orderings to the sanitizer: the caller's
+// writes happen before each body, and each body's writes happen before the caller continues. A single address
+// for both would order the bodies among each other as well, and hide their races.
 template <typename Body>
 class SharedWork {
  public:
@@ -53,7 +59,7 @@ class SharedWork {
   }
 
  private:
-  struct Returning {  // also where the body throws
+  struct Returning {  // runs even if the body throws
     const SharedWork* work;
     ~Returning() { Release(&work->handed_in_); }
   };
@@ -75,19 +81,21 @@ class SharedWork {
   alignas(8) char handed_in_ = 0;
 };
 
-// Runs loop(), which starts a loop of oneTBB and waits for it. The library counts the end of a loop in a
-// place on the waiting thread's stack. Its last thread leaves that place by an atomic operation that the
-// sanitizer sees, but the waiting itself is inside the library: to the sanitizer whatever lies there next
-// seems to race with the loop that is over, and by then the report may have lost the frames that
-// tools/tsan.supp knows. So who waited takes up what was handed in anywhere on the frames below, which are
-// nobody's any more. Only atomics hand in anything: a body that wrote there without one is still reported.
+// Runs loop(), which starts a loop of oneTBB and waits for it. The library keeps the loop's completion
+// counter on the stack of the waiting thread. The last worker thread releases the counter with an atomic
+// operation, which the sanitizer sees, but the waiting happens inside the library, which it does not see.
+// Whatever is later stored at the same stack address therefore seems to race with the finished loop, and the
+// report may no longer contain the frames that tools/tsan.supp matches. To prevent that, the waiting thread
+// acquires every address in the stack frames below its own, which are dead by then. Only atomic operations
+// release an address: a body that wrote there without one is still reported.
 #if defined(__SANITIZE_THREAD__)
 template <typename Loop>
 [[gnu::noinline]] void RunLoop(const Loop& loop) {
-  struct Ended {  // also where a body throws
+  struct Ended {  // runs even if a body throws
     char* frame;
     ~Ended() {
-      constexpr int kFrames = 4096;  // bytes; those between here and the library take a tenth of it
+      constexpr int kFrames =
+          4096;  // bytes; the frames between here and the library take about a tenth of this
       for (int below = 8; below <= kFrames; below += 8) __tsan_acquire(frame - below);
     }
   };
@@ -101,7 +109,7 @@ void RunLoop(const Loop& loop) {
 }
 #endif
 
-// body(i) for begin ≤ i < end.
+// Calls body(i) for begin ≤ i < end.
 template <typename Index, typename Body>
 void ParallelFor(Index begin, Index end, const Body& body) {
   if (!(begin < end)) return;
@@ -116,8 +124,8 @@ void ParallelFor(Index begin, Index end, const Body& body) {
   });
 }
 
-// body(first, last) for blocks that make up begin ≤ i < end; a block of more than `grain` indices may be
-// halved.
+// Calls body(first, last) for disjoint blocks that cover begin ≤ i < end. Blocks of more than `grain` indices
+// may be split further.
 template <typename Body>
 void ParallelForBlocks(std::size_t begin, std::size_t end, std::size_t grain, const Body& body) {
   if (!(begin < end)) return;
@@ -129,7 +137,8 @@ void ParallelForBlocks(std::size_t begin, std::size_t end, std::size_t grain, co
   });
 }
 
-// body(row, row_end, column, column_end) for tiles of at most tile × tile that make up rows × columns.
+// Calls body(row, row_end, column, column_end) for disjoint tiles of at most tile × tile elements that cover
+// rows × columns.
 template <typename Body>
 void ParallelForTiles(int rows, int columns, int tile, const Body& body) {
   if (rows <= 0 || columns <= 0) return;
@@ -144,18 +153,18 @@ void ParallelForTiles(int rows, int columns, int tile, const Body& body) {
   });
 }
 
-// Sorts; elements that compare equal come in any order.
+// Sorts the elements. The order of elements that compare equal is unspecified.
 template <typename Iterator, typename Less>
 void ParallelSort(Iterator begin, Iterator end, const Less& less) {
 #if defined(__SANITIZE_THREAD__)
-  // oneTBB's own moves of elements can't be announced.
+  // The moves of elements inside oneTBB cannot be declared to the sanitizer.
   std::sort(begin, end, less);
 #else
   tbb::parallel_sort(begin, end, less);
 #endif
 }
 
-// Runs body() with this many threads for its loops, 0 for as many as there are cores.
+// Runs body(); the loops that it starts use this many threads, or one per core if `threads` is 0.
 template <typename Body>
 void RunWithThreads(int threads, const Body& body) {
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);

@@ -1,9 +1,13 @@
-// Result<T>: a value, or the one reason why there is none.
+// Result<T>: either a value, or the error that explains why there is no value.
 //
-//  1. Every expected failure has an enumerator of ErrorCode; the sentence is for the person who reads it and
-//     names the file, the entity where there is one, and the remedy.
-//  2. Libraries never print, never abort and never let an exception of a third party through.
-//  3. value() of a failed Result is a programming error and asserts.
+//     Result<Model> model = ReadModel(path);
+//     if (!model) return model.error();
+//     Use(model.value());
+//
+//  1. Every expected failure has an enumerator of ErrorCode. The message is written for users: it names the
+//     file, the entity if there is one, and the remedy.
+//  2. Libraries never print, never abort, and never let an exception of a third-party library escape.
+//  3. Calling value() on a failed Result is a programming error and asserts.
 #pragma once
 
 #include <cassert>
@@ -17,12 +21,12 @@ namespace facetless {
 enum class ErrorCode : std::uint8_t {
   kBadUsage,         // the caller's options contradict themselves or are out of range
   kFileUnreadable,   // absent, no permission, or not a regular file
-  kFormatUnknown,    // the content is no CAD file, mesh or image that we read
-  kFormatBroken,     // the content claims a format and then violates it
+  kFormatUnknown,    // the content is not a CAD file, mesh or image of a supported format
+  kFormatBroken,     // the content claims a format but violates it
   kNothingUsable,    // well-formed, but nothing in it can be rendered
-  kUnitMismatch,     // a mesh whose size contradicts the model's by about 1000, 25.4 or 10
-  kLimitExceeded,    // memory, time, file size, or a number of entities
-  kImporterCrashed,  // the importer process died of a signal
+  kUnitMismatch,     // the sizes of mesh and model differ by a factor of about 1000, 25.4 or 10
+  kLimitExceeded,    // a limit of memory, time, file size or number of entities
+  kImporterCrashed,  // a signal killed the importer process
   kSizeMismatch,     // two images or sample buffers of different size
   kNotFinite,        // NaN or infinity where a number is needed
   kWriteFailed,      // the disk is full, the directory is absent, or no permission
@@ -30,7 +34,7 @@ enum class ErrorCode : std::uint8_t {
   kInternal,         // a defect of Facetless
 };
 
-// The enumerator's stable name in JSON and in problem types: "bad-usage", "file-unreadable", …
+// The stable name of the enumerator in JSON and in problem types: "bad-usage", "file-unreadable", …
 const char* ErrorCodeName(ErrorCode code);
 
 struct Error {
@@ -66,7 +70,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-// A Result without a value.
+// The result of an operation that succeeds or fails but has no value.
 template <>
 class [[nodiscard]] Result<void> {
  public:

@@ -1,12 +1,13 @@
-// Tangent and arctangent from polynomials of our own: the C library's differ from machine to machine in the
-// last bit, and these do not.
+// Tangent and arctangent, computed from polynomials. The C library's functions differ between machines in the
+// last bit; these return the same bits everywhere.
 #pragma once
 
 namespace facetless {
 
-// The tangent of x, in radians, for |x| ≤ 1.6 and away from the pole; to a few units in the last place.
+// The tangent of x radians, accurate to a few units in the last place. Requires |x| ≤ 1.6, away from the
+// pole.
 double PolyTan(double x);
-// The arctangent of any x, in radians; to a few units in the last place.
+// The arctangent of x in radians, accurate to a few units in the last place, for any x.
 double PolyAtan(double x);
 
 }  // namespace facetless

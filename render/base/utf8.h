@@ -1,4 +1,4 @@
-// Texts from files and people: UTF-8, its characters, and what of it may be shown.
+// UTF-8 text from files and users: encoding, decoding, and removing characters that are unsafe to display.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,25 @@ namespace facetless {
 
 inline constexpr std::uint32_t kReplacementCharacter = 0xfffd, kLastCharacter = 0x10ffff;
 
-// Halves of pairs of UTF-16, which are no characters.
+// Whether the code is a UTF-16 surrogate, which is not a character.
 inline bool IsSurrogate(std::uint32_t code) {
   return code >= 0xd800 && code < 0xe000;
 }
 
-// Characters that a terminal, a log or a page would obey instead of showing.
+// Whether the character is a control character, which a terminal or a log may act on instead of displaying.
 inline bool IsControlCharacter(std::uint32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0);
 }
 
-// Requires a character: at most kLastCharacter, no surrogate.
+// Appends one character. Requires code ≤ kLastCharacter, and not a surrogate.
 void AppendUtf8(std::uint32_t code, std::string& out);
 
-// The characters of a UTF-8 text; none if it is no UTF-8 (overlong forms and surrogates are not).
+// The characters of a UTF-8 text; nothing if the text is not valid UTF-8. Overlong forms and surrogates are
+// invalid.
 std::optional<std::u32string> DecodeUtf8(std::string_view text);
 
-// The text in UTF-8 without any control character: each becomes U+FFFD. Bytes that are no UTF-8 are taken as
-// ISO 8859-1. Whatever comes from a file or a request passes through here on its way to a terminal.
+// The text in UTF-8, with every control character replaced by U+FFFD. Text that is not valid UTF-8 is read as
+// ISO 8859-1. All text from files and requests must pass through this function before it reaches a terminal.
 std::string Printable(std::string_view text);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// Small fixed-size vectors and matrices in double precision. Plain aggregates: no invariants, no allocation.
+// Small fixed-size vectors and matrices in double precision. They are plain aggregates without invariants.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ struct Vec2 {
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 };
-// Homogeneous point: (w·x, w·y, w·z, w). A polynomial surface has w = 1 throughout.
+// A homogeneous point (w·x, w·y, w·z, w). All points of a polynomial surface have w = 1.
 struct Vec4 {
   double x = 0, y = 0, z = 0, w = 0;
 };
@@ -56,7 +56,7 @@ inline Vec3 Cross(Vec3 a, Vec3 b) {
 inline double Length(Vec3 a) {
   return std::sqrt(Dot(a, a));
 }
-// The unit vector along a; (0,0,0) if a is zero or not finite.
+// The unit vector in the direction of a; (0,0,0) if a is zero or its length is not finite.
 inline Vec3 Normalized(Vec3 a) {
   const double length = Length(a);
   return length > 0 && std::isfinite(length) ? (1 / length) * a : Vec3{};
@@ -72,7 +72,7 @@ inline Vec4 operator*(double s, Vec4 a) {
   return {s * a.x, s * a.y, s * a.z, s * a.w};
 }
 
-// Affine placement, row-major 3×4: p ↦ (m[r][0..2] · p) + m[r][3].
+// An affine placement, as a row-major 3×4 matrix: p ↦ (m[r][0..2] · p) + m[r][3].
 struct Placement {
   double m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
@@ -91,7 +91,7 @@ struct Placement {
   }
 };
 
-// General 4×4 matrix, row-major, applied to homogeneous columns.
+// A general row-major 4×4 matrix, applied to homogeneous column vectors.
 struct Mat4 {
   double m[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
 

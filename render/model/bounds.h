@@ -1,9 +1,10 @@
-// Boxes of trimmed faces and of what is placed.
+// Bounding boxes of trimmed faces and of placed instances.
 //
-//  1. Developable faces are bounded by their edges, others by the hulls of the finely divided patches over
-//     their loops' box. Conservative up to the gaps of the face's edges, which are added.
-//  2. How a native parameter becomes a Bézier one is the caller's to say: the importer uses the C library's
-//     tangent, the renderer its own, which is the same on every processor.
+//  1. The box of a developable face bounds its edges. The box of any other face bounds the control hulls of
+//     its patches, finely divided, over the box of its loops. The gaps between the face and its edges are
+//     added, so the boxes are conservative.
+//  2. The caller supplies the map from native to Bézier parameters: the importer uses the tangent of the C
+//     library, the renderer its own, which gives the same bits on every processor.
 #pragma once
 
 #include <vector>
@@ -12,17 +13,17 @@
 
 namespace facetless {
 
-// The Bézier parameter of a native parameter in the span.
+// Maps a native parameter in the span to the span's Bézier parameter.
 using SpanToBezier = double (*)(const Span& span, double native);
 
-// A box that holds the trimmed face, in its part's frame.
+// A box that contains the trimmed face, in the frame of its part.
 Box3 FaceBounds(const Model& model, std::uint32_t face, SpanToBezier to_bezier);
 
-// The boxes of all instances, as placed: part boxes are not turned, their faces' control hulls are. Empty for
-// an instance without faces.
+// The boxes of all placed instances. They bound the transformed control hulls of the faces, not the
+// transformed box of the part. The box of an instance without faces is empty.
 std::vector<Box3> InstanceBounds(const Model& model, SpanToBezier to_bezier);
 
-// The box of all.
+// The smallest box that contains all boxes.
 Box3 Union(const std::vector<Box3>& boxes);
 
 }  // namespace facetless

@@ -14,14 +14,14 @@
 //  1. Each element belongs to the owner that was added last: a face and a solid to the part, a loop to the
 //     face, a coedge to the loop, a trim segment to the coedge, an edge segment to the edge. Edges and
 //     vertices may be added at any time before they are named.
-//  2. Every Add… that makes an element others can name returns its index.
-//  3. The builder fills in what follows from the rest, and overwrites what the caller wrote there: all ranges
-//     and first points, a face's surface, Solid::part, Edge::coedge_count, Instance::first_placed_face,
-//     degrees of segments, Surface::rational where a weight is not 1, and the model's bounds unless SetBounds
-//     said them.
-//  4. Finish() validates: it returns a model for which Validate() holds, or Validate()'s error. kBadUsage: an
-//     element was added before its owner, or a surface has more or fewer control points than its spans and
-//     degrees need.
+//  2. Every Add… function whose element other elements can refer to returns the index of the element.
+//  3. The builder fills in the fields that follow from the others, and overwrites the caller's values there:
+//     all ranges and first points, Face::surface, Solid::part, Edge::coedge_count,
+//     Instance::first_placed_face, the degrees of segments, Surface::rational if a weight is not 1, and the
+//     model's bounds unless SetBounds was called.
+//  4. Finish() validates the model. It returns a model for which Validate() holds, or the error of
+//     Validate(). It returns kBadUsage if an element was added before its owner, or if the number of control
+//     points of a surface does not match its spans and degrees.
 #pragma once
 
 #include <cstdint>
@@ -33,13 +33,13 @@
 
 namespace facetless {
 
-// A surface of model.h before it has a place in a model: the same laws, with vectors of its own.
+// A surface that is not yet part of a model. The laws of model.h apply; the vectors belong to the grid.
 struct SurfaceGrid {
   SurfaceKind kind = SurfaceKind::kBspline;
   int degree_u = 1, degree_v = 1;
   std::vector<Span> u_spans, v_spans;
-  std::vector<Vec4> points;  // patch after patch, in the model's order
-  bool rational = false;     // true: kept even if all weights are 1
+  std::vector<Vec4> points;  // patch by patch, in the order of Model::control_points
+  bool rational = false;     // true: the surface stays rational even if all weights are 1
   bool extendable_u = false, extendable_v = false;
   double period_u = 0, period_v = 0;
 };
@@ -47,19 +47,19 @@ struct SurfaceGrid {
 class ModelBuilder {
  public:
   ModelBuilder() = default;
-  // Goes on where a finished model ends: with its last part, face and loop. Its bounds are kept.
+  // Continues a finished model after its last part, face and loop. The bounds of the model are kept.
   explicit ModelBuilder(Model model);
 
   ImportInfo& info() { return model_.info; }
-  // What has been added so far. Its placed-face ids and bounds are those of Finish() only.
+  // The elements added so far. Placed-face ids and bounds are not valid before Finish().
   const Model& model() const { return model_; }
 
   std::uint32_t AddPart(std::string name);
-  // A face on a surface of its own. Of `face`, everything but the surface and the loops counts.
+  // Adds a face with a surface of its own. The surface and the loops in `face` are ignored.
   std::uint32_t AddFace(const SurfaceGrid& surface, Face face = {});
   std::uint32_t AddLoop();
   std::uint32_t AddCoedge(Coedge coedge);
-  // (w·u, w·v, w); the degree is one less than the number of points.
+  // Adds a segment with control points (w·u, w·v, w). Its degree is one less than the number of points.
   void AddTrimSegment(std::span<const Vec3> points, double edge_begin = 0, double edge_end = 1);
 
   std::uint32_t AddVertex(Vec3 point, double tolerance_mm = 0);
@@ -67,14 +67,15 @@ class ModelBuilder {
   void AddEdgeSegment(std::span<const Vec4> points, double begin = 0, double end = 1);
 
   std::uint32_t AddSolid(bool closed, std::string name = {});
-  // Requires a face that was added.
+  // Requires a face that has been added.
   void SetSolid(std::uint32_t face, std::uint32_t solid) { model_.faces[face].solid = solid; }
   std::uint32_t AddInstance(Instance instance);
 
-  // By default the bounds are those of the placed control points, wider by the largest gap of each face.
+  // Sets the model's bounds. Without this call, the bounds are the box of the placed control points, enlarged
+  // by the largest gap of each face.
   void SetBounds(const Box3& bounds);
 
-  // Law 4.
+  // Completes and validates the model (law 4).
   Result<Model> Finish() &&;
 
  private:
@@ -85,7 +86,7 @@ class ModelBuilder {
 
   Model model_;
   bool bounds_are_set_ = false;
-  std::string misuse_;  // the first one
+  std::string misuse_;  // the first misuse of the builder; empty if there was none
 };
 
 }  // namespace facetless

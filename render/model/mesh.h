@@ -1,9 +1,10 @@
-// A triangle mesh in memory: what baseline/ traces and what comes from, and goes into, glTF binary.
+// A triangle mesh in memory. render/baseline traces it, and reads it from and writes it to glTF binary files.
 //
-//  1. Millimetres, Z up. Positions are float32 relative to their node's translation, which is double: a mesh
-//     far from the origin keeps its digits.
-//  2. One MeshPart per prototype, one MeshNode per placement of it. Triangles of a part are grouped by face;
-//     face_of_triangle is the index of the face within the part (0 for a foreign mesh that names none).
+//  1. Lengths are in millimetres, and Z is up. Positions are float32, relative to the double-precision
+//     translation of their node, so a mesh far from the origin loses no precision.
+//  2. There is one MeshPart per prototype and one MeshNode per placement of it. The triangles of a part are
+//     grouped by face; face_of_triangle is the index of the face within the part (0 for a foreign mesh, which
+//     does not identify faces).
 #pragma once
 
 #include <array>
@@ -27,17 +28,18 @@ struct MeshNode {
   std::uint32_t part = 0;
   Placement placement;
   std::uint32_t first_placed_face =
-      0;  // as Instance::first_placed_face of the model that the mesh belongs to
+      0;  // equal to Instance::first_placed_face of the model that the mesh belongs to
 };
 
 struct Mesh {
   std::vector<MeshPart> parts;
   std::vector<MeshNode> nodes;
-  std::vector<std::string> faces_unmeshed;  // names of faces that gave no triangle
+  std::vector<std::string> faces_unmeshed;  // names of the faces without triangles
   double deflection_mm = 0;                 // 0: unknown (a foreign mesh)
   double angular_deg = 0;
-  double mesh_ms = 0;       // time the tessellator took
-  bool from_model = false;  // the faces are those of the model that it is compared with
+  double mesh_ms = 0;  // time that the tessellator took
+  bool from_model =
+      false;  // the mesh was made from the model that it is compared with, so its faces are the model's
 };
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// Walking a model: what belongs to what, as ranges for a range-for.
+// Walking a model: the elements that belong to another element, as ranges for range-based for loops.
 //
 //     for (const Coedge& coedge : CoedgesOf(model, face))
 //       for (const TrimSegment& segment : SegmentsOf(model, coedge))
@@ -7,12 +7,11 @@
 //     for (const PlacedFace placed : PlacedFacesOf(model, instance))
 //       if (model.faces[placed.face].name == name) return placed.id;
 //
-//  1. A range refers to the model and copies nothing: it allocates no memory, and must not outlive the
-//     model's vectors. An EdgeUses is a table of its own, and stays right as long as the model's topology
-//     does not change.
-//  2. Elements come in the model's own order: the loops of a face, and in each the coedges.
-//  3. The model is one that Validate() accepts, or at least the ranges that are walked lie within its
-//     vectors.
+//  1. A range refers to the model: it copies nothing, allocates nothing, and must not outlive the model's
+//     vectors. EdgeUses is a separate table; it stays valid until the topology of the model changes.
+//  2. Elements come in the order of the model: loop by loop, and within each loop coedge by coedge.
+//  3. The functions require a model that Validate() accepts, or at least one whose walked ranges lie within
+//     its vectors.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +24,7 @@
 
 namespace facetless {
 
-// The indices of a range, for places that need the number besides the element.
+// The indices of a range, for code that needs the index as well as the element.
 class Indices {
  public:
   class Iterator {
@@ -56,7 +55,7 @@ std::span<const T> Elements(const std::vector<T>& vector, Range range) {
   return {vector.data() + range.first, range.count};
 }
 
-// The index of an element that a range of `vector` gave.
+// The index of an element that belongs to `vector`.
 template <typename T>
 std::uint32_t IndexOf(const std::vector<T>& vector, const T& element) {
   return static_cast<std::uint32_t>(&element - vector.data());
@@ -86,7 +85,7 @@ inline std::span<const EdgeSegment> SegmentsOf(const Model& model, const Edge& e
   return Elements(model.edge_segments, edge.segments);
 }
 
-// The degree + 1 control points of a segment: (w·u, w·v, w).
+// The degree + 1 control points (w·u, w·v, w) of a segment.
 inline std::span<const Vec3> PointsOf(const Model& model, const TrimSegment& segment) {
   return Elements(model.trim_points, {segment.first_point, segment.degree + 1u});
 }
@@ -102,7 +101,7 @@ inline std::span<const Vec4> PointsOf(const Model& model, const Surface& surface
           std::size_t{surface.PatchCount()} * surface.PointsPerPatch()};
 }
 
-// The control points of patch i · v_spans.count + j of a surface, those along v side by side.
+// The control points of patch number i · v_spans.count + j of a surface; points along v are contiguous.
 inline std::span<const Vec4> PatchPoints(const Model& model, const Surface& surface, std::uint32_t patch) {
   const std::size_t count = surface.PointsPerPatch();
   return {model.control_points.data() + surface.first_control_point + patch * count, count};
@@ -136,7 +135,7 @@ class FaceCoedges {
     bool operator==(std::default_sentinel_t) const { return loop_ == last_loop_; }
 
    private:
-    // Goes to the first coedge of this loop, or of the next one that has any.
+    // Moves to the first coedge of this loop, or of the next loop that is not empty.
     void EnterLoop() {
       while (loop_ != last_loop_ && loop_->coedges.count == 0) ++loop_;
       if (loop_ == last_loop_) return;
@@ -162,15 +161,14 @@ inline FaceCoedges CoedgesOf(const Model& model, const Face& face) {
   return {model, face};
 }
 
-// The largest gap between the p-curves of a face and their edges, in millimetres; 0 without loops.
+// The largest gap between the p-curves of a face and their edges, in millimetres; 0 for a face without loops.
 inline double LargestGap(const Model& model, const Face& face) {
   double gap = 0;
   for (const Coedge& coedge : CoedgesOf(model, face)) gap = gap < coedge.gap_mm ? coedge.gap_mm : gap;
   return gap;
 }
 
-// The length of the polygons through the control points of an edge's segments, in millimetres; 0 if it is
-// degenerate.
+// The total length of the control polygons of an edge's segments, in millimetres; 0 for a degenerate edge.
 double PolygonLength(const Model& model, const Edge& edge);
 
 // The faces of the instance's part.
@@ -178,14 +176,14 @@ inline Range FacesOf(const Model& model, const Instance& instance) {
   return model.parts[instance.part].faces;
 }
 
-// The id of a face of the instance's part, where the instance places it.
+// The placed-face id of a face of the instance's part, as placed by the instance.
 inline std::uint32_t PlacedFaceOf(const Model& model, const Instance& instance, std::uint32_t face) {
   return instance.first_placed_face + (face - FacesOf(model, instance).first);
 }
 
 struct PlacedFace {
-  std::uint32_t id;    // the placed face's
-  std::uint32_t face;  // its index into Model::faces
+  std::uint32_t id;    // placed-face id
+  std::uint32_t face;  // index into Model::faces
 };
 
 // The placed faces of one instance.
@@ -219,7 +217,7 @@ inline PlacedFaceRange PlacedFacesOf(const Model& model, const Instance& instanc
   return {instance.first_placed_face, FacesOf(model, instance)};
 }
 
-// One use of an edge: a coedge, and the face whose loop it is in.
+// One use of an edge: the coedge, and the face whose loop contains it.
 struct EdgeUse {
   std::uint32_t face, coedge;
 };
@@ -229,7 +227,7 @@ struct EdgeUse {
 //     const EdgeUses uses(model);
 //     for (const EdgeUse& use : uses[edge]) faces.push_back(use.face);
 //
-// The uses of an edge come by face, and in the order in which the face's loops run through them.
+// The uses of an edge are ordered by face, and within a face by their position in its loops.
 class EdgeUses {
  public:
   explicit EdgeUses(const Model& model);
@@ -239,7 +237,7 @@ class EdgeUses {
 
  private:
   std::vector<EdgeUse> uses_;
-  std::vector<std::size_t> first_;  // by edge, and the end of the last
+  std::vector<std::size_t> first_;  // index of the first use of each edge, and the end of the last
 };
 
 }  // namespace facetless

@@ -1,12 +1,12 @@
-// Tensor-product Bézier nets of several components. What is done to every one of them is in net_operations.h;
-// here is what is done to few: extending, and the matrices of the change to centred monomials.
+// Tensor-product Bézier nets with several components. net_operations.h has the operations that are applied to
+// every net. This file has those that few nets need: extending, and conversion to centred monomials.
 //
-//  1. A net holds (degree_u+1)·(degree_v+1) coefficients, u-major, each with its components side by side:
-//     value[kNetComponents·(k·(degree_v+1) + l) + c].
-//  2. Extending leaves the coefficients of a border that it doesn't move as they are.
-//  3. Everything here is plain multiplication and addition in a fixed order: the same bytes on every machine.
-//  4. `error[c]` bounds how far each coefficient of component c lies from that of the exact surface: whoever
-//     fills a net states it, and halving adds its own rounding.
+//  1. A net has (degree_u+1)·(degree_v+1) coefficients in u-major order, with the components of a coefficient
+//     next to each other: value[kNetComponents·(k·(degree_v+1) + l) + c].
+//  2. Extending a net leaves the coefficients of a border that does not move unchanged.
+//  3. All functions multiply and add in a fixed order and give the same bytes on every machine.
+//  4. `error[c]` bounds the distance between each coefficient of component c and that of the exact surface.
+//     The code that fills a net sets it, and halving adds its own rounding error.
 #pragma once
 
 #include <array>
@@ -19,12 +19,12 @@ namespace facetless {
 
 inline constexpr int kMaxNetPoints = (kMaxDegree + 1) * (kMaxDegree + 1);
 
-// Components of a projected net, in this order. See view/projection.h for what they mean.
+// The components of a projected net, in this order. view/projection.h defines them.
 enum NetComponent : int { kX = 0, kY = 1, kW = 2, kQ = 3, kNetComponents = 4 };
 
 struct BezierNet {
   int degree_u = 1, degree_v = 1;
-  double* value = nullptr;  // storage belongs to the caller
+  double* value = nullptr;  // the caller owns the storage
   double error[kNetComponents] = {};
   int points() const { return (degree_u + 1) * (degree_v + 1); }
   int stride() const { return degree_v + 1; }
@@ -35,7 +35,7 @@ struct BezierNet {
 
 enum class Direction : unsigned char { kU, kV };
 
-// A net that owns its storage, for work that needs many in turn.
+// A net that owns its storage, for code that uses many nets one after another.
 struct OwnedNet {
   BezierNet net;
   std::vector<double> storage;
@@ -49,23 +49,24 @@ struct OwnedNet {
   }
 };
 
-// Re-expresses component `c` of `net`, and its error, over [−low, 1 + high] of one direction's parameter;
-// low, high >= 0, and small, because extrapolation magnifies rounding by (1 + 2·(low + high))^degree.
+// Re-expresses component `c` of `net` and its error over [−low, 1 + high] of the parameter of one direction.
+// Requires low, high >= 0. Both should be small, because extrapolation multiplies rounding errors by
+// (1 + 2·(low + high))^degree.
 void Extend(BezierNet* net, NetComponent c, Direction direction, double low, double high);
 
-// Row i of the matrix that takes the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i,
-// where s = 2t − 1 ∈ [−1,1]. Entries are integers times 2^−degree, hence exact.
+// Row i of the matrix maps the degree+1 Bernstein coefficients over [0,1] to the coefficient of s^i, where
+// s = 2t − 1 ∈ [−1,1]. The entries are integers times 2^−degree, and therefore exact.
 using MonomialMatrix = std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1>;
 const MonomialMatrix& CenteredMonomialMatrix(int degree);
 
-// The largest degree for which loops of known length are compiled; most surfaces have no higher one.
+// The largest degree for which loops of constant length are compiled. Most surfaces have no higher degree.
 inline constexpr int kMaxFixedDegree = 3;
 
-// Calls run.template operator()<P, Q>() with the degrees as constants where both lie in [1, kMaxFixedDegree],
-// and with −1 for both otherwise: loops that the compiler knows the length of cost half.
+// Calls run.template operator()<P, Q>() with the degrees as compile-time constants if both lie in
+// [1, kMaxFixedDegree], and with −1 for both otherwise. Loops of constant length take half the time.
 template <typename Run>
 inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
-  // One switch inside another, because no packed key of the two degrees can then stand for another pair.
+  // The switches are nested, because a single key packed from both degrees could collide with another pair.
   const auto with_u = [&]<int P>() {
     switch (degree_v) {
       case 1:

@@ -1,14 +1,17 @@
-// Where a continuous function of one variable changes its sign.
+// Bracketed root finding: the place where a continuous function of one variable changes its sign.
+//
+//     const double root = BracketedRoot([&](double t) { return t * t - 0.5; }, -0.5, 0.5, 1e-12);
 #pragma once
 
 namespace facetless {
 
-// Every third step halves, so 150 are more than the 53 halvings that doubles have, thrice.
+// Every third step halves the bracket. A double has 53 bits, so about 160 steps are always enough.
 inline constexpr int kMostBracketSteps = 200;
 
-// The place in [0, 1], to within `width`, at which f changes from the sign of f(0) to that of f(1), given as
-// f_0 and f_1. Regula falsi (Illinois) with a halving at every third step: superlinear where f is smooth, and
-// never more than thrice the steps of bisection.
+// Returns the point in [0, 1], to within `width`, at which f changes from the sign of f(0) to the sign of
+// f(1). f_0 and f_1 are the values f(0) and f(1). The method is regula falsi (Illinois variant) with a
+// bisection at every third step: it converges superlinearly for smooth f, and takes at most three times the
+// steps of bisection.
 template <typename Function>
 double BracketedRoot(const Function& f, double f_0, double f_1, double width) {
   double a = 0, b = 1;

@@ -1,10 +1,8 @@
-// Leaves: the pieces of projected patches that rays are tried on, of three kinds. A CertifiedLeaf comes with the
-// proof that each ray meets it at most once. A HardLeaf has no such proof: it is solved by subdivision. A SeamLeaf is
-// one sample beside an edge, at which its face may owe the ray a crossing. What all have is their LeafHeader.
+// Leaf: a piece of a projected patch, with a proof (the certificate) that each ray meets it at most once.
 //
-// A leaf's own parameters are s, t ∈ [−1,1]. With `center` the pixel of (0,0), J the Jacobian of the pixel
-// there and C = J⁻¹, the ray through pixel r is b = C·(r − center), and a certified leaf keeps the centred
-// monomials of
+// The parameters of a leaf are s, t ∈ [−1,1]. Let `center` be the pixel of (0,0), J the Jacobian of the pixel
+// coordinates there, and C = J⁻¹. The ray through pixel r is represented by b = C·(r − center), and the leaf
+// stores the centred monomials of
 //   G = C·(X − center_x·W, Y − center_y·W)/W(0,0)   and   W/W(0,0),
 // so that H(s,t) = G − b·W vanishes exactly where the ray meets the surface, and its Jacobian is close to the
 // identity.
@@ -13,22 +11,16 @@
 //  1. Over the enlarged leaf |s|, |t| ≤ kEnlarged and for every ray that can meet it, ‖I − H'‖∞ ≤ kappa < 1
 //     and ‖H''‖∞ ≤ the Lipschitz constant behind newton_factor. Hence at most one root per ray.
 //  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
-//  3. From x with residual ρ = ‖H(x)‖∞ + rounding, a root in the enlarged leaf lies within e = ρ·inverse_gap
-//     of x, and within newton_factor·e² of the Newton step from x, and within kappa·e of the chord step x −
-//     H(x). All include rounding (Law 4). If the ball of radius e about x lies in the enlarged leaf, the root
-//     exists: x ↦ x − H(x) maps the ball into itself.
-//  4. `rounding` bounds the error of evaluating H as the kernel does it, against the exact surface: the net's
-//     own error, conversion to monomials, and the kernel's arithmetic.
-//  5. Newton from the start x = b converges: newton_factor times the start's error is below 1/2.
-//  6. The iteration stops where the root is known to RootError in s and t; the depth there is known to
-//     depth_error. Both bounds hold for every root in the leaf. Roots are the leaf's own up to Overlap past it.
-//
-// Of a hard leaf:
-//  7. `net` is the Bézier net itself, and the surface lies within `error` of it, component by component.
-//
-// Of a seam leaf:
-//  8. Its box holds one sample, and the hit that the face may owe the ray is (s, t) of the whole patch, at
-//     near_depth (trace/seams.h).
+//  3. Let x have the residual ρ = ‖H(x)‖∞ + rounding, and let e = ρ·inverse_gap. A root in the enlarged leaf
+//     lies within e of x, within newton_factor·e² of the Newton step from x, and within kappa·e of the chord
+//     step x − H(x). All three bounds include rounding (law 4). If the ball of radius e about x lies in the
+//     enlarged leaf, the root exists, because x ↦ x − H(x) maps the ball into itself.
+//  4. `rounding` bounds the difference between H as the kernel evaluates it and H of the exact surface. It
+//     includes the error of the net, the conversion to monomials, and the arithmetic of the kernel.
+//  5. Newton's iteration from the start x = b converges: newton_factor times the error of the start is below
+//     1/2.
+//  6. The iteration stops when the error of the root in s and t is at most root_error; the error of the depth
+//     is then at most depth_error. Both bounds hold for every root in the leaf.
 #pragma once
 
 #include <cmath>
@@ -41,20 +33,22 @@
 
 namespace facetless {
 
-// How far the bounds reach past the leaf, in s and t. Room for iterates and for a root on the border.
+// The bounds hold over |s|, |t| ≤ kEnlarged, which leaves room for the iterates and for a root on the border.
 inline constexpr double kEnlarged = 1.0625;
 // The largest ‖I − H'‖ that a leaf may have.
 inline constexpr double kMaxKappa = 0.5;
-// Roots this far outside a leaf are its own too, or as far as four errors of a root: neighbouring leaves
-// overlap, so that no ray falls between them.
+// A leaf also accepts roots that lie outside it by up to this much, or by up to four times root_error if that
+// is more. Neighbouring leaves therefore overlap, and no ray passes between them.
 inline constexpr double kBorderOverlap = 0x1p-30;
-// A leaf whose roots cannot be told from its neighbours' has no certificate.
+// The largest root_error of a certified leaf. With a larger error, the roots of a leaf could not be told
+// apart from those of its neighbours.
 inline constexpr double kMaxRootError = 0x1p-9;
 
-// What the kernel that will solve a leaf can do.
+// The arithmetic of the kernel that will solve a leaf.
 struct KernelArithmetic {
-  double epsilon = 0x1p-53;    // its unit roundoff
-  double tolerance = 0x1p-42;  // a root's error bound, in s and t and without rounding, at which it stops
+  double epsilon = 0x1p-53;  // unit roundoff
+  double tolerance =
+      0x1p-42;  // error bound of a root, in s and t and without rounding, at which the iteration stops
 
   bool is_single() const { return epsilon == 0x1p-24; }  // it reads coefficients as floats
 };
@@ -239,14 +233,14 @@ inline DepthRule RuleOf(const LeafHeader& leaf) {
 
 struct Verdict {
   bool certified = false;
-  // Where not: the kappa to expect after halving in u or in v. Infinite where the Jacobian at the centre is
-  // singular.
+  // If not certified: the kappa to expect after halving in u or in v; infinite if the Jacobian at the centre
+  // is singular.
   double kappa_halved_u = INFINITY, kappa_halved_v = INFINITY;
 };
 
-// How far the depth of a point is off for the net's error alone, depths being at most `far` in magnitude and
-// the divisor (Q in perspective, else W) at least `divisor`; infinite where that is no more than its own
-// error.
+// Bounds the depth error that the net's error alone causes, for depths of magnitude at most `far` and a
+// divisor (Q in perspective views, W otherwise) of at least `divisor`. Infinite if `divisor` does not exceed
+// its error.
 inline double NetDepthError(const BezierNet& net, DepthRule rule, double far, double divisor) {
   const double own = rule.perspective ? net.error[kW] : net.error[kQ];
   const double of_divisor = rule.perspective ? net.error[kQ] : net.error[kW];

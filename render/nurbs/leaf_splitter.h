@@ -1,15 +1,22 @@
-// LeafSplitter: cuts projected patches into leaves, keeping only what the view and the trimming leave of
-// them.
+// LeafSplitter: divides projected patches into leaves, and drops the pieces that are not visible or are
+// trimmed away.
 //
-//  1. Every point of the patch that some sample ray meets, in front of the eye plane and inside the trimmed
-//     face, lies in a leaf that is returned. What is dropped is proven to be outside the window, behind the
-//     eye, between the sample centres, or trimmed away.
-//  2. A leaf is certified (leaf.h) or hard. Hard ones hold at most kHardSamples sample centres, or could not
-//     be split further, or are seen edge-on, or lie anywhere (edge_on.h), where splitting leads nowhere.
-//  3. The work for one patch is bounded: what is left of it after SplitPatch::max_nodes pieces becomes leaves
-//     that say so (HardKind::kGivenUp), one for each piece that waits, at most kMaxLevels + 1. A leaf that the last
-//     level leaves with many sample centres counts as the pieces that they would make.
-//  4. The result depends on the patch, the view and the trimming only, not on the calling thread.
+//     LeafSplitter splitter(window, &budget);
+//     BezierNet& net = splitter.Begin(degree_u, degree_v);
+//     Fill(net);  // the caller writes the values and the errors
+//     splitter.Split(patch, &leaves, &arena);
+//
+//  1. Every point of the patch that a sample ray meets, in front of the eye plane and inside the trimmed
+//     face, lies in a returned leaf. A dropped piece is proven to lie outside the window, behind the eye,
+//     between the sample centres, or outside the trimmed face.
+//  2. A leaf is either certified (leaf.h) or hard. A hard leaf contains at most kHardSamples sample centres,
+//     or cannot be split further, or is one for which splitting does not help: it is seen edge-on, or its
+//     errors are so large that it may lie anywhere (edge_on.h).
+//  3. The work for one patch is bounded. After SplitPatch::max_nodes pieces, each remaining piece becomes a
+//     leaf with the flag kLeafGivenUp; there are at most kMaxLevels + 1 of them. A hard leaf that contains
+//     more than kHardSamples sample centres counts as the number of pieces into which its samples would be
+//     divided.
+//  4. The result depends only on the patch, the view and the trimming, not on the calling thread.
 #pragma once
 
 #include <atomic>
@@ -27,22 +34,23 @@
 
 namespace facetless {
 
-// Sample centres in a leaf without a certificate: few enough that solving them one by one costs less than
-// splitting on.
+// The largest number of sample centres in a hard leaf. For so few samples, solving them one by one costs less
+// than splitting further.
 inline constexpr int kHardSamples = 4;
-// Sample centres in a leaf that the trimming cuts, above which splitting is cheaper than asking for each
-// sample.
+// The largest number of sample centres in a leaf that a trim curve crosses. For more samples, splitting costs
+// less than a trim query for each sample.
 inline constexpr int kTrimmedSamples = 64;
 
 struct SplitWindow {
-  double half_width = 0, half_height = 0;  // of the image, in samples: X/W runs over ±half_width
-  double near_depth = 0;                   // perspective: what has W ≤ near_depth·Q is not seen
+  double half_width = 0,
+         half_height = 0;  // half the size of the image, in samples: X/W lies within ±half_width
+  double near_depth = 0;   // perspective views: points with W ≤ near_depth·Q are not visible
   bool perspective = false;
-  KernelArithmetic arithmetic;  // of the kernel that will solve the leaves
+  KernelArithmetic arithmetic;  // arithmetic of the kernel that will solve the leaves
   const NetOperations* nets = nullptr;
 };
 
-// What all splitters of one view share: a stop sign, and the memory that their leaves may take together.
+// State shared by all splitters of one view: the cancellation flag, and the memory that remains for leaves.
 struct SplitBudget {
   const std::atomic<bool>* cancel = nullptr;  // may be null
   std::atomic<std::int64_t> bytes_left{0};
@@ -51,8 +59,8 @@ struct SplitBudget {
   bool Stopped() const { return Exhausted() || (cancel && cancel->load(std::memory_order_relaxed)); }
 };
 
-// Storage of coefficients: grows in blocks, each of a share of what is there already, never moves, freed as a
-// whole.
+// Storage for coefficients. It grows in blocks whose size is proportional to the memory already allocated.
+// The coefficients never move, and are freed all at once.
 class CoefficientArena {
  public:
   double* Allocate(std::size_t count);
@@ -68,29 +76,31 @@ struct SplitPatch {
   DepthRule rule;
   SpanParameter u_map, v_map;  // Bézier to native parameters of the patch
   const FaceTrim* trim = nullptr;
-  RectClass trim_class = RectClass::kMixed;  // of the whole patch
+  RectClass trim_class = RectClass::kMixed;  // class of the whole patch
   std::uint32_t placed_face = 0, patch = 0;
   PatchBounds bounds;  // what the net spans
-  // Law 3. No patch of a sound model comes near to its nodes: see NodeLimit.
+  // The work limit of law 3. Patches of valid models stay far below it (see NodeLimit).
   std::uint64_t max_nodes = std::numeric_limits<std::uint64_t>::max();
 };
 
-// The pieces that a patch may be split into, for so many sample centres in the box of its image.
+// The largest number of pieces into which a patch may be split, given the number of sample centres in the box
+// of its image.
 std::uint64_t NodeLimit(double samples, int degree_u, int degree_v);
 
 class LeafSplitter {
  public:
-  // `budget` must outlive the splitter. Once it is stopped, Split leaves out what is left: the caller gives
-  // the view up.
+  // `budget` must outlive the splitter. After the budget is exhausted or cancelled, Split skips the remaining
+  // pieces, and the caller must abandon the view.
   LeafSplitter(const SplitWindow& window, SplitBudget* budget);
   ~LeafSplitter();
 
-  // The net that the caller fills before Split: degrees set by Begin, storage belongs to the splitter.
+  // Returns the net that the caller fills before it calls Split. Begin sets the degrees; the splitter owns
+  // the storage.
   BezierNet& Begin(int degree_u, int degree_v);
   // Appends the leaves of the net to `leaves`, their coefficients and nets to `arena`.
   void Split(const SplitPatch& patch, LeafLists* leaves, CoefficientArena* arena);
 
-  std::uint64_t nodes() const { return nodes_; }  // patches and sub-patches looked at so far
+  std::uint64_t nodes() const { return nodes_; }  // number of patches and sub-patches examined so far
 
  private:
   struct Node;
@@ -111,9 +121,10 @@ class LeafSplitter {
   const SplitPatch* patch_ = nullptr;
   LeafLists* leaves_ = nullptr;
   CoefficientArena* arena_ = nullptr;
-  bool lost_ = false;  // a leaf of this patch stands for all its pieces that may lie anywhere
+  bool lost_ =
+      false;  // this patch already has the one leaf that represents all its pieces that may lie anywhere
   std::uint64_t nodes_ = 0;
-  std::uint64_t node_limit_ = 0;  // nodes_ at which this patch is given up
+  std::uint64_t node_limit_ = 0;  // value of nodes_ at which the splitter gives up this patch
 };
 
 }  // namespace facetless

@@ -1,11 +1,12 @@
-// Planar rational Bézier curves cut into pieces monotone in both coordinates, and the side of such a piece.
+// Planar rational Bézier curves, divided into pieces that are monotone in both coordinates, and the test on
+// which side of such a piece a point lies.
 //
-//  1. A PlaneCurve is a view of degree + 1 points (w·u, w·v, w) with positive weights; it owns nothing.
-//  2. PointOn is off by at most EvaluationError in each coordinate; a turn smaller than that isn't found and
-//     doesn't matter.
-//  3. SideOf never guesses: kLeft and kRight are proven, rounding included; kOn means nearer than the
-//     evaluation can tell.
-//  4. Deterministic: the same arguments give the same bits everywhere.
+//  1. A PlaneCurve refers to degree + 1 control points (w·u, w·v, w) with positive weights; it owns nothing.
+//  2. The error of PointOn is at most EvaluationError in each coordinate. A turn of the curve smaller than
+//     that is not found and has no effect.
+//  3. SideOf never guesses: kLeft and kRight are proven, rounding included. kOn means that the point is
+//     closer to the curve than the evaluation error.
+//  4. The same arguments give the same bits on every machine.
 #pragma once
 
 #include <cstdint>
@@ -20,38 +21,39 @@ struct PlaneCurve {
   int degree = 1;  // 1 … 255
 };
 
-// The point at t ∈ [0,1], and the derivative by t. The ends come out as the end points' own quotients.
+// The point at t ∈ [0,1], and the derivative with respect to t. At the ends, the point is exactly the
+// quotient of the end control point's coordinates by its weight.
 Vec2 PointOn(const PlaneCurve& curve, double t);
 Vec2 TangentOn(const PlaneCurve& curve, double t);
 
-// Bound of the rounding errors of PointOn, per coordinate.
+// A bound of the rounding error of PointOn, per coordinate.
 Vec2 EvaluationError(const PlaneCurve& curve);
 
-// Appends the parameters in (0,1), unsorted, where u or v has an extremum; a double root may be appended
-// although nothing turns there.
+// Appends the parameters in (0,1), unsorted, at which u or v has an extremum. A double root of the derivative
+// may be appended although the curve has no extremum there.
 void AppendTurns(const PlaneCurve& curve, std::vector<double>& parameters);
 
-// The control points of the stretch [t0, t1] of `curve` by blossoming: (u, v), weights divided out. Bounds
-// the stretch, as its convex hull.
+// Computes the control points (u, v) of the part [t0, t1] of `curve` by blossoming, with the weights divided
+// out. Their convex hull contains that part of the curve.
 void StretchHull(const PlaneCurve& curve, double t0, double t1, std::vector<Vec2>& hull);
 
-// A stretch of a curve that is monotone in u and in v, running upwards: low.y <= high.y.
+// A part of a curve that is monotone in u and in v, and runs upwards: low.y <= high.y.
 struct MonotonePiece {
   PlaneCurve curve;
-  double t_low = 0, t_high = 1;  // parameters of the ends; t_low > t_high where the curve runs downwards
+  double t_low = 0, t_high = 1;  // parameters of the ends; t_low > t_high if the curve runs downwards
   Vec2 low, high;                // the ends
   Vec2 error;                    // EvaluationError of the curve
 };
 
 enum class CurveSide : std::int8_t { kRight = -1, kOn = 0, kLeft = 1 };
 
-// Where `q` lies, looking from low to high. Requires q in the box of the ends. About five evaluations of the
-// curve; never more than 200.
+// The side of the piece on which `q` lies, looking from low to high. Requires q in the box of the two ends.
+// The function takes about five evaluations of the curve, and never more than 200.
 CurveSide SideOf(const MonotonePiece& piece, Vec2 q);
 
 // The parameter t between t_low and t_high of the point nearest to q in the metric (scale.x·du)² +
-// (scale.y·dv)², by damped Gauss–Newton: good to about the square root of the rounding, which is all that a
-// starting guess needs.
+// (scale.y·dv)², computed by damped Gauss–Newton. It is accurate to about the square root of the rounding
+// error, which is sufficient for a starting guess.
 double NearestParameter(const MonotonePiece& piece, Vec2 q, Vec2 scale);
 
 }  // namespace facetless

@@ -1,8 +1,8 @@
-// What is done to every net on the way to leaves and roots. The bodies are written once on planes
-// (kernels/net_kernel.inl.h) and built per instruction set; kernels/dispatch.h chooses.
+// The operations on nets that splitting and solving need. They are written once on planes
+// (kernels/net_kernel.inl.h) and compiled for each instruction set; kernels/dispatch.h selects one of them.
 //
 //  1. All builds give the same bits.
-//  2. Everything is plain multiplication, addition and division in a fixed order, nothing fused.
+//  2. The operations multiply, add and divide in a fixed order, without fused multiply-add.
 #pragma once
 
 #include <cmath>
@@ -12,33 +12,34 @@
 
 namespace facetless {
 
-// A net's image, in samples relative to the image centre.
+// The bounding box of a net's image, in samples relative to the image centre.
 struct NetBox {
   double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
-  double near_depth = INFINITY, far_depth = -INFINITY;  // no point is nearer, or farther
-  double error = 0;                                     // of its sides
-  bool in_front = true;                                 // every control point has W > 0: the box is valid
+  double near_depth = INFINITY, far_depth = -INFINITY;  // bounds of the depths
+  double error = 0;                                     // error of the sides of the box
+  bool in_front = true;  // every control point has W > 0; otherwise the box is not valid
 };
 
-// How far a projected net extends along u and v: bounds of the derivatives of its pixel, from first
-// differences.
+// The extent of a projected net along u and v: bounds of the derivatives of its pixel coordinates, computed
+// from first differences.
 struct Extent {
   double u = 0, v = 0;
 };
 
 // F = (X − x·W, Y − y·W) over a net, for the ray through pixel (x, y).
 struct Residual {
-  bool empty = false;  // no point of the net is on the ray, whatever the errors; then nothing else is set
-  double size = 0;     // the longer side of F's box
-  double error = 0;    // of F
-  double weight = 0;   // the largest W: F is in samples times that
-  Extent extent;       // of F
+  bool empty =
+      false;  // no point of the net lies on the ray, errors included; the other members are then not set
+  double size = 0;    // the longer side of the box of F
+  double error = 0;   // error of F
+  double weight = 0;  // the largest W; F is in samples times this
+  Extent extent;      // extent of F
 };
 
 struct NetOperations {
-  // Halves `net` at the middle of one direction into `low` and `high`, which have its degrees and storage of
-  // their own, and their errors. De Casteljau's: both halves share the coefficients of the new border bit by
-  // bit.
+  // Halves `net` at the middle of one direction into `low` and `high`, by de Casteljau's algorithm, and sets
+  // their errors. `low` and `high` must have the degrees of `net` and storage of their own. The coefficients
+  // of the new border are bit-identical in both halves.
   void (*halve)(const BezierNet& net, Direction direction, BezierNet* low, BezierNet* high) = nullptr;
 
   // Makes the certificate of `net` (X and Y relative to the image centre; degrees at least 1). On success
@@ -48,15 +49,18 @@ struct NetOperations {
   Verdict (*certify)(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
                      CertifiedLeaf* leaf, double* monomials) = nullptr;
 
-  // `half_window`: half the longer side of the image, which bounds the pixel where the net's own W is off.
+  // Computes the box of the image. `half_window` is half the longer side of the image; it bounds the pixel
+  // coordinates that the error of W is multiplied with.
   NetBox (*project)(const BezierNet& net, DepthRule rule, double half_window) = nullptr;
 
-  // In samples; for a net that is not in front of the eye, where a sample has no place, of X, Y and W, the
-  // last times half the window, which is what X is at the window's border.
+  // Measures the extent in samples. For a net that is not entirely in front of the eye, pixel coordinates do
+  // not exist; the extent is then that of X, Y and half_window·W, which is the value of X at the window's
+  // border.
   Extent (*measure)(const BezierNet& net, DepthRule rule, double half_window, bool in_front) = nullptr;
 
-  // Empty where the control points of F lie on one side of the origin: along X or Y, or across one of the
-  // net's own directions (its sides and diagonals), which is what tells a ray beside a fold.
+  // Computes the residual F. It is empty if all control points of F lie on one side of the origin, in X, in
+  // Y, or perpendicular to a direction of the net (its sides and diagonals). The last test detects rays that
+  // pass beside a fold.
   Residual (*residual)(const BezierNet& net, double x, double y) = nullptr;
 };
 

@@ -1,10 +1,11 @@
-// What a file itself leaves open: the edges at which its faces don't meet, however exactly they are traced.
+// Open edges of a model: edges at which its faces do not meet, however exactly they are traced, because the
+// file itself leaves them open.
 //
-//  1. Of solids: an edge that is used by one face only, or by more than two, or twice in the same sense (a
-//     face is the wrong way round). Of all shapes: an edge that lies farther off one of its faces than its
-//     own tolerance.
-//  2. Collapsed edges, and those of faces that are no solid's and used once, are as they should be.
-//  3. Worst first: holes before gaps; holes by length, gaps by width.
+//  1. An edge of a solid is open if it is used by one face only, by more than two, or twice in the same sense
+//     (one face has the wrong orientation). An edge of any shape is open if its distance from one of its
+//     faces exceeds the edge's tolerance.
+//  2. Collapsed edges are not open, nor are edges that are used once by a face that belongs to no solid.
+//  3. The list is sorted, worst edge first: holes precede gaps; holes are sorted by length, gaps by width.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +27,10 @@ struct OpenEdge {
   OpenCause cause = OpenCause::kGap;
   std::uint32_t edge = 0;
   std::vector<std::uint32_t> faces;  // indices into Model::faces, ascending
-  double gap_mm = 0;                 // the largest measured, of its uses
-  double tolerance_mm = 0;           // its own, as the file or the importer has it
-  double length_mm = 0;              // of the polygon through its control points
-  Vec3 at;                           // where it is widest, or its middle; part coordinates
+  double gap_mm = 0;                 // largest measured gap of all uses of the edge
+  double tolerance_mm = 0;           // tolerance of the edge, from the file or the importer
+  double length_mm = 0;              // length of the control polygon
+  Vec3 at;  // the widest point of a gap, or the middle of the edge; part coordinates, mm
 };
 
 std::vector<OpenEdge> FindOpenEdges(const Model& model);

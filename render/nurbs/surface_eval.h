@@ -1,12 +1,17 @@
-// Position and derivatives of a surface at native parameters (u,v), from its grid of Bézier patches.
+// Position and derivatives of a surface at native parameters (u,v), evaluated from its grid of Bézier
+// patches.
+//
+//     const SurfaceEval surface(model, model.faces[face].surface);
+//     const SurfacePoint point = surface.First(u, v);
+//     const Vec3 normal = Normalized(Cross(point.du, point.dv));
 //
 //  1. Derivatives are with respect to *native* parameters: an angle stays an angle, across all patches.
-//  2. Outside the grid the border patch is extrapolated. On the border of two patches the one with the larger
-//     index answers.
-//  3. Scalar, without allocation and without libm: the same bits on every machine. Not for the inner loop of
-//     the tracer.
-//  4. Where a weight sum vanishes (only possible by extrapolation) the result isn't finite; the caller
-//     checks.
+//  2. Outside the grid, the border patch is extrapolated. On the border between two patches, the patch with
+//     the larger index is evaluated.
+//  3. The code is scalar, allocates nothing and does not use libm: it gives the same bits on every machine.
+//     It is not fast enough for the inner loop of the tracer.
+//  4. If the weight at a point vanishes, which only extrapolation can cause, the result is not finite. The
+//     caller must check for that.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +25,7 @@ namespace facetless {
 struct SurfacePoint {
   Vec3 position;       // mm, in the part's own coordinates
   Vec3 du, dv;         // mm per native unit
-  Vec3 duu, duv, dvv;  // zero if not asked for
+  Vec3 duu, duv, dvv;  // mm per squared native unit; zero unless Second computed them
 };
 
 class SurfaceEval {
@@ -37,7 +42,7 @@ class SurfaceEval {
   double u_end() const { return u_knots_.back(); }
   double v_begin() const { return v_knots_.front(); }
   double v_end() const { return v_knots_.back(); }
-  // The largest coordinate of a control point, mm: what a surface point's rounding is relative to.
+  // The largest coordinate of a control point, mm. Rounding errors of surface points are relative to it.
   double magnitude() const { return magnitude_; }
 
  private:

@@ -1,26 +1,32 @@
-// The trim index of one face: which part of the patch grid belongs to the face, in native parameters (u,v).
+// The trim index of one face. It decides which part of the patch grid belongs to the face, in native
+// parameters (u,v).
 //
-//  1. Inside is even-odd: a point is inside if the half-line from it towards +u crosses the loops an odd
-//     number of times. The sense of a loop doesn't matter, so wrongly oriented loops of real files still
-//     work; which side of each coedge holds material is derived from the same counting
-//     (TrimAnswer::material_left), not from the file.
-//  2. Pieces of a loop share bit-identical end points, and a crossing is counted by the half-open rule v_low
-//     <= v < v_high on them: every point off the curves has one well-defined answer, whatever the pieces'
-//     shapes.
-//  3. Classify is conservative: kInside and kOutside are proven for the whole rectangle, its distance to
-//     every coedge exceeding that coedge's band. Query never contradicts it.
-//  4. A coedge's *band* is where the surface point may lie within Coedge::gap_mm (plus the rounding of a
-//     surface point) of the p-curve, measured on the surface. `band_scale` widens it: seen at the angle a to
-//     the normal, a gap of g mm covers g/cos a mm of the surface, so the caller passes 1/|N·D|, capped as it
-//     likes. 0 takes the bands away.
-//  5. Immutable once built; queries are const, allocate nothing and may run in any number of threads. The
-//     same arguments give the same bits on every machine: no libm but sqrt.
+//     const FaceTrim trim = FaceTrim::Build(model, face);
+//     const TrimAnswer answer = trim.Query(u, v, error_u, error_v);
+//     if (answer.inside && answer.certain) ++hits;
 //
-// Structure: each loop is a chain of pieces monotone in u and in v (render/nurbs/trim_pieces.h). A tree of
-// nodes with up to eight children over consecutive pieces stores the box and the two ends of every stretch of
-// chain. A stretch whose box is clear of the query counts by its two ends alone, so a query opens only the
-// boxes that contain it; at a piece the side is known from the strip around its chord, or else from a root of
-// its curve.
+//  1. The inside is defined by the even-odd rule: a point is inside if the half-line from it towards +u
+//     crosses the loops an odd number of times. The sense of a loop has no effect, so the wrongly oriented
+//     loops of real files work, too. The side of each coedge on which the material lies
+//     (TrimAnswer::material_left) is derived from the same rule, not from the file.
+//  2. Consecutive pieces of a loop share bit-identical end points, and crossings are counted by the half-open
+//     rule v_low <= v < v_high on them. Every point that is not on a curve therefore has one well-defined
+//     answer, whatever the shapes of the pieces.
+//  3. Classify is conservative: kInside and kOutside are proven for the whole rectangle, whose distance from
+//     every coedge exceeds the band of that coedge. Query never contradicts Classify.
+//  4. The *band* of a coedge is the region in which the surface point may lie within Coedge::gap_mm (plus the
+//     rounding error of a surface point) of the p-curve, measured on the surface. `band_scale` widens the
+//     band: seen at the angle a to the normal, a gap of g mm covers g/cos a mm of the surface, so the caller
+//     passes 1/|N·D|, limited as it chooses. A band_scale of 0 removes the bands.
+//  5. A FaceTrim is immutable once it is built. Queries are const, allocate nothing, and may run in any
+//     number of threads. The same arguments give the same bits on every machine; sqrt is the only libm
+//     function used.
+//
+// Structure: each loop is a chain of pieces that are monotone in u and in v (render/nurbs/trim_pieces.h). A
+// tree with up to eight children per node is built over consecutive pieces; it stores the box and the two
+// ends of every run of pieces. If the query lies outside the box of a run, the two ends of the run decide the
+// crossing, so a query opens only the boxes that contain it. At a single piece, the strip around its chord
+// decides the side, or else a root of its curve.
 #pragma once
 
 #include <cstddef>
@@ -34,16 +40,16 @@ namespace facetless {
 
 enum class RectClass : std::uint8_t { kInside, kOutside, kMixed };
 
-// The most expensive test that an answer needed.
+// The most expensive test that was needed for an answer.
 enum class TrimPath : std::uint8_t {
-  kBoxes,  // boxes and end points of stretches of chain
+  kBoxes,  // boxes and end points of runs of pieces
   kStrip,  // the strip around a piece's chord
   kCurve,  // a root of a piece's curve
 };
 
 struct TrimAnswer {
   bool inside = false;        // by the p-curves, even-odd
-  bool certain = true;        // no p-curve meets the error box, evaluation's rounding included
+  bool certain = true;        // no p-curve meets the error box, rounding of the evaluation included
   bool material_left = true;  // the face lies on the left of `coedge` in (u,v), looking along its p-curve
   bool other_material_left = true;  // the same for other_coedge
   TrimPath path = TrimPath::kBoxes;
@@ -58,20 +64,21 @@ struct TrimAnswer {
 
 class FaceTrim {
  public:
-  // Requires a valid Model and face < model.faces.size(). A face without loops gets the border of its patch
-  // grid as one. Ends of consecutive segments that differ are joined by a straight piece that belongs to the
-  // earlier one's coedge.
+  // Builds the index of a face. Requires a valid model and face < model.faces.size(). A face without loops
+  // gets the border of its patch grid as its loop. If the ends of consecutive segments differ, a straight
+  // piece joins them; it belongs to the coedge of the earlier segment.
   static FaceTrim Build(const Model& model, std::uint32_t face);
 
-  // Where the closed rectangle u0 <= u <= u1, v0 <= v <= v1 lies. Requires u0 <= u1, v0 <= v1, finite; kMixed
-  // if not.
+  // Classifies the closed rectangle u0 <= u <= u1, v0 <= v <= v1. The answer is kMixed if the bounds are not
+  // finite or not ordered.
   RectClass Classify(double u0, double u1, double v0, double v1, double band_scale = 1) const;
 
-  // Whether (u,v) is inside, (u,v) being known to within ±error_u, ±error_v. Errors >= 0; (u,v) finite: else
-  // outside, not certain.
+  // Decides whether (u,v), which is known to within ±error_u, ±error_v, is inside. Requires errors >= 0. If
+  // (u,v) is not finite, the answer is outside and not certain.
   TrimAnswer Query(double u, double v, double error_u, double error_v, double band_scale = 1) const;
 
-  // The loops are the border of the patch grid: whatever lies inside the grid and out of the bands is inside.
+  // Whether the loops are the border of the patch grid. If so, every point inside the grid and outside the
+  // bands is inside the face.
   bool whole() const { return whole_; }
 
   std::size_t bytes() const;
@@ -80,18 +87,19 @@ class FaceTrim {
  private:
   static constexpr int kWidth = 8;
 
-  // Up to eight stretches of chain. Unused lanes have an empty box.
+  // Up to eight runs of consecutive pieces. Unused lanes have an empty box.
   struct alignas(64) Node {
     double u_low[kWidth], u_high[kWidth], v_low[kWidth], v_high[kWidth];  // boxes, rounding included
-    double v_begin[kWidth], v_end[kWidth];                                // of the stretch's two ends
-    std::uint32_t child[kWidth];   // by child, not by lane: a node, or a piece with kPieceBit
-    float band_u = 0, band_v = 0;  // widest of all pieces below
+    double v_begin[kWidth], v_end[kWidth];                                // v of the two ends of each run
+    std::uint32_t child[kWidth];   // indexed by child, not by lane: a node, or a piece with kPieceBit
+    float band_u = 0, band_v = 0;  // widest band of all pieces below
     std::uint32_t count = 0;
   };
-  struct Ends {  // of a coedge, in its loop
-    std::uint32_t previous = kNoIndex,
-                  next = kNoIndex;  // neighbours, collapsed ones skipped; kNoIndex: no edge to ask
-    double begin = 0, end = 0;      // edge parameters
+  struct Ends {  // the ends of a coedge in its loop
+    std::uint32_t
+        previous = kNoIndex,
+        next = kNoIndex;  // neighbouring coedges, without collapsed ones; kNoIndex: the neighbour has no edge
+    double begin = 0, end = 0;  // edge parameters
     Vec2 begin_point, end_point;
     bool material_left = true;
   };
@@ -114,8 +122,8 @@ class FaceTrim {
   void FindWhole(const SurfaceEval& surface);
 
   TrimPieces pieces_;
-  std::vector<Node> nodes_;         // the root is the last; none: no loops
-  std::uint32_t first_coedge_ = 0;  // ends_[i] is of coedge first_coedge_ + i
+  std::vector<Node> nodes_;         // the root is the last node; empty if there are no loops
+  std::uint32_t first_coedge_ = 0;  // ends_[i] belongs to coedge first_coedge_ + i
   std::vector<Ends> ends_;
   bool whole_ = false;
 };

@@ -1,14 +1,16 @@
-// From a face's loops to monotone pieces: what the trim index is built of.
+// The loops of a face, divided into monotone pieces, from which the trim index is built.
 //
-//  1. Pieces stand in loop order; each starts with the very bits that the one before ends with, the last one
-//     of a loop ends with those of the first. Where two segments' ends differ by more than rounding, a
-//     straight piece joins them.
-//  2. A coedge's band is a half-width per piece: the largest along it, of (u,v) for a distance of gap_mm plus
-//     the rounding of a surface point. Where the surface degenerates it is as wide as the patch grid. Pieces
-//     along which it changes much are cut.
-//  3. A slit, two coedges of one edge that run to and fro along one curve, bounds nothing: both get the same
-//     pieces, in opposite order, so that their crossings cancel bit by bit, and no band.
-//  4. A degenerate edge and a border without an edge have no band, and no edge to ask.
+//  1. Pieces are in loop order. Each piece starts with exactly the same bits with which the previous piece
+//     ends, and the last piece of a loop ends where the first starts. If the ends of two segments differ by
+//     more than rounding, a straight piece joins them.
+//  2. The band of a coedge is stored as a half-width per piece: the largest change of (u,v), along the piece,
+//     that corresponds to a distance of gap_mm plus the rounding error of a surface point. Where the surface
+//     is degenerate, the band is as wide as the patch grid. Pieces along which the width varies much are
+//     divided.
+//  3. A slit consists of two coedges of one edge that run along the same curve in opposite directions. It
+//     bounds nothing. Both coedges get the same pieces in opposite order, so that their crossings cancel
+//     exactly, and they have no band.
+//  4. A degenerate edge, and a border without an edge, have no band and no edge for queries to report.
 #pragma once
 
 #include <cstdint>
@@ -20,25 +22,25 @@
 
 namespace facetless {
 
-// What a query reads of every piece that it opens: 64 bytes. `low` is the end with the smaller v.
+// The 64 bytes that a query reads for every piece it opens. `low` is the end with the smaller v.
 struct TrimPiece {
   Vec2 low, high;
   double strip_low = 0,
          strip_high = 0;  // cross(high − low, c − low) lies between them for every point c of the curve
   float band_u = 0, band_v = 0;     // at band_scale 1, rounded up
-  std::uint32_t coedge = kNoIndex;  // to ask; kNoIndex: no edge
-  bool forward = true;              // runs in loop order from low to high
+  std::uint32_t coedge = kNoIndex;  // coedge to report; kNoIndex: there is no edge
+  bool forward = true;              // true: the loop runs from low to high
   bool slit = false;                // law 3
 };
 
-// The rest: read when the strip can't tell, or the nearest coedge is wanted.
+// The other data of a piece, read if the strip cannot decide or if the nearest coedge is needed.
 struct TrimPieceCurve {
   std::uint32_t first_point = 0;  // into TrimPieces::points
   std::uint32_t degree = 1;
   double t_low = 0, t_high = 1;
   Vec2 error;
   double edge_begin = 0, edge_end = 0;  // edge parameters at t = 0 and t = 1 of the curve
-  double reach_mm = 0;                  // gap plus rounding: what the band stands for
+  double reach_mm = 0;                  // gap plus rounding error: the distance to which the band corresponds
 };
 
 struct TrimPieces {
@@ -54,8 +56,8 @@ struct TrimPieces {
   Vec2 End(std::size_t piece) const { return pieces[piece].forward ? pieces[piece].high : pieces[piece].low; }
 };
 
-// Requires a valid model and face < model.faces.size(). A face without loops gets the border of its patch
-// grid.
+// Divides the loops of a face into pieces. Requires a valid model and face < model.faces.size(). A face
+// without loops gets the border of its patch grid.
 TrimPieces MakeTrimPieces(const Model& model, std::uint32_t face, const SurfaceEval& surface);
 
 }  // namespace facetless

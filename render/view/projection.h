@@ -1,11 +1,16 @@
-// Projection: the 4×4 matrix that takes homogeneous model points to a view's (X, Y, W, Q).
+// Projection: the 4×4 matrix that maps homogeneous model points to the components (X, Y, W, Q) of a view.
 //
-//  1. X/W is the sample column and Y/W the sample row, both relative to the image centre; W > 0 in front of
+//     const ViewProjection projection(frame, instance.placement);
+//     const ViewProjection::Point point = projection(control_point);
+//     const double column = point.x / point.w;  // relative to the image centre
+//
+//  1. X/W is the sample column and Y/W the sample row, both relative to the image centre. W > 0 in front of
 //     the eye.
-//  2. Depth along the view direction is Q/W in orthographic views (W is the surface's own weight) and W/Q in
-//     perspective ones (Q is): perspective moves into the weight, the surface stays rational.
-//  3. Points are taken relative to the eye before anything is multiplied: a model far from the origin loses
-//     no digits here.
+//  2. The depth along the view direction is Q/W in orthographic views, where W is the weight of the surface,
+//     and W/Q in perspective views, where Q is the weight of the surface. The perspective division becomes
+//     part of the weight, so the projected surface stays rational.
+//  3. The eye is subtracted from points before they are multiplied, so a model far from the origin loses no
+//     precision here.
 #pragma once
 
 #include "render/base/vec.h"
@@ -16,25 +21,25 @@ namespace facetless {
 
 class ViewProjection {
  public:
-  // Of the part that `placement` places, seen through `frame`.
+  // The projection of a part placed by `placement` and seen through `frame`.
   ViewProjection(const CameraFrame& frame, const Placement& placement);
 
   struct Point {
     double x, y, w, q;
   };
-  // Requires p.w > 0; `p` is (w·x, w·y, w·z, w) in part coordinates.
+  // Projects the point p = (w·x, w·y, w·z, w), in part coordinates. Requires p.w > 0.
   Point operator()(Vec4 p) const;
-  // Bounds the errors of the components of what p gives, by net component: the placement's, the camera's
-  // axes' and the arithmetic's rounding together.
+  // Bounds the error of each component of the projection of p. It includes the rounding errors of the
+  // placement, of the camera's axes and of the arithmetic.
   Point Error(Vec4 p) const;
   bool perspective() const { return perspective_; }
 
  private:
   Vec3 right_, down_, forward_;   // in part coordinates, the first two divided by the pixel size
   Vec3 origin_;                   // the eye in part coordinates, subtracted first
-  double x_ = 0, y_ = 0, z_ = 0;  // of what is left of it, in the camera's axes
+  double x_ = 0, y_ = 0, z_ = 0;  // remaining translation after subtracting the origin, in camera axes
   double origin_size_ = 0;        // |x| + |y| + |z| of the origin
-  double placed_error_ = 0;       // mm: of placing a point
+  double placed_error_ = 0;       // error of placing a point, mm
   Vec3 scale_;                    // lengths of the three axes
   bool perspective_ = false;
 };

@@ -1,5 +1,8 @@
-// What a tracer answers, one entry per pixel centre, row-major, row 0 on top. Both tracers fill the same
-// buffers.
+// The result of a tracer: one entry per pixel centre, in row-major order with row 0 at the top. All tracers
+// fill the same buffers.
+//
+//     const std::size_t i = std::size_t(row) * samples.width + column;
+//     if (samples.face[i] != kNoIndex) sum += samples.depth[i];
 #pragma once
 
 #include <array>
@@ -12,11 +15,11 @@
 
 namespace facetless {
 
-// How a sample's answer was reached. certified + converged + unresolved = samples, misses included.
+// How certain the result of a sample is. Every sample, hit or miss, is in exactly one of these classes.
 enum class Certificate : std::uint8_t {
-  kCertified,   // root or miss follows from proven bounds
-  kConverged,   // an answer, but for the doubts of render/view/doubt.h no proof
-  kUnresolved,  // neither
+  kCertified,   // the hit or the miss follows from proven bounds
+  kConverged,   // there is a result, but no proof, for the reasons in render/view/doubt.h
+  kUnresolved,  // the sample is neither a hit nor a miss
 };
 
 // One entry per sample.
@@ -25,20 +28,20 @@ using PerSample = std::vector<T, LargePages<T>>;
 
 struct SampleBuffer {
   int width = 0, height = 0;
-  PerSample<double> depth;  // mm from the eye plane; +inf: nothing hit
+  PerSample<double> depth;  // mm from the eye plane; +inf for a miss
   PerSample<std::array<float, 3>>
-      normal;  // unit, outward by the face's orientation (not flipped to the viewer); 0 where nothing is hit
-  PerSample<std::uint32_t> face;  // placed-face id; kNoIndex where nothing is hit
+      normal;  // unit vector, outward by the orientation of the face (not flipped to the viewer); 0 for a miss
+  PerSample<std::uint32_t> face;  // placed-face id; kNoIndex for a miss
   PerSample<std::array<double, 2>>
-      uv;  // native surface parameters; empty if the tracer has none or nobody asked
+      uv;  // native surface parameters; empty if the tracer has none or they were not requested
   PerSample<Certificate> certificate;  // empty for the baseline
-  PerSample<std::uint8_t> doubt;       // bits of Doubt, why a sample is not certified; empty for the baseline
-  // Bound of the depth's error, mm, against the exact surface; 0 where nothing is hit, +inf where there is no
-  // bound. Holds for certified samples. Empty unless asked for.
+  PerSample<std::uint8_t> doubt;  // bits of Doubt: why the sample is not certified; empty for the baseline
+  // Bound of the depth error against the exact surface, mm; 0 for a miss, +inf if there is no bound. It holds
+  // for certified samples. Empty unless requested.
   PerSample<float> depth_error;
 
-  void Resize(int w, int h);    // depth, normal and face; filled with the values of a miss
-  void Allocate(int w, int h);  // the same, not filled
+  void Resize(int w, int h);    // resizes depth, normal and face, and fills them with the values of a miss
+  void Allocate(int w, int h);  // resizes them without filling
   std::size_t size() const { return depth.size(); }
 };
 

@@ -1,16 +1,21 @@
-// Section planes: what a view shows of a model that is cut open. No boundary representation is changed; every
-// ray decides for itself.
+// Section planes, which cut a model open in a view. The boundary representation is not changed; the cut is
+// decided separately for each ray.
 //
-//  1. A plane removes the side that its normal points to. Of several planes, what is kept is the intersection
-//     of the kept sides: along a ray an interval of depths.
-//  2. What is kept of a closed solid is closed again: where a ray enters the kept interval inside a closed
-//     solid, it meets the plane's *cap* there. Inside is said by parity: the solid is crossed an odd number
-//     of times beyond that point. Each placed solid counts for itself; where several overlap, the cap is that
-//     of the lowest id.
-//  3. Faces of no closed solid are cut, and have no cap.
-//  4. A crossing that no number tells from the plane belongs to the removed side. A face that lies in a plane
-//     is thus replaced by the cap of what it bounds on the kept side, or leaves nothing.
-//  5. Caps have face ids of their own, above those of the placed faces: one for each plane and placed solid.
+//     const KeptInterval kept = KeptOf(ray, planes, near_depth);
+//     SectionDecision decision;
+//     const SectionAnswer answer = decision.Decide(crossings, kept);
+//     if (answer.kind == SectionAnswer::Kind::kCap) face = solids.CapId(kept.plane, answer.index);
+//
+//  1. A plane removes the side that its normal points to. Several planes keep the intersection of their kept
+//     sides, which is an interval of depths along a ray.
+//  2. The kept part of a closed solid is closed again: a ray that enters the kept interval inside a closed
+//     solid meets the *cap* of the plane there. A point is inside a solid if the ray crosses the solid an odd
+//     number of times beyond it. Each placed solid is counted separately; if several overlap, the cap belongs
+//     to the one with the lowest id.
+//  3. Faces that belong to no closed solid are cut, but have no cap.
+//  4. A crossing that cannot be told apart from the plane counts as removed. A face that lies in a plane is
+//     therefore replaced by the cap of the solid that it bounds on the kept side, or is not shown.
+//  5. Caps have their own face ids, above those of the placed faces: one id for each plane and placed solid.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +36,8 @@ struct SectionPlane {
 
 inline constexpr std::size_t kMostSectionPlanes = 16;
 
-// kBadUsage: more planes than that, a normal that is no unit vector, a point that is not finite or nearly
-// not.
+// Checks the planes. Errors: kBadUsage (more than kMostSectionPlanes planes, a normal that is not a unit
+// vector, or a point that is not within 1e150 mm of the origin).
 Result<void> CheckSections(std::span<const SectionPlane> planes);
 
 // The placed solids of a model, numbered by instance and solid, and the ids of their caps.
@@ -41,16 +46,17 @@ class SectionSolids {
   explicit SectionSolids(const Model& model);
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(solids_.size()); }
-  // The closed placed solid that the face belongs to; kNoIndex where there is none.
+  // The closed placed solid to which the face belongs; kNoIndex if there is none.
   std::uint32_t SolidOf(std::uint32_t placed_face) const { return solid_of_face_[placed_face]; }
   std::string Name(std::uint32_t solid) const;
-  Color ColorOf(std::uint32_t solid) const;  // that most of its faces have
+  Color ColorOf(std::uint32_t solid) const;  // the colour of most of its faces
 
   std::uint32_t first_cap() const { return static_cast<std::uint32_t>(solid_of_face_.size()); }
   std::uint32_t CapId(int plane, std::uint32_t solid) const {
     return first_cap() + static_cast<std::uint32_t>(plane) * stride() + solid;
   }
-  // Of a cap's id. There is at least one solid to speak of, so that meshes of no model have caps, too.
+  // The difference between the cap ids of consecutive planes. It is at least 1, so that a mesh without a
+  // model has cap ids, too.
   std::uint32_t stride() const { return count() > 0 ? count() : 1; }
 
  private:
@@ -62,33 +68,33 @@ class SectionSolids {
   std::vector<std::uint32_t> solid_of_face_;
 };
 
-// What the planes keep of a ray.
+// The interval of a ray that the planes keep.
 struct KeptInterval {
-  double begin = -INFINITY, end = INFINITY;  // depths; begin >= end: nothing
-  double begin_error = 0, end_error = 0;     // of the two, mm
-  int plane = -1;                            // through which it begins; −1: none
+  double begin = -INFINITY, end = INFINITY;  // depths, mm; the interval is empty if begin >= end
+  double begin_error = 0, end_error = 0;     // errors of begin and end, mm
+  int plane = -1;                            // the plane at which the interval begins; −1: none
 };
-// Of the ray's depths beyond `near_depth`.
+// The interval that the planes keep of the ray's depths beyond `near_depth`.
 KeptInterval KeptOf(const Ray& ray, std::span<const SectionPlane> planes, double near_depth);
 
-// A crossing of a ray, as far as sections ask.
+// A crossing of a ray and a surface, with the data that sections need.
 struct SolidCrossing {
   double depth, error;
-  std::uint32_t solid;  // kNoIndex: of no closed solid
+  std::uint32_t solid;  // kNoIndex: the surface belongs to no closed solid
 };
 
 struct SectionAnswer {
   enum class Kind : std::uint8_t { kMiss, kCap, kCrossing };
   Kind kind = Kind::kMiss;
-  std::uint32_t index = 0;  // of the crossing, or of the cap's solid
+  std::uint32_t index = 0;  // index of the crossing, or of the solid to which the cap belongs
   bool uncertain = false;   // a crossing lies within its error of a plane
-  bool odd = false;         // some solid is crossed an odd number of times by the whole ray
+  bool odd = false;         // the whole ray crosses some solid an odd number of times
 };
 
-// Keeps the storage of what it counts from ray to ray.
+// Decides the result of one ray after another, and reuses its storage.
 class SectionDecision {
  public:
-  // `crossings` by ascending depth.
+  // Requires crossings that are sorted by ascending depth.
   SectionAnswer Decide(std::span<const SolidCrossing> crossings, const KeptInterval& kept);
 
  private:
