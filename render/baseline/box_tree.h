@@ -1,11 +1,10 @@
-// Embree's tree over boxes on the screen that are not triangles: what the bench compares the bitmaps of
-// accel/ with.
+// An Embree tree over screen boxes. The bench compares the bitmaps of render/accel with it.
 //
-//  1. A box is a half-open range of pixel columns and rows and the depth from which on something may lie in
-//     it. A ray goes through a pixel and meets the boxes that hold it, roughly front to back; the caller says
-//     at which depth there was a hit, and boxes that begin behind it are left out.
-//  2. Depths are rounded to float32 towards the eye for boxes and away from it for limits: a box is never
-//     left out for rounding.
+//  1. A box is a half-open range of pixel columns and rows, with the depth at which its content may begin. A
+//     ray passes through a pixel and visits the boxes that contain the pixel, roughly from front to back. The
+//     caller reports the depth of its nearest hit, and boxes that begin behind the hit are skipped.
+//  2. Depths are rounded to float32: towards the eye for boxes, and away from it for limits. Rounding
+//     therefore never causes a box to be skipped.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +22,19 @@ struct ScreenBox {
 
 class BoxTree {
  public:
-  // Looks at box `box`; returns the depth of the nearest hit so far, infinite if there is none.
+  // Processes box `box`. Returns the depth of the nearest hit so far; infinite if there is none.
   using Meet = double (*)(void* context, std::uint32_t box);
 
-  // Columns and rows below 2^16, depths finite. Errors: kNothingUsable (no box), kLimitExceeded, kBadUsage,
-  // as BaselineScene::Build.
+  // Builds the tree. Requires columns and rows below 2^16, and finite depths. Errors: kNothingUsable (there
+  // is no box); kLimitExceeded and kBadUsage as for BaselineScene::Build.
   static Result<BoxTree> Build(std::span<const ScreenBox> boxes);
   ~BoxTree();
   BoxTree(BoxTree&&) noexcept;
   BoxTree& operator=(BoxTree&&) noexcept;
 
-  // The ray through the middle of a pixel.
+  // Visits the boxes on the ray through the centre of a pixel.
   void Visit(int column, int row, Meet meet, void* context) const;
-  std::uint64_t bytes() const;  // what Embree holds
+  std::uint64_t bytes() const;  // memory that Embree has allocated
 
   struct Data;
 

@@ -1,4 +1,4 @@
-// What the writers of single mesh formats share. Private to baseline/.
+// Functions shared by the writers of the mesh formats. Private to render/baseline.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace facetless {
 
-// A colour as files have it: sRGB and opacity, eight bits each.
+// A colour as files store it: sRGB and opacity, eight bits each.
 using Rgba = std::array<std::uint8_t, 4>;
 Rgba ToRgba(const Color& color);
-// "b2b2b8", or "b2b2b880" where one sees through.
+// "b2b2b8", or "b2b2b880" for a colour that is not opaque.
 std::string HexOf(const Rgba& color);
 
-// The colours of the faces that `node` places, by face of its part.
+// The colours of the faces that `node` places, indexed by the face within its part.
 std::vector<Rgba> ColorsOf(const MeshNode& node, const Model& model);
 
-// The shortest decimal that reads back as the same number.
+// Appends the shortest decimal that reads back as the same number.
 void AppendNumber(std::string& text, double number);
 void AppendNumber(std::string& text, float number);
 
-// A normal as a placement carries it: orthogonal to the placed surface, on the same side, of unit length.
+// The unit normal of the placed surface, on the same side as `normal` before the placement.
 Vec3 PlacedNormal(const Placement& placement, Vec3 normal);
 
 Result<std::string> EncodeGlb(const Mesh& mesh, const Model& model);

@@ -1,9 +1,9 @@
-// What the readers of single mesh formats share. Private to baseline/.
+// Functions shared by the readers of the mesh formats. Private to render/baseline.
 //
-//  1. A reader gets the whole file as bytes and trusts none of them: every index, offset, count and number
-//     is checked before use.
-//  2. FileToModel turns the file's axes and unit into millimetres, Z up. Its entries are 0, ±unit_mm: no
-//     rounding of its own.
+//  1. A reader gets the whole file as bytes and trusts none of them: it checks every index, offset, count and
+//     number before it uses it.
+//  2. FileToModel converts the axes and the unit of the file to millimetres with Z up. Its entries are 0 and
+//     ±unit_mm, so it does not round.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace facetless {
 
-// What a vertex and a triangle of a MeshPart take.
+// The memory of a vertex and of a triangle of a MeshPart.
 inline constexpr std::uint64_t kVertexBytes = 24, kTriangleBytes = 16;
 
 using Bytes = std::span<const unsigned char>;
@@ -26,16 +26,17 @@ struct FileAxes {
   double unit_mm = 1;
   bool y_up = false;
 };
-// (x, y, z) ↦ unit_mm · (x, y, z), or unit_mm · (x, −z, y) where Y is up.
+// The map (x, y, z) ↦ unit_mm · (x, y, z), or unit_mm · (x, −z, y) if Y is up.
 Placement FileToModel(FileAxes axes);
 
-// a ∘ b: first b, then a.
+// The composition a ∘ b, which applies b first and then a.
 Placement Compose(const Placement& a, const Placement& b);
 
 bool LooksLikeGlb(Bytes bytes);
 bool LooksLikeStl(Bytes bytes);
 
-// `name` is for messages. Errors as LoadMesh, without kFileUnreadable and kUnitMismatch.
+// The readers. `name` is used in messages. Errors: those of LoadMesh, except kFileUnreadable and
+// kUnitMismatch.
 Result<Mesh> ReadGlb(Bytes bytes, const std::string& name, FileAxes axes, const MeshLoadOptions& options);
 Result<Mesh> ReadStl(Bytes bytes, const std::string& name, FileAxes axes, const MeshLoadOptions& options);
 

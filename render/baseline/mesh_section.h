@@ -1,4 +1,5 @@
-// The area of a cut through a mesh: where a plane meets its triangles, a polygon in closed form.
+// The area of a cut through a mesh, computed in closed form from the polygon in which the plane cuts the
+// triangles.
 #pragma once
 
 #include "render/model/mesh.h"
@@ -6,9 +7,9 @@
 
 namespace facetless {
 
-// Signed by the triangles' outward sides, so that cavities count against their solids: the area inside a mesh
-// whose shells are closed and do not overlap, in mm². Triangles that lie in the plane count as on the removed
-// side.
+// The area inside the mesh, in mm², for a mesh whose shells are closed and do not overlap. The orientation of
+// the triangles determines the sign of their contributions, so that cavities are subtracted. Triangles that
+// lie in the plane count as being on the removed side.
 double MeshSectionArea(const Mesh& mesh, const SectionPlane& plane);
 
 }  // namespace facetless

@@ -1,14 +1,14 @@
-// Which triangles of a mesh share an edge: whether it is closed, and whether its triangles agree about the
-// outside.
+// The topology of a mesh: whether it is closed, and whether its triangles are consistently oriented.
 //
-//  1. Corners are one where they lie at the same position (equal coordinates; −0 equals +0) and belong to the
-//     same solid: two solids that touch stay two.
-//  2. A triangle of which two corners are one has collapsed: it is left out, and counted.
-//  3. An edge is open where one triangle has it, flipped where two have it that run through it in the same
-//     direction, and non-manifold where more than two have it.
-//  4. Each placement counts.
+//     const MeshTopology topology = MeasureTopology(mesh, model);
+//     if (!topology.IsWatertight()) Report(TopologySentence(topology));
 //
-// Example: MeasureTopology(mesh, model).IsWatertight().
+//  1. Corners are merged if they have the same position (equal coordinates; −0 equals +0) and belong to the
+//     same solid. Two solids that touch stay separate.
+//  2. A triangle with two merged corners is collapsed. It is left out, and counted.
+//  3. An edge is open if one triangle uses it, flipped if two triangles use it in the same direction, and
+//     non-manifold if more than two triangles use it.
+//  4. Every placement of a part is counted.
 #pragma once
 
 #include <array>
@@ -21,12 +21,12 @@
 
 namespace facetless {
 
-// A part by laws 1 and 2.
+// A part after merging its corners (laws 1 and 2).
 struct WeldedPart {
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<std::uint32_t, 3>>
-      triangles;                      // indices of `positions`; those that have not collapsed
-  std::vector<std::uint32_t> source;  // the index of each of them in the part
+      triangles;                      // indices into `positions`; only triangles that are not collapsed
+  std::vector<std::uint32_t> source;  // the index of each of these triangles in the part
 };
 
 struct MeshTopology {
@@ -36,17 +36,18 @@ struct MeshTopology {
   bool IsWatertight() const { return open_edges == 0 && non_manifold_edges == 0; }
 };
 
-// `solid_of_face` by face of the part; empty: all faces belong together. Requires a sound part.
+// Merges the corners of a part. `solid_of_face` is indexed by face of the part; if it is empty, all faces
+// belong to one solid. Requires a valid part.
 WeldedPart Weld(const MeshPart& part, const std::vector<std::uint32_t>& solid_of_face);
 
-// The solids of the faces of the part that `node` places. Requires that the mesh is `model`'s
-// (Mesh::from_model).
+// The solids of the faces of the part that `node` places. Requires a mesh of `model` (Mesh::from_model).
 std::vector<std::uint32_t> SolidsOfFaces(const MeshNode& node, const Model& model);
 
-// Requires that the mesh is `model`'s.
+// Measures the topology. Requires a mesh of `model` (Mesh::from_model).
 MeshTopology MeasureTopology(const Mesh& mesh, const Model& model);
 
-// "12 triangles; watertight", "10 triangles; not watertight: 4 open edges, 1 flipped edge".
+// A sentence such as "12 triangles; watertight" or "10 triangles; not watertight: 4 open edges, 1 flipped
+// edge".
 std::string TopologySentence(const MeshTopology& topology);
 
 }  // namespace facetless

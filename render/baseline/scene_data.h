@@ -1,12 +1,13 @@
-// What a BaselineScene holds. Private to baseline/, the only folder that knows Embree.
+// The data of a BaselineScene. Private to render/baseline, the only folder that uses Embree.
 //
-//  1. Embree's coordinates are millimetres relative to `center`, rounded to float32 last of all.
-//  2. A part that is placed once goes into the top-level tree itself; parts that are placed more often are
-//     trees of their own, and each placement an instance. node_of_geometry tells for both which node a
-//     geometry id stands for.
-//  3. A ray with a coordinate beyond kGreatestCoordinate would end the process: Debian's Embree asserts that
-//     there is none. So no mesh is larger than kLargestMesh, rays farther off than `reach` are not asked, and
-//     a part whose placement would throw them out of range is placed once for each of its nodes.
+//  1. Embree's coordinates are millimetres relative to `center`. Rounding to float32 is the last step.
+//  2. A part that is placed once is in the top-level tree itself. A part that is placed more often has a tree
+//     of its own, with one Embree instance per placement. node_of_geometry maps the geometry ids of both
+//     kinds to nodes.
+//  3. A ray with a coordinate beyond kGreatestCoordinate would end the process, because Debian's Embree
+//     asserts that there is none. No mesh may therefore be larger than kLargestMesh, and rays farther away
+//     than `reach` are not traced. A part whose placement would transform rays out of that range is stored
+//     separately for each of its nodes.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -20,46 +21,48 @@
 
 namespace facetless {
 
-// Bytes that Embree holds, told by its memory monitor; and the most that it may.
+// The memory that Embree has allocated, counted by its memory monitor, and the limit.
 struct EmbreeMemory {
   std::atomic<std::int64_t> now{0}, peak{0};
-  std::int64_t most = 0;  // 0: any number
+  std::int64_t most = 0;  // limit in bytes; 0: no limit
   std::atomic<bool> refused{false};
 };
 
-// To be given to a device as its memory monitor, with an EmbreeMemory. False refuses an allocation, which
-// ends what Embree is at with RTC_ERROR_OUT_OF_MEMORY.
+// The memory monitor of a device; `user` is an EmbreeMemory. Returns false to refuse an allocation, which
+// ends the current Embree operation with RTC_ERROR_OUT_OF_MEMORY.
 bool CountBytes(void* user, ssize_t bytes, bool post);
 
-// Nothing, or the device's error, which it has forgotten when it is asked again. Null: why there is no
-// device.
+// Returns the error of the device, if there is one, and clears it. If `device` is null, returns the reason
+// why it could not be created.
 Result<void> CheckEmbree(RTCDevice device);
 
 constexpr double kGreatestCoordinate = 1e18, kLargestMesh = 1e17;  // mm
-// A coordinate of a ray's direction, whose component along the view is 1: reached at a hair's breadth of
-// 180°.
+// The largest coordinate of a ray's direction, whose component along the view direction is 1. It is reached
+// only by fields of view very close to 180°.
 constexpr double kSteepestRay = 1e6;
 
 struct PlacedNode {
   Placement placement;
-  Vec3 normal_rows[3];  // takes a part's normal to the placed one's direction, outward kept
-  double side = 1;      // −1: the placement mirrors, so triangles run the other way round
+  Vec3 normal_rows
+      [3];          // maps a normal of the part to the direction of the placed normal; outward stays outward
+  double side = 1;  // −1: the placement mirrors, which reverses the orientation of the triangles
 };
 
 struct BaselineScene::Data {
   ~Data();
 
   const Mesh* mesh = nullptr;
-  bool to_be_cut = false;  // Embree calls the filter of the ray's context
+  bool to_be_cut =
+      false;  // the scene will be traced with sections; Embree calls the filter of the ray's context
   EmbreeMemory memory;
   RTCDevice device = nullptr;
-  std::vector<RTCScene> part_scenes;  // nullptr where the part is placed at most once
+  std::vector<RTCScene> part_scenes;  // nullptr if the part is placed at most once
   RTCScene scene = nullptr;
   std::vector<std::uint32_t> node_of_geometry;
-  std::vector<PlacedNode> nodes;  // as mesh->nodes
+  std::vector<PlacedNode> nodes;  // parallel to mesh->nodes
   Box3 bounds;
   Vec3 center;
-  double reach = 0;  // mm: a ray that begins farther from the center along an axis misses the mesh
+  double reach = 0;  // mm: a ray whose start is farther from the center along an axis misses the mesh
   std::uint64_t triangles = 0, mesh_bytes = 0;
   double build_ms = 0, noise_mm = 0;
 };

@@ -1,21 +1,22 @@
-// Vertex normals for a mesh that has none.
+// Vertex normals for a mesh without normals.
 //
-//  1. A corner's normal is the sum of the unit normals of the triangles around its position, each weighted
-//     by its angle there (Thürmer and Wüthrich 1998), over those triangles whose normals lie within
-//     `crease_deg` of its own triangle's.
-//  2. Positions are the same if their coordinates are equal; −0 equals +0. A vertex is made for each
-//     different pair of position and normal; the order of triangles is kept.
-//  3. Where more than 64 triangles meet, they are put into groups, each around the first triangle that no
-//     earlier group takes; so the time is n·log n whatever the mesh.
-//  4. A triangle without area takes no part, and its corners get whatever the others around them agree on,
-//     or (0,0,0).
+//  1. The normal of a corner is the sum of the unit normals of the triangles around its position, weighted by
+//     their angles there (Thürmer and Wüthrich 1998), over those triangles whose normals are within
+//     `crease_deg` of the normal of the corner's own triangle.
+//  2. Positions are the same if their coordinates are equal; −0 equals +0. One vertex is created for each
+//     distinct pair of position and normal. The order of the triangles does not change.
+//  3. If more than 64 triangles meet at a position, they are divided into groups, each around the first
+//     triangle that belongs to no earlier group. The time is therefore n·log n for any mesh.
+//  4. A triangle without area contributes to no normal. Its corners get the normal of the other triangles
+//     around them, or (0,0,0).
 #pragma once
 
 #include "render/model/mesh.h"
 
 namespace facetless {
 
-// Replaces positions, normals and the indices of `part`. Requires indices in range and finite positions.
+// Replaces the positions, the normals and the indices of `part`. Requires indices in range and finite
+// positions.
 void MakeSmoothNormals(MeshPart& part, double crease_deg);
 
 }  // namespace facetless

@@ -1,20 +1,25 @@
-// The baseline: a triangle mesh, traced by Embree from the same rays as the direct renderer.
+// The baseline tracer: Embree traces a triangle mesh with the same rays as the direct renderer.
 //
-//  1. Rays are those of camera.h through pixel centres. Orthographic ones see hits at any depth, perspective
-//     ones beyond near_mm.
-//  2. Embree (float32) decides which triangle is hit; depth is then computed again in double, from the
-//     triangle's placed corners. A ray that passes the triangle in double by float32's error takes the depth
-//     of the triangle's border.
-//  3. Normals are interpolated from the vertices, as a viewer does; one that points to the other side of the
-//     ray than its triangle does (silhouettes of coarse meshes) is turned back to the horizon.
-//  4. Everything is relative to the mesh's centre before it becomes float32: a model 10 km away loses
-//     nothing.
-//  5. With section planes (view/section.h) a ray collects all triangles that it meets. Those that share an
-//     edge or a corner may both be met by one ray: neighbours in depth, to within kSameCrossing of the
-//     diagonal, that are entered or left alike are one crossing. A mesh of another program has solids of
-//     unknown extent: each node is taken for one.
-//  6. Answers don't depend on the number of threads. They may depend on the processor: Embree promises no
-//     more.
+//     Result<BaselineScene> scene = BaselineScene::Build(mesh, /*threads=*/0);
+//     if (!scene) return scene.error();
+//     Result<BaselineResult> result = TraceBaseline(scene.value(), camera, {});
+//
+//  1. The rays pass through pixel centres (camera.h). Orthographic rays see hits at any depth, perspective
+//     rays only beyond near_mm.
+//  2. Embree (float32) decides which triangle is hit. The depth is then computed again in double, from the
+//     placed corners of the triangle. If the ray misses the triangle in double, by an error of float32, the
+//     hit has the depth of the triangle's border.
+//  3. Normals are interpolated from the vertices, as in a viewer. At silhouettes of coarse meshes, an
+//     interpolated normal may point to the other side of the ray than the normal of the triangle; it is then
+//     rotated back until it is perpendicular to the ray.
+//  4. Coordinates are taken relative to the centre of the mesh before they are rounded to float32, so a model
+//     10 km from the origin loses no precision.
+//  5. With section planes (view/section.h), a ray collects all triangles that it meets. A ray may meet two
+//     triangles that share an edge or a corner. Two successive triangles whose depths differ by at most
+//     kSameCrossing of the diagonal, and which are both entered or both left, therefore count as one
+//     crossing. The solids of a mesh of another program are unknown; each node counts as one.
+//  6. The result does not depend on the number of threads. It may depend on the processor, because Embree
+//     does not guarantee otherwise.
 #pragma once
 
 #include <cstdint>
@@ -31,15 +36,15 @@
 namespace facetless {
 
 struct BaselineOptions {
-  Execution execution;                          // polled per tile
-  std::span<const SectionPlane> sections = {};  // what is cut away
-  const SectionSolids* solids = nullptr;        // of the model; required with sections
+  Execution execution;                          // the cancellation flag is polled once per tile
+  std::span<const SectionPlane> sections = {};  // section planes
+  const SectionSolids* solids = nullptr;        // solids of the model; required with sections
 };
 
 struct BaselineStats {
   double trace_ms = 0;
   std::uint64_t rays = 0, hits = 0;
-  std::uint64_t buffer_bytes = 0;  // the samples
+  std::uint64_t buffer_bytes = 0;  // memory of the samples
 };
 
 struct BaselineResult {
@@ -48,13 +53,15 @@ struct BaselineResult {
   BaselineStats stats;
 };
 
-// An Embree BVH over a mesh; immutable, may serve many calls at once. The Mesh must outlive it.
+// An Embree BVH over a mesh. It is immutable, and several threads may use it at once. The mesh must outlive
+// it.
 class BaselineScene {
  public:
-  // `to_be_cut`: it will be traced with section planes, which takes a slower tree walk. `max_bytes`: what
-  // Embree may hold at any time while it builds (0: any number); a build that would take more ends at once.
-  // Errors: kNothingUsable (no triangle), kLimitExceeded (more than max_bytes, Embree ran out of memory, more
-  // than 2^32 − 1 nodes, a mesh larger than 1e17 mm), kBadUsage (the machine lacks what Embree needs).
+  // Builds the BVH. `to_be_cut`: the scene will be traced with section planes, which needs a slower
+  // traversal. `max_bytes`: the most memory that Embree may hold at any time during the build (0: no limit);
+  // a build that needs more ends at once. Errors: kNothingUsable (the mesh has no triangle); kLimitExceeded
+  // (max_bytes is exceeded, Embree ran out of memory, there are more than 2^32 − 1 nodes, or the mesh is
+  // larger than 1e17 mm); kBadUsage (the processor lacks what Embree needs).
   static Result<BaselineScene> Build(const Mesh& mesh, int threads, bool to_be_cut = false,
                                      std::uint64_t max_bytes = 0);
   ~BaselineScene();
@@ -62,12 +69,12 @@ class BaselineScene {
   BaselineScene& operator=(BaselineScene&&) noexcept;
 
   const Mesh& mesh() const;
-  const Box3& bounds() const;       // of the placed mesh, mm
-  std::uint64_t triangles() const;  // with every placement counted
+  const Box3& bounds() const;       // bounds of the placed mesh, mm
+  std::uint64_t triangles() const;  // number of triangles, with every placement counted
   double build_ms() const;
-  std::uint64_t bvh_bytes() const;       // what Embree holds, copied vertices included
-  std::uint64_t bvh_peak_bytes() const;  // the most it held while building
-  std::uint64_t mesh_bytes() const;      // the Mesh's own vectors
+  std::uint64_t bvh_bytes() const;       // memory that Embree holds, copied vertices included
+  std::uint64_t bvh_peak_bytes() const;  // peak memory that Embree held during the build
+  std::uint64_t mesh_bytes() const;      // memory of the vectors of the Mesh
   double noise_mm() const;               // PositionNoise
 
   struct Data;
@@ -78,7 +85,8 @@ class BaselineScene {
   std::unique_ptr<Data> data_;
 };
 
-// Errors: kBadUsage (camera, sections), kLimitExceeded (samples don't fit into memory), kCancelled.
+// Traces a view. Errors: kBadUsage (camera, sections), kLimitExceeded (the samples do not fit into memory),
+// kCancelled.
 Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& camera,
                                      const BaselineOptions& options);
 

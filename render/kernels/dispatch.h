@@ -1,8 +1,13 @@
-// The one place that chooses the instruction set.
+// Dispatch: the only place that selects the instruction set of the kernels.
 //
-//  1. The widest set that the processor has, unless FACETLESS_ISA=scalar|avx2|avx512 forces one. Asked once
-//     per process.
-//  2. Forcing a set that the processor lacks, or an unknown word, is an error that names the valid words.
+//     const Result<Kernels>& kernels = ActiveKernels();
+//     if (!kernels) return kernels.error();
+//     kernels.value().trace_tile(job);
+//
+//  1. The widest instruction set of the processor is selected, unless FACETLESS_ISA=scalar|avx2|avx512 forces
+//     one. The selection is made once per process.
+//  2. It is an error to force a set that the processor lacks or a word that is unknown. The message lists the
+//     valid words.
 #pragma once
 
 #include <string>
@@ -16,15 +21,15 @@ namespace facetless {
 
 struct Kernels {
   std::string isa;
-  TileKernel trace_tile = nullptr;        // in double
-  TileKernel trace_tile_float = nullptr;  // in single precision, for leaves with coefficients32
+  TileKernel trace_tile = nullptr;        // the kernel in double precision
+  TileKernel trace_tile_float = nullptr;  // the kernel in single precision, for leaves with coefficients32
   const NetOperations* nets = nullptr;
 };
 
-// Errors: kBadUsage.
+// The kernels of the selected instruction set. Errors: kBadUsage (law 2).
 const Result<Kernels>& ActiveKernels();
 
-// All that this processor can run, narrowest first; never empty.
+// The kernels of all instruction sets that this processor supports, narrowest first. The list is never empty.
 std::vector<Kernels> AvailableKernels();
 
 }  // namespace facetless

@@ -1,14 +1,15 @@
-// Lanes: a vector of Reals and its masks, for kernels that are written once and built per instruction set and
-// precision.
+// Lanes: a vector of Reals and its masks, for kernels that are written once and compiled for each instruction
+// set and precision.
 //
-//  1. Every operation rounds as IEEE 754 says and gives the same bits lane by lane on every target: fused
-//     operations are explicit and always fused, and nothing here depends on how a target orders NaN in min
-//     and max.
+//  1. Every operation rounds according to IEEE 754 and gives the same bits in each lane on every target.
+//     Fused operations are explicit and always fused, and no operation depends on how a target handles NaN in
+//     min and max.
 //  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2 or AVX-512,
 //     or one lane of plain C++ with FACETLESS_SCALAR_KERNEL. A Real is a double, or a float with
-//     FACETLESS_FLOAT_KERNEL. Everything lives in a namespace of the target's, so that no two files define
-//     one symbol twice.
-//  3. A Wide holds doubles in every kernel: depths, of which a float has too few digits. Its masks are bits.
+//     FACETLESS_FLOAT_KERNEL. Everything is in a namespace of its own for each target, so that no two files
+//     define the same symbol.
+//  3. A Wide holds doubles in every kernel. It is used for depths, for which a float is not precise enough.
+//     Its masks are bits.
 #pragma once
 
 #include <cmath>
@@ -68,7 +69,7 @@ inline Lane Fnma(Lane a, Lane b, Lane c) {
 inline Lane Abs(Lane a) {
   return {std::fabs(a.raw)};
 }
-// a·(x − x0) + b·(y − y0), formed in double.
+// a·(x − x0) + b·(y − y0), computed in double.
 inline Lane Local(const double* x, double x0, double a, const double* y, double y0, double b) {
   return {static_cast<Real>(std::fma(b, *y - y0, a * (*x - x0)))};
 }

@@ -1,5 +1,5 @@
-// Normals of the lanes' roots in one certified leaf. Included once by each tile_kernel_<isa>.cpp, through
-// tile_kernel.inl.h.
+// The normals at the roots of the lanes in one certified leaf. Each tile_kernel_<isa>.cpp includes this file
+// once, through tile_kernel.inl.h.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 namespace {
 
-// Below this sine of the angle between the tangents, or ratio of their lengths, most digits of a normal are
-// rounding.
+// If the sine of the angle between the tangents, or the ratio of their lengths, is below this value, most
+// digits of the normal are rounding errors.
 #if defined(FACETLESS_FLOAT_KERNEL)
 constexpr double kSingular = 0x1p-6;
 #else
@@ -20,11 +20,12 @@ constexpr double kSingular = 0x1p-26;
 
 struct Normal {
   Lane x, y, z;    // unit, along ds × dt, model axes
-  unsigned known;  // lanes in which it is
+  unsigned known;  // lanes in which the normal is known
 };
 
-// The cross product of the derivatives by s and t of the leaf's points at roots (s, t). Once per hit: degrees
-// as constants would gain a hundredth of a trace, and double the time to build.
+// The normalised cross product of the derivatives of the leaf's points with respect to s and t, at the roots
+// (s, t). It is computed once per hit: compile-time degrees would save one percent of a trace and double the
+// build time.
 inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double* y, Lane s, Lane t,
                        const ViewAxes& axes) {
   const int p = leaf.degree_u, q = leaf.degree_v;
@@ -44,8 +45,8 @@ inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double*
     h2s = Fnma(b2, w.ds, h2s);
     h2t = Fnma(b2, w.dt, h2t);
   }
-  // Undo C, to pixels and then to mm; and the depth with them. One factor for all keeps squares of squares in
-  // the range of a float, however small the leaf.
+  // Undo C: convert the tangents to pixels and then to mm, and the depth with them. A common factor keeps
+  // fourth powers in the range of a float, however small the leaf is.
   const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
   const double to_x = axes.pixel_x / determinant, to_y = axes.pixel_y / determinant;
   const double along_x = std::max(std::fabs(to_x * leaf.c22), std::fabs(to_x * leaf.c12)),

@@ -1,5 +1,5 @@
-// The lanes' Newton-Cramer iteration on one certified leaf, and the depths of what it finds (leaf.h has the
-// laws). Included once by each tile_kernel_<isa>.cpp, through tile_kernel.inl.h.
+// The Newton–Cramer iteration of the lanes on one certified leaf, and the depths of the roots. leaf.h has the
+// laws. Each tile_kernel_<isa>.cpp includes this file once, through tile_kernel.inl.h.
 #pragma once
 
 #include "render/kernels/lanes.h"
@@ -8,7 +8,8 @@
 namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 namespace {
 
-// A polynomial's value and first derivatives. P, Q: degrees, or −1 to take them from the leaf.
+// The value and the first derivatives of a polynomial. P and Q are the degrees, or −1 to take them from the
+// leaf.
 struct Jet {
   Lane f, ds, dt;
 };
@@ -16,7 +17,7 @@ struct Jet {
 template <int P, int Q>
 inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
   const int degree_u = P >= 0 ? P : p, degree_v = Q >= 0 ? Q : q;
-  // Horner along v of row i, with its derivative; the highest power costs nothing.
+  // Evaluate row i along v by Horner's rule, with its derivative. The highest power needs no operation.
   const auto row_at = [&](int i) {
     const Real* row = c + i * (degree_v + 1);
     struct {
@@ -28,7 +29,7 @@ inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
     }
     return at;
   };
-  // Then along u.
+  // Then evaluate along u.
   const auto last = row_at(degree_u), before = row_at(degree_u - 1);
   Jet jet{Fma(last.value, s, before.value), last.value, Fma(last.slope, s, before.slope)};
   for (int i = degree_u - 2; i >= 0; --i) {
@@ -80,7 +81,8 @@ inline Solution Solve(const CertifiedLeaf& leaf, double root_error, const double
   const Real* g2 = g1 + n;
   const Real* w = g2 + n;
 
-  // Turn the pixel into the leaf's own measure: b = C·(r − center). Far outside: proven miss (leaf.h, Law 2).
+  // Transform the pixel into the coordinates of the leaf: b = C·(r − center). A ray far outside is a proven
+  // miss (leaf.h, law 2).
   const Lane b1 = Local(x, leaf.center_x, leaf.c11, y, leaf.center_y, leaf.c12);
   const Lane b2 = Local(x, leaf.center_x, leaf.c21, y, leaf.center_y, leaf.c22);
   const Lane limit = Set(leaf.b_limit);
@@ -115,18 +117,18 @@ inline Solution Solve(const CertifiedLeaf& leaf, double root_error, const double
     const Lane next_s = Fnma(Fnma(h1.dt, h2.f, h1.f * h2.dt), inverse, s);
     const Lane next_t = Fnma(Fnma(h1.f, h2.ds, h1.ds * h2.f), inverse, t);
 
-    // Bound the distance of the root from here, and from the next iterate (Law 3).
+    // Bound the distance of the root from this iterate and from the next one (law 3).
     const Lane a1 = Abs(h1.f), a2 = Abs(h2.f);
     const Lane residual = Select(a1 < a2, a2, a1) + rounding;
     const Lane from_here = residual * inverse_gap;
     const Lane from_next = Fma(newton_factor * from_here, from_here, floor);
-    // A chord step x − H contracts by kappa: it decides where an iterate is held at the border and Newton's
-    // bound stays large.
+    // A chord step x − H contracts by kappa. It proves a miss if the iterate is clamped to the border and
+    // Newton's bound stays large.
     const Lane from_chord = Fma(residual, chord_factor, rounding);
 
     const Mask miss =
         Outside(next_s, next_t, from_next, reach) | Outside(s - h1.f, t - h2.f, from_chord, reach);
-    // The root exists where its ball lies in the enlarged leaf.
+    // The root exists if its ball lies in the enlarged leaf.
     const Mask exists = (Abs(s) + from_here <= enlarged) & (Abs(t) + from_here <= enlarged);
     const Mask done = (from_next <= tolerance) & exists;
     const Mask inside = (Abs(next_s) <= reach) & (Abs(next_t) <= reach);
@@ -142,7 +144,7 @@ inline Solution Solve(const CertifiedLeaf& leaf, double root_error, const double
   solution.hit = ToBits(hit);
   if (solution.hit == 0) return solution;
 
-  // Depth: Q/W, or W/Q − 1 = (w − q)/(1 + q) of the parts that vary.
+  // The depth is Q/W, or W/Q with W/Q − 1 = (w − q)/(1 + q) for the varying parts w and q.
   const Real* next = w + (kWeightVaries ? n : 0);
   const Lane weight = kWeightVaries ? Rest<P, Q>(w, p, q, solution.s, solution.t) : Set(0);
   const bool depth_varies = (leaf.flags & kLeafDepthVaries) != 0;
@@ -155,7 +157,7 @@ inline Solution Solve(const CertifiedLeaf& leaf, double root_error, const double
   return solution;
 }
 
-// The depths of kLanes relative ones.
+// Converts kLanes relative depths to depths.
 inline void Depths(const CertifiedLeaf& leaf, Lane relative, double* depth) {
   const Wide scale = SetWide(leaf.depth_scale),
              factor = SetWide((leaf.flags & kLeafPerspective) ? leaf.depth_scale : 1);

@@ -1,4 +1,4 @@
-// The builds of NetOperations (nurbs/net_operations.h). dispatch.h chooses one.
+// The builds of NetOperations (nurbs/net_operations.h) for each instruction set. dispatch.h selects one.
 #pragma once
 
 #include "render/nurbs/net_operations.h"

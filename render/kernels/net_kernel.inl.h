@@ -1,5 +1,5 @@
-// The bodies of NetOperations, included once by each net_kernel_<isa>.cpp after its target is set. See
-// nurbs/net_operations.h.
+// The bodies of NetOperations (nurbs/net_operations.h). Each net_kernel_<isa>.cpp includes this file once,
+// after it has set its target.
 
 #include <cmath>
 
@@ -20,7 +20,7 @@ inline void Put(Planes a, double* net, int i) {
   Store(a, net + kNetComponents * i);
 }
 
-// A degree that the compiler knows, or else the net's.
+// The compile-time degree if there is one, or else the degree of the net.
 template <int Known>
 inline int Degree(int degree) {
   return Known > 0 ? Known : degree;
@@ -28,8 +28,8 @@ inline int Degree(int degree) {
 
 // Halving.
 
-// Of the line of N+1 points `step` apart; N < 0: `degree` of them. The largest magnitudes so far, with the
-// line's.
+// Halves a line of N+1 points that are `step` apart; if N < 0, its degree is `degree`. Returns the largest
+// magnitudes so far, including those of the line.
 template <int N>
 inline Planes HalveLine(const double* in, int degree, int step, double* low, double* high, Planes largest) {
   const int n = Degree<N>(degree);
@@ -65,7 +65,7 @@ void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet*
     }
     return sizes;
   });
-  // Each of a halving's `degree` averages rounds once, at no more than the net's size.
+  // Each of the `degree` averages of a halving rounds once, relative to at most the size of the net.
   const double rounding = kEpsilon * (along_u ? net.degree_u : net.degree_v);
   const Planes error = LoadPlanes(net.error) + Same(rounding) * largest;
   Store(error, low->error);
@@ -74,8 +74,8 @@ void Halve(const BezierNet& net, Direction direction, BezierNet* low, BezierNet*
 
 // Centred monomials.
 
-// One line of a net, `step` apart, by the matrix written out: its even and odd rows share sums and
-// differences.
+// Converts one line of a net, whose points are `step` apart. The matrix is written out; its even and odd rows
+// share sums and differences.
 template <int N>
 inline void LineToMonomials(const double* in, double* out, int step) {
   if constexpr (N == 1) {
@@ -99,7 +99,7 @@ inline void LineToMonomials(const double* in, double* out, int step) {
   }
 }
 
-// out, at [i·stride + j]: the coefficients of s^i·t^j.
+// Writes the coefficients of s^i·t^j to out[i·stride + j].
 template <int P, int Q>
 inline void ToCenteredMonomials(const double* in, int degree_u, int degree_v, double* out) {
   const int pu = Degree<P>(degree_u), pv = Degree<Q>(degree_v), stride = pv + 1;
@@ -143,14 +143,14 @@ constexpr Powers kEnlargedPowers = [] {
   return powers;
 }();
 
-// Sums of |coefficients| that bound each component, a polynomial in s and t, over the enlarged leaf.
+// Sums of |coefficients|, which bound each component (a polynomial in s and t) over the enlarged leaf.
 struct Bounds {
-  double value[kNetComponents];                   // without the constant term
+  double value[kNetComponents];                   // of the component, without its constant term
   double ds[kNetComponents], dt[kNetComponents];  // of the first derivatives, without their constant terms
   double second[kNetComponents];                  // |∂ss| + 2|∂st| + |∂tt|
   double along_s[kNetComponents], along_t[kNetComponents];  // magnitudes of the linear terms
 
-  // Of |∂s| + |∂t|, linear terms included.
+  // Bounds |∂s| + |∂t|, linear terms included.
   double Slope(NetComponent c) const { return ds[c] + dt[c] + along_s[c] + along_t[c]; }
 };
 
@@ -158,8 +158,8 @@ template <int P, int Q>
 inline Bounds Bound(const double* monomials, int degree_u, int degree_v) {
   const int pu = Degree<P>(degree_u), pv = Degree<Q>(degree_v);
   const double* r = kEnlargedPowers.value;
-  // Terms of s^i·t^j are r^(i+j) at most; along a row their sum, and its first and second moments by j.
-  // Constant and linear terms apart: only values count the latter.
+  // A term s^i·t^j is at most r^(i+j). For each row, compute the sum and its first and second moments in j.
+  // Constant and linear terms are left out, except that `value` includes the linear ones.
   Planes value = Same(0), by_s = Same(0), by_t = Same(0), second = Same(0);
   for (int i = 0; i <= pu; ++i) {
     Planes sum = Same(0), first = Same(0), second_t = Same(0);
@@ -185,8 +185,8 @@ inline Bounds Bound(const double* monomials, int degree_u, int degree_v) {
   return b;
 }
 
-// ‖I − H'‖ to expect after halving in u or in v: the monomial s^i·t^j shrinks by 2^−i or 2^−j, and the row of
-// C that belongs to the halved direction doubles.
+// The ‖I − H'‖ to expect after halving in u or in v: the monomial s^i·t^j shrinks by 2^−i or 2^−j, and the
+// row of C that belongs to the halved direction doubles.
 template <int P, int Q>
 inline Verdict AfterHalving(const double* monomials, bool weight_varies, int degree_u, int degree_v) {
   const int pu = Degree<P>(degree_u), pv = Degree<Q>(degree_v);
@@ -215,8 +215,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
             n = (pu + 1) * stride;
   constexpr int kSize = P > 0 ? kNetComponents * (P + 1) * (Q + 1) : kNumbers;
 
-  // Shift to the pixel of the middle control points, and in orthographic views to their depth, so that what
-  // follows has the leaf's size and not the image's.
+  // Shift the origin to the pixel of the middle control point, and in orthographic views also to its depth,
+  // so that the following numbers are of the size of the leaf and not of the image.
   const int middle = (pu / 2) * stride + pv / 2;
   const double w_middle = rule.weight_varies ? net.at(middle, kW) : 1;
   if (!(w_middle > 0)) return {};
@@ -240,7 +240,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   // Move the origin to the pixel of (0,0).
   const double w0 = rule.weight_varies ? m[kW] : 1;
   if (!(w0 > 0)) return {};
-  // The centre is rounded first and the net moved by what is left, so that both belong together.
+  // Round the centre first and then move the net by the exact difference, so that the two are consistent.
   leaf->center_x = shift_x + m[kX] / w0;
   leaf->center_y = shift_y + m[kY] / w0;
   const double offsets[kNetComponents] = {leaf->center_x - shift_x, leaf->center_y - shift_y, 0, 0};
@@ -255,14 +255,14 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   const double a = m[along_s + kX] / w0, b = m[along_t + kX] / w0;
   const double c = m[along_s + kY] / w0, d = m[along_t + kY] / w0;
   const double determinant = a * d - b * c;
-  // A determinant within its own rounding has no sign to trust.
+  // The sign of a determinant is not reliable if its magnitude is within its rounding error.
   if (!(std::fabs(determinant) > 8 * kEpsilon * (std::fabs(a * d) + std::fabs(b * c)))) return {};
   leaf->c11 = d / determinant;
   leaf->c12 = -b / determinant;
   leaf->c21 = -c / determinant;
   leaf->c22 = a / determinant;
 
-  // Form G, W and Q in the leaf's own scale.
+  // Form G, W and Q in the scale of the leaf.
   const double q0 = m[kQ];
   const double by_x[kNetComponents] = {leaf->c11 / w0, leaf->c21 / w0, 0, 0},
                by_y[kNetComponents] = {leaf->c12 / w0, leaf->c22 / w0, 0, 0},
@@ -277,7 +277,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
 
   // Bound ‖I − G'‖, the range of b, and then ‖I − H'‖ = ‖I − G' + b⊗W'‖ (Laws 1 and 2).
   Bounds bound = Bound<P, Q>(m, pu, pv);
-  // (The linear terms of G are the identity but for rounding.)
+  // (The linear terms of G are the identity except for rounding.)
   bound.ds[kX] += std::fabs(m[along_s + kX] - 1);
   bound.dt[kX] += std::fabs(m[along_t + kX]);
   bound.ds[kY] += std::fabs(m[along_s + kY]);
@@ -296,8 +296,9 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   const double b_limit = (1 + kappa_g) * kEnlarged / w_low;
   double kappa = kappa_g + b_limit * slope;
   if (!(kappa <= kMaxKappa)) return fail();
-  // The kernel's H differs from the surface's by its rounding: conversion loses a few units per degree of the
-  // net's size, evaluation a few of G's, and the net's own error counts in full.
+  // H as the kernel evaluates it differs from H of the surface: conversion loses a few units per degree,
+  // relative to the size of the net; evaluation loses a few units relative to G; and the error of the net
+  // counts in full.
   const double growth =
       std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
   const double magnitude = std::fabs(shift_x) + std::fabs(shift_y);
@@ -306,7 +307,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
       (std::fmax(net.error[kX], net.error[kY]) + (magnitude + size / w0) * net.error[kW]) / w0;
   leaf->rounding = arithmetic.epsilon * 4 * (pu + pv + 2) * (b_limit + 1) +
                    scale * (kEpsilon * (growth * (pu + pv) * size / w0 + 4 * magnitude) + net_error);
-  // So does its derivative, by Markov's inequality.
+  // The derivative of H differs accordingly, by Markov's inequality.
   const double degree = std::fmax(pu, pv);
   const double kappa_net = 2 * degree * degree * leaf->rounding;
   kappa += kappa_net;
@@ -314,7 +315,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   const double lipschitz = std::fmax(bound.second[kX], bound.second[kY]) + b_limit * w_second;
   const double inverse_gap = 1 / (1 - kappa);
   const double newton_factor = 0.5 * lipschitz * inverse_gap;
-  // The start x = b is off by at most kappa·kEnlarged (H(0) = −b).
+  // The error of the start x = b is at most kappa·kEnlarged, because H(0) = −b.
   if (!(newton_factor * kappa * kEnlarged < 0.5)) return fail();
 
   leaf->b_limit = b_limit * (1 + 8 * arithmetic.epsilon) + leaf->rounding;
@@ -324,7 +325,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
   const double root_error = leaf->RootError(arithmetic);
   if (!(root_error <= kMaxRootError)) return {};
 
-  // Bound the depth (Law 6). Conversion and Horner lose a few units per degree.
+  // Bound the error of the depth (law 6). Conversion and Horner's rule lose a few units per degree.
   const double units = 4 * (pu + pv + 2) * arithmetic.epsilon;
   double depth_slope = 0, evaluation = 0, far = 0, divisor = 0;
   if (rule.perspective) {
@@ -333,8 +334,8 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
                  q_slope = rule.depth_varies ? bound.Slope(kQ) : 0;
     const double q_low = 1 - q_rest;
     if (!(q_middle > 0 && q_low > 0)) return fail();
-    // depth = scale + scale·(w − q)/(1 + q), w and q without their constant terms. From afar, a rational
-    // patch has a w and a q that vary together, and their difference hardly at all.
+    // depth = scale + scale·(w − q)/(1 + q), with w and q without their constant terms. For a distant
+    // rational patch, w and q vary together, and their difference hardly varies at all.
     leaf->depth_scale = w0 / q_middle;
     double difference = w_rest, difference_slope = slope;
     if (rule.depth_varies) {
@@ -353,7 +354,7 @@ Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithme
     far = leaf->depth_scale * (1 + range / q_low);
     divisor = q_middle * q_low / kEnlargedPowers.value[pu + pv];
   } else {
-    // Relative to the depth of the middle, for the digits.
+    // Compute relative to the depth of the middle, to preserve precision.
     leaf->depth_scale = depth_middle;
     double q_size = 0;
     if (rule.depth_varies) {
@@ -417,7 +418,7 @@ NetBox Project(const BezierNet& net, DepthRule rule, double half_window) {
   box.y_low = least[kY];
   box.y_high = most[kY];
   if (!rule.perspective) box.near_depth = least[kQ], box.far_depth = most[kQ];
-  // Errors: of the pixel, by the window's size at most, and of the depth.
+  // Bound the error of the pixel, using the size of the window, and the error of the depth.
   box.error = (std::fmax(net.error[kX], net.error[kY]) + half_window * net.error[kW]) / divisor[kW];
   const double far = std::fmax(std::fabs(box.near_depth), std::fabs(box.far_depth));
   const double depth_error =
@@ -463,12 +464,12 @@ Extent Measure(const BezierNet& net, DepthRule rule, double half_window, bool in
   return extent;
 }
 
-// The larger magnitudes of two ends.
+// The larger of the magnitudes of both ends, per component.
 inline Planes Size(Planes low, Planes high) {
   return Max(Abs(low), Abs(high));
 }
 
-// Whether a range and its error leave out zero, in X or in Y; `all`: or in any place.
+// Whether a range, widened by its error, excludes zero in X or in Y, or, if `all` is set, in any component.
 inline bool LeavesOutZero(Planes low, Planes high, Planes error, bool all) {
   double least[kNetComponents], most[kNetComponents], slack[kNetComponents];
   Store(low, least);
@@ -482,12 +483,12 @@ inline bool LeavesOutZero(Planes low, Planes high, Planes error, bool all) {
 
 template <int P, int Q>
 Residual ResidualOf(const BezierNet& net, double x, double y) {
-  constexpr double kRounding = 2 * kEpsilon;  // of F: a product and a difference
+  constexpr double kRounding = 2 * kEpsilon;  // rounding of F: one product and one difference
   const int pu = Degree<P>(net.degree_u), pv = Degree<Q>(net.degree_v), stride = pv + 1,
             n = (pu + 1) * stride;
   Residual residual;
 
-  // F in the places of X and Y; W stays.
+  // Compute F in the components X and Y; W does not change.
   const double pixels[kNetComponents] = {x, y, 0, 0};
   const Planes pixel = LoadPlanes(pixels);
   double f[P > 0 ? kNetComponents * (P + 1) * (Q + 1) : kNumbers];
@@ -505,7 +506,7 @@ Residual ResidualOf(const BezierNet& net, double x, double y) {
   residual.empty = LeavesOutZero(low, high, error, /*all=*/false);
   if (residual.empty) return residual;
 
-  // Across the sides and the diagonals: g = (d × F) for each direction d.
+  // Test perpendicular to the sides and the diagonals: g = (d × F) for each direction d.
   const auto corner = [&](int k, int l) { return At(f, k * stride + l); };
   const Planes a = corner(0, 0), b = corner(0, pv), c = corner(pu, 0), d = corner(pu, pv);
   const Planes along_u = (c + d) - (a + b), along_v = (b + d) - (a + c), rising = d - a, falling = c - b;
@@ -524,7 +525,7 @@ Residual ResidualOf(const BezierNet& net, double x, double y) {
     across_low = Min(across_low, across);
     across_high = Max(across_high, across);
   }
-  // F's own error, and the rounding of two products and their difference.
+  // The error consists of the error of F and the rounding of two products and their difference.
   const Planes size = Size(low, high), reach = error + Same(4 * kEpsilon) * size;
   const Planes across_error = Abs(from_y) * Spread<kY>(reach) + Abs(from_x) * Spread<kX>(reach);
   residual.empty =

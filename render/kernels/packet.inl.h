@@ -1,5 +1,5 @@
-// The walk of one packet of samples through the tile's leaves, front to back. Included once by each
-// tile_kernel_<isa>.cpp, through tile_kernel.inl.h.
+// Traces one packet of samples through the leaves of a tile, from front to back. Each tile_kernel_<isa>.cpp
+// includes this file once, through tile_kernel.inl.h.
 #pragma once
 
 #include <algorithm>
@@ -17,14 +17,14 @@ namespace {
 constexpr std::uint32_t kNoLeaf = 0xffffffff;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// One packet at a time: the samples (i, j), i < kPacketHeight, j < kPacketWidth, from sample (row, column) of
-// the tile on.
+// Traces one packet at a time: the kPacketHeight × kPacketWidth samples that start at sample (row, column) of
+// the tile.
 class Packet {
  public:
   explicit Packet(const TileJob& job)
       : job_(job), nearest_only_(!job.every_hit), plain_(!job.every_hit && !job.coincidences) {}
 
-  // Traces the packet and writes its results; those of a packet that no leaf meets stay as they are.
+  // Traces the packet and writes its results. If no leaf meets the packet, the results are left unchanged.
   void Run(int row, int column) {
     row_ = row;
     column_ = column;
@@ -109,7 +109,7 @@ class Packet {
     return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
   }
 
-  // Nothing beyond this depth matters to a lane.
+  // The depth beyond which hits do not affect the lane.
   double Reach(int lane) const { return depth_[lane] + error_[lane]; }
 
   void AddDoubt(int lane, std::uint8_t doubt, double depth) {
@@ -119,14 +119,15 @@ class Packet {
     if (depth < doubt_depth_[lane]) doubt_depth_[lane] = depth;
   }
 
-  // Bits [begin, end) of those from `first` on, `count` of them.
+  // The bits that stand for [begin, end) among the `count` positions from `first` on.
   static unsigned Covered(int begin, int end, int first, int count) {
     const int from = begin > first ? begin - first : 0;
     const int to = end - first < count ? end - first : count;
     return from < to ? (1u << to) - (1u << from) : 0;
   }
 
-  // The lanes whose sample lies in the leaf's box and that it could still serve.
+  // The lanes whose sample lies in the box of the leaf and for which the leaf may still contain a relevant
+  // hit.
   unsigned LanesIn(const LeafHeader& leaf) const {
     const SampleBox box = leaf.box;
     const unsigned rows = Covered(box.row_begin(), box.row_end(), job_.row + row_, kPacketHeight);
@@ -178,13 +179,14 @@ class Packet {
     if (nearer) UpdateFarthest();
   }
 
-  // Lanes that OnPatchBorder might hold of.
+  // The lanes for which OnPatchBorder may return true.
   static unsigned NearBorder(double root_error, const Solution& solution) {
     const Lane inside = Set(1 - 2 * root_error);
     return ToBits((inside < Abs(solution.s)) | (inside < Abs(solution.t)));
   }
 
-  // Hits that nothing else is to be asked of, kLanes from lane `first` on. Whether one is the nearest so far.
+  // Accepts hits that need no further test, for kLanes lanes from lane `first` on. Returns whether one of
+  // them is the nearest so far.
   bool AcceptPlainHits(const CertifiedLeaf& leaf, std::uint32_t index, int first, unsigned hits,
                        const double* s, const double* t, const double* depth) {
     unsigned kept = 0;
@@ -212,16 +214,17 @@ class Packet {
     return kept != 0;
   }
 
-  // Whether a hit may be the nearest, or coincide with it.
+  // Whether a hit may be the nearest one, or may coincide with the nearest one.
   bool Matters(int lane, const TileHit& hit) const {
     return job_.coincidences ? hit.depth - hit.error <= Reach(lane) : hit.depth < depth_[lane];
   }
 
-  // A root in a certified leaf: trimming, then the depth test. Whether it is the nearest so far.
+  // Tests a root in a certified leaf against the trimming and then against the depth. Returns whether it is
+  // the nearest hit so far.
   bool AcceptRoot(const CertifiedLeaf& leaf, double root_error, std::uint32_t index, int lane, TileHit hit) {
     if (!(hit.depth > job_.near_depth)) return false;
     if (nearest_only_ && !Matters(lane, hit)) {
-      NoteLeast(lane, hit.depth, hit.error);  // whatever the trimming would say
+      NoteLeast(lane, hit.depth, hit.error);  // without testing the trimming
       return false;
     }
     std::uint8_t doubt = 0;
@@ -237,7 +240,7 @@ class Packet {
     return keep && AcceptHit(index, lane, hit, doubt);
   }
 
-  // Whether the hit is the nearest so far.
+  // Accepts a hit. Returns whether it is the nearest so far.
   bool AcceptHit(std::uint32_t index, int lane, const TileHit& hit, std::uint8_t doubt) {
     if (job_.every_hit) job_.resolver->RecordHit(SampleOf(lane), index, hit, doubt);
     if (job_.coincidences && leaf_[lane] != kMiss && hit.depth - hit.error <= Reach(lane) &&
@@ -257,9 +260,9 @@ class Packet {
     return true;
   }
 
-  // Takes note of a lane's second hit and of those after it. When the error intervals of two hits overlap,
-  // either may be the nearest: the smallest possible depth is recorded. A hit without a bound has a doubt and
-  // is left out.
+  // Records the second and all later hits of a lane. When the error intervals of two hits overlap, either may
+  // be the nearest, so the smallest possible depth is recorded. A hit without an error bound has a doubt and
+  // is not recorded.
   void NoteLeast(int lane, double depth, double error) {
     if (!(depth - error < Reach(lane))) return;
     if (!several_) std::fill_n(least_, kPacketLanes, kInfinity);
@@ -268,7 +271,7 @@ class Packet {
     if (error < kInfinity) least_[lane] = std::fmin(least_[lane], depth - error);
   }
 
-  // Takes the roots of a leaf without a certificate into one lane of a packet.
+  // Adds the roots of a leaf without a certificate to one lane of a packet.
   class LaneSink final : public RootSink {
    public:
     LaneSink(Packet* packet, std::uint32_t index, int lane) : packet_(packet), index_(index), lane_(lane) {}
@@ -306,7 +309,7 @@ class Packet {
     unsigned rest = 0;
     for (int i = 0; i < kPacketLanes; i += kWideLanes) rest |= Less(SetWide(kMiss), Load(leaf_ + i)) << i;
     while (rest) {
-      // All lanes of one leaf at a time.
+      // Process all lanes of one leaf at a time.
       const Wide one = SetWide(leaf_[__builtin_ctz(rest)]);
       unsigned lanes = 0;
       for (int i = 0; i < kPacketLanes; i += kWideLanes)
@@ -320,7 +323,7 @@ class Packet {
     }
   }
 
-  // Of the lanes `group` from `first` on; zero where there is none.
+  // Writes the normals of the lanes `group`, counted from `first`; zero for lanes without a normal.
   void WriteNormals(std::uint32_t leaf, int first, unsigned group) const {
     Real x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
     unsigned known = 0;
@@ -351,11 +354,11 @@ class Packet {
   double farthest_ = kInfinity;
   alignas(64) double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes],
       t_[kPacketLanes];
-  double error_[kPacketLanes];        // of the depth, as a root of its leaf
-  double least_[kPacketLanes];        // with several_: of a lane's hits none can be nearer
+  double error_[kPacketLanes];        // error of the depth, as a root of its leaf
+  double least_[kPacketLanes];        // with several_: lower bound of the depths of the lane's hits
   double reach_[kPacketLanes];        // Reach(); −inf outside the image
   double leaf_[kPacketLanes];         // its index, or kMiss
-  double doubt_depth_[kPacketLanes];  // no doubt arose nearer
+  double doubt_depth_[kPacketLanes];  // lower bound of the depths at which doubts arose
   std::uint8_t doubt_[kPacketLanes];
 };
 

@@ -1,9 +1,10 @@
-// Planes: one point of a projected net, all its components (X, Y, W, Q) side by side, for code that treats
-// them alike. Written once, built per instruction set.
+// Planes: the four components (X, Y, W, Q) of one point of a projected net, for code that treats them alike.
+// The code is written once and compiled for each instruction set.
 //
-//  1. Every operation rounds as IEEE 754 says and gives the same bits on every target; nothing is fused.
+//  1. Every operation rounds according to IEEE 754 and gives the same bits on every target. No operation is
+//     fused.
 //  2. The target follows from the compiler flags of the file that includes this: Highway's AVX2, or plain C++
-//     with FACETLESS_SCALAR_KERNEL. Everything lives in a namespace of the target's.
+//     with FACETLESS_SCALAR_KERNEL. Everything is in a namespace of its own for each target.
 #pragma once
 
 #include <cmath>
@@ -34,7 +35,7 @@ inline void Store(Planes a, double* p) {
 inline Planes Same(double x) {
   return {{x, x, x, x}};
 }
-// One component in all four places.
+// One component, copied to all four places.
 template <NetComponent C>
 inline Planes Spread(Planes a) {
   return Same(a.raw[C]);
@@ -58,14 +59,14 @@ inline Planes operator/(Planes a, Planes b) {
 inline Planes Abs(Planes a) {
   return Each([&](int c) { return std::fabs(a.raw[c]); });
 }
-// As std::min and std::max: a NaN in b is passed over.
+// The minimum and the maximum, as std::min and std::max: a NaN in b is ignored.
 inline Planes Min(Planes a, Planes b) {
   return Each([&](int c) { return b.raw[c] < a.raw[c] ? b.raw[c] : a.raw[c]; });
 }
 inline Planes Max(Planes a, Planes b) {
   return Each([&](int c) { return a.raw[c] < b.raw[c] ? b.raw[c] : a.raw[c]; });
 }
-// The larger; a NaN in b stays.
+// The maximum, in which a NaN in b is kept.
 inline Planes Grown(Planes a, Planes b) {
   return Each([&](int c) { return b.raw[c] <= a.raw[c] ? a.raw[c] : b.raw[c]; });
 }

@@ -1,23 +1,23 @@
 // The tile kernel: for each sample of one screen tile, the nearest hit among the tile's leaves (or every
 // hit).
 //
-//  1. Samples are taken in packets of 4×2. A packet's candidates are the set bits of (R_i | R_i+1) & (S_j | …
-//     | S_j+3), walked front to back; the walk ends at the first leaf that begins behind the hits of all
-//     lanes.
-//  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the leaf's own bounds prove a
-//     miss or pin the root down to kSolverTolerance; then it is frozen. Lanes never influence each other, so
-//     all builds give the same bits.
-//  3. The kernel knows numbers only, and of leaves without a certificate only their headers. Trimming, borders
-//     of patches and those leaves are the HitResolver's.
-//  4. There is a kernel in double and one in float for each instruction set, of one source. The float one
-//     brings each pixel into the leaf's own frame in double, iterates there in float, and adds what it finds
-//     to the leaf's depth in double.
-//  5. A doubt counts from the depth at which it arose: what a nearer hit hides is no doubt. Where every hit
-//     is asked for, nothing is hidden, and all doubts of a ray count.
+//  1. Samples are processed in packets of 4×2. The candidates of a packet are the set bits of (R_i | R_i+1) &
+//     (S_j | … | S_j+3), visited from front to back. The visit ends at the first leaf that begins behind the
+//     hits of all lanes.
+//  2. Each lane runs the homogeneous Newton–Cramer iteration on its leaf until the bounds of the leaf prove a
+//     miss, or locate the root to within the leaf's root_error. The lane is then frozen. Lanes never
+//     influence each other, so all builds give the same bits.
+//  3. The kernel works on numbers only. Trimming, borders of patches and leaves without a certificate are
+//     left to the HitResolver.
+//  4. Each instruction set has a kernel in double and one in float, compiled from the same source. The float
+//     kernel transforms each pixel into the frame of the leaf in double, iterates there in float, and adds
+//     the result to the depth of the leaf in double.
+//  5. A doubt is attached to the depth at which it arose, and a nearer hit hides it. If every hit is
+//     requested, nothing is hidden, and all doubts of a ray count.
 //
-// A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, has the Newton–Cramer step in the form W/M·(M_U, M_V);
-// with F = (X − x_R·W, Y − y_R·W) formed first, Cramer's rule on F and its derivatives is the same step
-// without the cancellation of 3×3 determinants.
+// A. Sisojevs, "3D scene rendering" (2011), eq. 10–13, gives the Newton–Cramer step in the form W/M·(M_U,
+// M_V). The kernel computes F = (X − x_R·W, Y − y_R·W) first. Cramer's rule, applied to F and its
+// derivatives, gives the same step without the cancellation in 3×3 determinants.
 #pragma once
 
 #include <array>
@@ -30,41 +30,41 @@
 namespace facetless {
 
 inline constexpr int kPacketWidth = 4, kPacketHeight = 2, kPacketLanes = kPacketWidth * kPacketHeight;
-// Newton steps before a lane is given up as unconverged. Law 5 of leaf.h halves the error bound at least, and
-// then squares it: six suffice.
+// The number of Newton steps after which a lane is given up as unconverged. By law 5 of leaf.h, each step at
+// least halves the error bound and eventually squares it, so six steps suffice.
 inline constexpr int kMaxIterations = 12;
 
 struct TileHit {
   double depth, s, t;
-  double error;  // of the depth, mm; infinite where there is no bound
+  double error;  // bound of the depth error, mm; infinite if there is no bound
 };
 
 struct TileCounters {
-  std::uint64_t candidates = 0;  // packets × leaves looked at
+  std::uint64_t candidates = 0;  // packets × leaves examined
   std::uint64_t solves = 0;      // lanes that started an iteration
   std::uint64_t iterations = 0;  // Newton steps of all lanes
   std::uint64_t fallbacks = 0;   // lanes × leaves without a certificate
   std::uint64_t trim_tests = 0;
 };
 
-// What turns a leaf's tangents into the model's axes.
+// The axes and pixel sizes that convert the tangents of a leaf to model axes.
 struct ViewAxes {
   Vec3 right, down, forward;
   double pixel_x = 1, pixel_y = 1;  // as CameraFrame's
 };
 
-// Takes the roots of one leaf and one ray.
+// Receives the roots of one ray in one leaf.
 class RootSink {
  public:
-  // `kept`: the trimming keeps the root.
+  // Adds a root. `kept`: the root lies inside the trimmed face.
   virtual void Add(const TileHit& hit, std::uint8_t doubt, bool kept) = 0;
 
  protected:
   ~RootSink() = default;
 };
 
-// What the kernel asks of the tracer around it. (x, y) is the ray's pixel relative to the image centre, and
-// `leaf` the leaf's LeafId.
+// The questions that the kernel leaves to the tracer. (x, y) is the pixel of the ray relative to the image
+// centre.
 class HitResolver {
  public:
   // Whether the hit at (s, t) of a certified leaf with kLeafTrimmed lies inside its face; adds to *doubt.
@@ -72,11 +72,11 @@ class HitResolver {
                             std::uint8_t* doubt) = 0;
   // Whether a root on the border of its patch is the certified leaf's own; adds to *doubt and to hit->error.
   virtual bool OwnsBorderRoot(std::uint32_t leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) = 0;
-  // Adds the roots of a leaf without a certificate that are nearer than `limit`. Returns the doubts that
-  // belong to no root.
+  // Adds the roots of a leaf without a certificate that are nearer than `limit` to *roots. Returns the doubts
+  // that belong to no root.
   virtual std::uint8_t SolveUncertified(std::uint32_t leaf, double x, double y, double limit,
                                         RootSink* roots) = 0;
-  // Takes a hit of sample row·tile_size + column of the tile, where TileJob::every_hit is set.
+  // Receives a hit of sample row·tile_size + column of the tile. Called only if TileJob::every_hit is set.
   virtual void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = 0;
 
  protected:
@@ -95,22 +95,23 @@ struct TileJob {
   int column = 0, row = 0;    // first sample
   int columns = 0, rows = 0;  // samples inside the image
   double half_width = 0, half_height = 0;
-  double near_depth = 0;      // hits must lie beyond; −inf in orthographic views
+  double near_depth = 0;      // hits must lie beyond this depth; −inf in orthographic views
   bool coincidences = false;  // look for hits of other faces within the error of the nearest hit's depth
 
   HitResolver* resolver = nullptr;
   bool every_hit = false;  // report every hit to HitResolver::RecordHit, instead of keeping the nearest
 
-  // tile_size² entries each, row by row; beyond the image they hold nothing. `leaf` is a LeafId, or kNoIndex for
-  // a miss, and then only depth (+inf) and doubt are set besides.
+  // The results: tile_size² entries each, row by row. Entries outside the image are not set. For a miss,
+  // `leaf` is kNoIndex, depth is +inf, doubt is set, and the other entries are not.
   double* depth = nullptr;
-  double* error = nullptr;  // of the depth: no other face is nearer by more, either
+  double* error = nullptr;  // bound of the depth error; no other face is nearer by more than this, either
   double* s = nullptr;
   double* t = nullptr;
   std::uint32_t* leaf = nullptr;
   std::uint8_t* doubt = nullptr;
-  // Of hits, unit normals along ds × dt of the leaf's parameters, and what they need; zero where the two are
-  // too close to parallel, or the leaf has no certificate. Null: not wanted.
+  // Unit normals of the hits, along ds × dt of the leaf's parameters. A normal is zero if ds and dt are too
+  // close to parallel, or if the leaf has no certificate. Null: normals are not requested. `axes` is needed
+  // for them.
   std::array<float, 3>* normal = nullptr;
   ViewAxes axes;
   TileCounters* counters = nullptr;
@@ -122,7 +123,7 @@ enum class SampleRoot : std::uint8_t { kMiss, kHit, kUnconverged };
 
 namespace kernel_scalar {
 void TraceTile(const TileJob& job);
-// One sample against one certified leaf, without trimming: what each lane of the tile kernel does.
+// Solves one sample on one certified leaf, without trimming, exactly as each lane of the tile kernel does.
 SampleRoot SolveSample(const CertifiedLeaf& leaf, const KernelArithmetic& arithmetic, double x, double y,
                        TileHit* hit);
 }  // namespace kernel_scalar

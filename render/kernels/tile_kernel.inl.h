@@ -1,5 +1,5 @@
-// The body of the tile kernel, included once by each tile_kernel_<isa>.cpp after its target is set. See
-// tile_kernel.h.
+// The body of the tile kernel (tile_kernel.h). Each tile_kernel_<isa>.cpp includes this file once, after it
+// has set its target.
 
 #include <algorithm>
 #include <cstdint>

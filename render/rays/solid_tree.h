@@ -1,15 +1,19 @@
-// Rays in any direction against the exact faces of one solid.
+// SolidTree: intersects rays in any direction with the exact faces of one solid.
 //
-//  1. Patches are cut into pieces that are nearly parallelograms (kFlatness), and a tree of boxes stands over
-//     the pieces that the trimming does not rule out. Each piece that a ray may meet is solved by Newton on
-//     the surface itself, in native parameters: the distance is exact to rounding, whatever the pieces are
-//     like.
-//  2. A root counts if its parameters lie within its piece, to kOverlap of its width, and inside the face's
-//     trimming; within the gap of an edge it counts for both faces, so that no ray slips out between them.
-//     The nearest one is the answer.
-//  3. Of a ray that touches a surface without crossing it either answer may come back: nothing is certified
-//     here, unlike in a picture.
-//  4. Immutable once built; queries allocate nothing. No libm but sqrt: the same bits everywhere.
+//     const SolidTree tree(scene, surfaces, faces);
+//     if (const auto hit = tree.Nearest(origin, direction, /*t_least=*/1e-9)) thickness = hit->t;
+//
+//  1. Patches are divided into pieces that are nearly parallelograms (kFlatness), and a tree of boxes is
+//     built over the pieces that are not trimmed away. Each piece that a ray may meet is solved by Newton's
+//     method on the surface itself, in native parameters, so the distance is exact up to rounding, whatever
+//     the shapes of the pieces.
+//  2. A root is accepted if its parameters lie within its piece, extended by kOverlap of its width, and
+//     inside the trimmed face. Within the gap of an edge, it is accepted for both faces, so that no ray
+//     escapes between them. The nearest accepted root is the answer.
+//  3. For a ray that touches a surface without crossing it, the result may be a hit or a miss. Unlike in a
+//     picture, nothing is certified here.
+//  4. A SolidTree is immutable once it is built, and queries allocate nothing. sqrt is the only libm function
+//     used, so the results have the same bits on every machine.
 #pragma once
 
 #include <cstdint>
@@ -22,18 +26,20 @@
 namespace facetless {
 
 struct SolidHit {
-  double t = 0;  // of origin + t·direction
+  double t = 0;  // the hit is at origin + t·direction
   std::uint32_t face = 0;
   double u = 0, v = 0;
 };
 
 class SolidTree {
  public:
-  // Over `faces` (of Model::faces, of one part). `surfaces` by face index; both must outlive the tree.
+  // Builds the tree over `faces` (indices into Model::faces, all of one part). `surfaces` is indexed by face.
+  // `scene` and `surfaces` must outlive the tree.
   SolidTree(const Scene& scene, const std::vector<SurfaceEval>& surfaces,
             const std::vector<std::uint32_t>& faces);
 
-  // The first crossing with t > t_least, in part coordinates. `direction` need not be a unit vector.
+  // The first crossing with t > t_least, in part coordinates; nothing if there is none. `direction` need not
+  // be a unit vector.
   std::optional<SolidHit> Nearest(Vec3 origin, Vec3 direction, double t_least) const;
 
   const Box3& bounds() const { return bounds_; }
@@ -44,12 +50,14 @@ class SolidTree {
   struct Piece {
     Box3 box;
     std::uint32_t face = 0;
-    bool whole = false;  // proven inside the trimming
+    bool whole = false;  // proven to lie inside the trimmed face
     double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
   };
   struct Node {
     Box3 box;
-    std::uint32_t first = 0, count = 0;  // pieces of a leaf; count 0: children are first and first + 1
+    std::uint32_t first = 0,
+                  count =
+                      0;  // the pieces of a leaf node; count 0: the children are nodes first and first + 1
   };
   struct Probe;
 

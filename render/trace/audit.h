@@ -1,13 +1,13 @@
-// The audit of a view: every crossing of every ray, not only the nearest.
+// The audit of a view. It examines all crossings of every ray, not only the nearest one.
 //
-//  1. A closed solid is crossed an even number of times by every ray. A ray that crosses some placed closed
-//     solid an odd number of times is an odd ray: light leaks there, or a face is counted twice.
-//  2. The same lines are traced once more from the opposite side, projected, split and solved anew. A ray
-//     whose crossings differ, in number or in depth by more than kReverseTolerance of the model's diagonal,
-//     is a reverse mismatch.
-//  3. Two leaves of one face that both own their common border find one root twice. Such twins are told by
-//     what they are — roots on the border of their leaves, or met without proof, on the same face — and by
-//     depths that agree to within the solver's own error.
+//  1. Every ray crosses a closed solid an even number of times. A ray that crosses a placed closed solid an
+//     odd number of times is an odd ray: light leaks there, or a face is counted twice.
+//  2. The same lines are traced again from the opposite side: projected, split and solved anew. A ray is a
+//     reverse mismatch if the crossings of both directions differ in number, or in depth by more than
+//     kReverseTolerance of the model's diagonal.
+//  3. Two leaves of one face that share a border may both find the same root. Two roots of the same face are
+//     considered one root if both lie on the border of their leaves, or were found without proof, and if
+//     their depths agree to within the error of the solver.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@ namespace facetless {
 
 inline constexpr double kReverseTolerance = 1e-9;
 
-// A crossing, as the forward view counts depth and samples.
+// A crossing, with its depth and sample in the forward view.
 struct AuditHit {
   std::uint32_t sample, placed_face;
-  RootTwin root;  // with its depth, mm
+  RootTwin root;  // includes the depth, mm
 };
 
 struct AuditResult {
@@ -32,11 +32,11 @@ struct AuditResult {
   std::uint64_t crossings = 0;
   std::vector<std::uint32_t> odd_samples;  // row·width + column, ascending
   std::vector<std::uint32_t> mismatched_samples;
-  // All crossings of those samples, by sample and depth, as seen from the front and from behind.
+  // All crossings of these samples, sorted by sample and depth, in the forward and in the backward view.
   std::vector<AuditHit> forward, backward;
 };
 
-// `view` is the forward view, prepared for `frame`. Errors: those of PrepareView.
+// Audits a view. `view` is the forward view, prepared for `frame`. Errors: the errors of PrepareView.
 Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, const Camera& camera,
                           const CameraFrame& frame, TileKernel kernel, const DirectOptions& options);
 

@@ -1,4 +1,4 @@
-// The crossings of rays put in order: what sections ask of the tile tracer, which finds them leaf by leaf.
+// Sorting the crossings of rays, which the tile tracer finds leaf by leaf and which sections need by depth.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace facetless {
 
-// Sorts by sample and depth. Of the roots that two leaves of one face own in common (RootTwin) one is left.
-// The order is total: it depends on nothing but the view.
+// Sorts the crossings by sample and depth. If two leaves of one face found the same root (RootTwin), only one
+// crossing is kept. The order is total and depends only on the view.
 void PutInOrder(const PreparedView& view, std::vector<Crossing>* crossings);
 
 }  // namespace facetless

@@ -1,10 +1,15 @@
-// The direct renderer: from a model and a camera to samples, on the exact surfaces.
+// The direct renderer, which traces the exact surfaces of a model.
 //
-//  1. A Scene is what does not depend on the view (trimming structures, occurrence tables); it is immutable
-//     and may serve many calls at once. The Model must outlive it.
-//  2. TraceDirect projects, splits into leaves, numbers them in bitmaps and traces every pixel centre of the
-//     camera. Its samples are the same bytes for any number of threads and any instruction set.
-//  3. Nothing is silent: stats.certified + stats.converged + stats.unresolved = width·height.
+//     const Scene scene(model);
+//     Result<DirectResult> result = TraceDirect(scene, camera, {.uv = true});
+//     if (!result) return result.error();
+//     const SampleBuffer& samples = result.value().samples;
+//
+//  1. A Scene holds the data that does not depend on the view (trimming structures, occurrence tables). It is
+//     immutable, and several threads may use it at once. The model must outlive it.
+//  2. TraceDirect projects the patches, splits them into leaves, builds the bitmaps, and traces every pixel
+//     centre of the camera. The samples are the same bytes for any number of threads and any instruction set.
+//  3. Every sample is counted: stats.certified + stats.converged + stats.unresolved = width·height.
 #pragma once
 
 #include <array>
@@ -22,14 +27,14 @@
 
 namespace facetless {
 
-// What a sample's certificate stands on.
+// The arithmetic of the kernels, and how much of the certificate is proven.
 enum class Precision : std::uint8_t {
-  kFast,       // kernels in single precision, in each leaf's own frame; bounds include their rounding
+  kFast,       // single precision in the frame of each leaf; the bounds include the rounding
   kStandard,   // double precision
-  kCertified,  // double precision, and the rest of the proof: no other face within the error of the depth
+  kCertified,  // double precision, and also the proof that no other face lies within the error of the depth
 };
 
-// How many certified samples CertificateCheck (certificate_check.h) tests again; none where
+// Which certified samples CertificateCheck (certificate_check.h) verifies. It verifies none if
 // DirectOptions::leave_out is set.
 enum class CheckLevel : std::uint8_t {
   kAuto,  // kShare with Precision::kCertified, kAll with an audit, else kNone
@@ -39,14 +44,16 @@ enum class CheckLevel : std::uint8_t {
   kShare,
   kAll,  // every root, and one ray in kRaysPerAuditedRay
 };
-// Chosen so that the share costs less than a tenth of TraceDirect's instructions (docs/accuracy-proof.md).
+// With these values, the check takes less than a tenth of TraceDirect's instructions
+// (docs/accuracy-proof.md).
 inline constexpr int kRootsPerCheckedRoot = 16;
 inline constexpr int kRaysPerCheckedRay = 32768, kRaysPerAuditedRay = 512;  // powers of two
 
-// What the check said, of this view's samples.
+// The results of the check for the samples of one view.
 struct CheckStats {
-  std::uint64_t roots = 0, roots_contradicted = 0;  // certified hits asked again, and those that do not hold
-  // Rays followed by subdivision, those on which a nearer hit was found, and those given up.
+  std::uint64_t roots = 0,
+                roots_contradicted = 0;  // certified hits that were verified, and those that do not hold
+  // Rays that were verified by subdivision, those on which a nearer hit was found, and those given up.
   std::uint64_t rays = 0, rays_contradicted = 0, rays_open = 0;
 
   void Add(const CheckStats& other) {
@@ -62,15 +69,15 @@ struct DirectOptions {
   Execution execution;
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
-  double newton_tolerance = 0;  // a root's error bound, as a share of half its leaf, at which the iteration
-                                // stops; 0: the precision's own (2^-42, fast 2^-17)
+  double newton_tolerance = 0;  // error bound of a root, as a share of half its leaf, at which the iteration
+                                // stops; 0: the default of the precision (2^-42; kFast: 2^-17)
   bool uv = false;              // fill samples.uv
   bool depth_error = false;     // fill samples.depth_error
-  bool audit = false;           // count every crossing of every ray; of the whole model, sections or not
-  std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
-  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
-  // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an
-  // audit, whose solids would be open.
+  bool audit = false;           // count all crossings of every ray with the whole model, without sections
+  std::vector<SectionPlane> sections;  // section planes; a sample is then certified only if its whole ray is
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // memory limit for the leaves of a view
+  // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored. Must not be
+  // combined with sections or an audit, because it would open solids.
   const std::vector<bool>* leave_out = nullptr;
 };
 
@@ -79,16 +86,16 @@ struct DirectStats {
   std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
-  std::uint64_t caps = 0;                                  // hits on caps of section planes
+  std::uint64_t caps = 0;                                  // number of hits on caps of section planes
   std::array<std::uint64_t, kDoubtNames.size()> doubts{};  // samples with each bit of Doubt
-  double depth_error_max = 0;                              // mm, of the certified hits
+  double depth_error_max = 0;                              // largest error bound of the certified hits, mm
   CheckStats check;
-  std::optional<std::uint64_t> odd_rays;            // audit only; null where the model has no closed solid
+  std::optional<std::uint64_t> odd_rays;            // audit only; null if the model has no closed solid
   std::optional<std::uint64_t> reverse_mismatches;  // audit only
-  std::vector<std::uint32_t> odd_samples, mismatched_samples;  // audit only: row·width + column of those rays
-  std::vector<std::uint32_t> unseen_faces;  // placed-face ids that no row or no column holds
+  std::vector<std::uint32_t> odd_samples, mismatched_samples;  // audit only: row·width + column of these rays
+  std::vector<std::uint32_t> unseen_faces;  // ids of the placed faces without a bit in any row or column
   std::uint64_t bmssm_bits = 0, bmssm_bytes = 0;
-  std::uint64_t scene_bytes = 0;  // leaves and all that tracing holds, without the model
+  std::uint64_t scene_bytes = 0;  // memory of the leaves and of all other tracing data, without the model
   std::string isa;                // "scalar", "avx2", "avx512"
 };
 
@@ -113,11 +120,12 @@ class Scene {
   std::unique_ptr<Data> data_;
 };
 
-// Errors: kBadUsage (camera, sections), kLimitExceeded (more leaves than memory allows), kCancelled.
+// Traces a view. Errors: kBadUsage (camera, sections), kLimitExceeded (the leaves exceed the memory limit),
+// kCancelled.
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options);
 
-// The instruction set that the kernels run on: FACETLESS_ISA=scalar|avx2|avx512 forces one (kBadUsage if the
-// machine lacks it).
+// The instruction set of the kernels. FACETLESS_ISA=scalar|avx2|avx512 forces one. Error: kBadUsage (the
+// processor lacks the forced set).
 Result<std::string> ActiveIsa();
 
 }  // namespace facetless

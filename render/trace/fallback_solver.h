@@ -1,14 +1,19 @@
-// The fallback solver: all roots of one ray in a leaf that has no certificate, by subdivision.
+// The fallback solver. It finds all roots of one ray in a leaf without a certificate, by subdivision.
 //
-//  1. Pieces whose coefficients of F keep one sign, beyond their rounding, are proven empty. Pieces that can
-//     be certified are solved and proven like any leaf. The rest is halved.
-//  2. A piece that has shrunk to kFloorSamples on the screen and still holds F = 0 counts as a root without
-//     proof: a tangency, a pole, a cusp, met to that precision.
-//  3. A leaf seen edge-on is missed by a proven distance, or kDoubtUnresolved; one that was given up
-//     (HardKind::kGivenUp) is proven to be missed, or kDoubtLimit.
-//  4. A leaf that needs more than kMaxPieces pieces for a ray ends with kDoubtUnresolved, and a ray that has
-//     used up its RayWork ends with kDoubtLimit. Nothing is dropped silently.
-//  5. Bounds are those of the exact surface: the net's own error is part of them.
+//     FallbackSolver solver(nets);
+//     RayWork work;
+//     std::vector<FallbackRoot> roots;
+//     const std::uint8_t doubt = solver.Solve(leaf, x, y, limit, &work, &roots);
+//
+//  1. A piece is proven empty if the coefficients of F have one sign, beyond their rounding. A piece that can
+//     be certified is solved and proven like any leaf. Any other piece is halved.
+//  2. A piece that has shrunk to kFloorSamples on the screen and may still contain F = 0 counts as a root
+//     without proof: a tangency, a pole or a cusp, located to that precision.
+//  3. For a leaf that is seen edge-on, the result is a proven miss or kDoubtUnresolved. For a leaf that was
+//     given up (kLeafGivenUp), it is a proven miss or kDoubtLimit.
+//  4. If a leaf needs more than kMaxPieces pieces for a ray, the result is kDoubtUnresolved. If a ray has
+//     used up its RayWork, the result is kDoubtLimit. Nothing is dropped silently.
+//  5. The bounds hold for the exact surface, because they include the error of the net.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +30,12 @@ namespace facetless {
 inline constexpr double kFloorSamples = 0x1p-36;
 inline constexpr int kMaxPieces = 4096;
 
-// What may still be spent on one ray, in control points looked at: all leaves without a certificate that the
-// ray meets share it. The same ray spends the same work on every machine.
+// The remaining work limit of one ray, in control points examined. All leaves without a certificate that the
+// ray meets share it. The same ray needs the same work on every machine.
 class RayWork {
  public:
-  // About 2.5 ms of one core. The most that a ray of samples/ or of public CAD files was seen to need is
-  // 6,600, in a propeller.
+  // About 2.5 ms on one core. The most that any ray in samples/ or in public CAD files needed is 6,600, in a
+  // propeller.
   static constexpr std::int64_t kLimit = std::int64_t{1} << 18;
 
   void Spend(std::int64_t control_points) { left_ -= control_points; }
@@ -41,11 +46,11 @@ class RayWork {
 };
 
 struct FallbackRoot {
-  TileHit hit;                      // s and t of the leaf, not of the piece
-  double error_s = 0, error_t = 0;  // how far the root may lie from there
-  double jacobian_sign = 0;         // sign of the Jacobian of (u,v) → pixel at the root; 0: not known
-  bool proven = true;               // exists, and is the only one in its piece
-  bool on_border = false;           // of its patch, within its error (OnPatchBorder)
+  TileHit hit;                      // s and t are those of the leaf, not of the piece
+  double error_s = 0, error_t = 0;  // bounds of the errors of s and t
+  double jacobian_sign = 0;         // sign of the Jacobian of (u,v) → pixel at the root; 0: unknown
+  bool proven = true;               // the root exists and is the only one in its piece
+  bool on_border = false;           // on a border of its patch, within its error (OnPatchBorder)
 };
 
 class FallbackSolver {

@@ -1,4 +1,4 @@
-// From a root (s, t) of a leaf back to geometry: tangents, normal and native parameters.
+// The geometry of a hit: tangents, normal and depth at a root (s, t) of a leaf.
 #pragma once
 
 #include "render/base/vec.h"
@@ -9,11 +9,11 @@ namespace facetless {
 
 struct HitGeometry {
   Vec3 ds,
-      dt;  // derivatives of the surface point by s and t, mm, in the camera's axes (right, down, forward)
-  Vec3 normal;            // unit, along ds × dt, model axes; (0,0,0) where both ways to find one fail
+      dt;  // derivatives of the surface point with respect to s and t, mm, in camera axes (right, down, forward)
+  Vec3 normal;            // unit vector along ds × dt, model axes; (0,0,0) if it cannot be determined
   double depth = 0;       // mm along the view direction
   double cosine = 0;      // |normal · ray direction|
-  bool singular = false;  // ds × dt vanishes, for all that double precision can tell
+  bool singular = false;  // ds × dt vanishes within double precision
 };
 
 // Of the root (s, t) of the ray through (x, y) relative to the image centre. Where ds × dt vanishes (a pole,

@@ -1,5 +1,5 @@
-// Preparation of one view: project every placed face that the window can hold, split it into leaves, list the
-// leaves per tile.
+// Preparation of one view: every placed face that may be visible is projected and split into leaves, and the
+// leaves are listed per tile.
 #pragma once
 
 #include <atomic>
@@ -15,16 +15,16 @@ namespace facetless {
 
 struct PreparedView {
   std::unique_ptr<TileLeaves> tiles;
-  std::vector<CoefficientArena> arenas;     // own the leaves' coefficients and nets
+  std::vector<CoefficientArena> arenas;     // own the coefficients of the leaves
   std::vector<std::uint32_t> unseen_faces;  // placed faces without a leaf, ascending
   std::uint64_t nodes = 0;
   KernelArithmetic arithmetic;          // of the kernel that the leaves were made for
-  const NetOperations* nets = nullptr;  // that made the leaves
+  const NetOperations* nets = nullptr;  // the operations that made the leaves
 
   std::size_t bytes() const;
 };
 
-// Errors: kCancelled; kLimitExceeded; those of ActiveKernels.
+// Prepares a view. Errors: kCancelled; kLimitExceeded; the errors of ActiveKernels.
 Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
                                  const DirectOptions& options);
 

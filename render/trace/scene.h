@@ -1,4 +1,4 @@
-// Scene::Data: what every view of a model shares.
+// Scene::Data: the data that all views of a model share.
 #pragma once
 
 #include <vector>
@@ -33,8 +33,8 @@ inline PatchBounds BoundsOf(const FaceData& face, const Surface& surface, std::u
 
 struct Scene::Data {
   const Model* model = nullptr;
-  std::vector<FaceData> faces;       // as Model::faces
-  std::vector<SpanParameter> spans;  // as Model::spans
+  std::vector<FaceData> faces;       // parallel to Model::faces
+  std::vector<SpanParameter> spans;  // parallel to Model::spans
   SeamTable seams;
   bool has_closed_solid = false;
 

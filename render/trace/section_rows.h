@@ -1,11 +1,10 @@
-// Rows of rays that run in a section plane, and the lengths that they spend inside closed solids. Private to
-// trace/.
+// Rows of rays that run in a section plane, and their lengths inside closed solids. Private to render/trace.
 //
-//  1. The scan axis lies in the plane, at a right angle to the rays; a row's place on it is its distance from
-//     the scan's origin. Both directions are fixed in the plane by its normal alone, turned away from the
-//     model's axes.
-//  2. A row is a ray of an orthographic view one pixel wide, with its centre in the plane: everything that
-//     holds for views holds for it.
+//  1. The scan axis lies in the plane, perpendicular to the rays. The position of a row is its distance from
+//     the origin of the scan along the axis. The normal of the plane alone determines both directions; they
+//     are rotated away from the model's axes.
+//  2. A row is a ray of an orthographic view that is one pixel wide and whose centre lies in the plane.
+//     Everything that is true of views is therefore true of rows.
 #pragma once
 
 #include <atomic>
@@ -23,13 +22,14 @@ inline constexpr int kBlockRows = 8;
 
 struct SectionScan {
   SectionPlane plane;
-  Vec3 origin, along, axis;   // along: of the rays; along, axis and the plane's normal are orthonormal
-  double begin = 0, end = 0;  // of what the plane meets of the bounds; begin >= end: nothing
+  Vec3 origin, along,
+      axis;  // along: direction of the rays; along, axis and the plane's normal are orthonormal
+  double begin = 0, end = 0;  // positions between which the plane meets the bounds; empty if begin >= end
 
   SectionScan(const SectionPlane& plane, const Box3& bounds);
-  // What a coordinate's rounding is relative to, mm.
+  // The size to which rounding errors of coordinates are relative, mm.
   double size() const { return size_; }
-  // What the plane meets of a placed box, on the axis.
+  // The interval of the axis in which the plane meets a placed box; nothing if it does not meet the box.
   std::optional<std::pair<double, double>> RangeOf(const Box3& box, const Placement& placement) const;
 
  private:
@@ -37,14 +37,15 @@ struct SectionScan {
 };
 
 struct SectionRow {
-  double length = 0;  // inside any solid, mm
-  double error = 0;   // of the ends of its chords
+  double length = 0;  // length inside any solid, mm
+  double error = 0;   // sum of the errors of the ends of its chords, mm
   double unsure =
-      // its way through the model's box where a solid is crossed an odd number of times or a crossing may be
-      // missing
+      // its length inside the model's box, if a solid is crossed an odd number of times or a crossing may be
+      // missing, mm
       0;
-  bool odd = false, undecided = false;       // why `unsure` is not 0; undecided: the fallback solver gave up
-  std::vector<SectionArea::OfSolid> solids;  // lengths, here
+  bool odd = false,
+       undecided = false;  // the reason if `unsure` is not 0; undecided: the fallback solver gave up
+  std::vector<SectionArea::OfSolid> solids;  // area_mm2 holds lengths here, mm
 };
 
 class SectionRows {
@@ -60,12 +61,13 @@ class SectionRows {
     std::uint64_t doubtful_rows = 0, odd_rows = 0, undecided_rows = 0;
     std::vector<std::uint32_t> open_faces;  // ascending
   };
-  // The centres of `count` equal strips of [begin, end]. Errors: those of PrepareView.
+  // Traces the rows at the centres of `count` equal strips of [begin, end]. Errors: the errors of
+  // PrepareView.
   Result<Answer> Trace(double begin, double end, int count) const;
 
  private:
   SectionRow Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const;
-  // How much of the ray lies within the model's box and what the other planes keep.
+  // The length of the ray inside the model's box and inside what the other planes keep, mm.
   double WayThroughModel(const Ray& ray) const;
 
   const Scene::Data& scene_;

@@ -1,9 +1,11 @@
-// Tiles of a view that is cut open: all crossings of each ray, and what section.h makes of them.
+// SectionTracer: traces the tiles of a view with section planes. It collects all crossings of each ray and
+// decides by the laws of section.h.
 //
-//  1. One per thread, like the TileTracer that it asks. The planes and the solids are shared and only read.
-//  2. A sample is certified if nothing on its whole ray is in doubt: a crossing that is missing or one too
-//     many beyond the plane would turn a cap into a view of what lies behind it, or the other way round.
-//  3. A cap's normal is the plane's, its depth the plane's own on the ray, its uv 0.
+//  1. Each thread has its own SectionTracer and TileTracer. The planes and the solids are shared and
+//     read-only.
+//  2. A sample is certified only if nothing on its whole ray is in doubt. A missing or an extra crossing
+//     beyond the plane would turn a cap into a view of what lies behind it, or the reverse.
+//  3. A cap has the normal of its plane, the depth at which the ray meets the plane, and uv 0.
 #pragma once
 
 #include <span>
@@ -17,12 +19,13 @@ namespace facetless {
 
 class SectionTracer {
  public:
-  // All outlive the tracer. `certify`: tell coincident faces from certified ones.
+  // All arguments must outlive the tracer. `certify`: detect coincident faces.
   SectionTracer(const TraceShared& shared, std::span<const SectionPlane> planes, const SectionSolids& solids,
                 bool certify)
       : shared_(shared), planes_(planes), solids_(solids), certify_(certify) {}
 
-  // Traces tile `index` and writes it into `samples`, which has a certificate and a doubt for every sample.
+  // Traces tile `index` and writes the results to `samples`, which must have certificates and doubts
+  // allocated.
   void Trace(int index, TileTracer* tracer, SampleBuffer* samples, Tally* tally);
 
  private:
@@ -31,7 +34,7 @@ class SectionTracer {
     std::uint32_t face = kNoIndex;
     Vec3 normal;
     std::uint8_t doubt = 0;
-    const Crossing* crossing = nullptr;  // of what is no cap
+    const Crossing* crossing = nullptr;  // the crossing that was hit; null for a cap
   };
   Found Look(int column, int row, std::span<const Crossing> crossings, std::uint8_t doubt);
 
@@ -44,8 +47,8 @@ class SectionTracer {
   SectionDecision decision_;
 };
 
-// A crossing's error as sections take it. One without a bound is in doubt already, and its depth is the best
-// there is.
+// The depth error of a crossing for sections. A crossing without an error bound has a doubt already; its
+// depth is the best estimate available, and its error counts as 0.
 inline double ErrorOf(const Crossing& crossing) {
   return std::isfinite(crossing.hit.error) ? crossing.hit.error : 0;
 }

@@ -1,4 +1,4 @@
-// What tracing counts, and what a doubt makes of a sample. Private to trace/.
+// The counters of tracing, and the certificate that follows from a doubt. Private to render/trace.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline Certificate CertificateOf(std::uint8_t doubt) {
   return doubt ? Certificate::kConverged : Certificate::kCertified;
 }
 
-// Counts of one thread; its own cache lines.
+// The counters of one thread, on cache lines of their own.
 struct alignas(64) Tally {
   std::uint64_t hits = 0, certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
   std::uint64_t caps = 0;
@@ -33,7 +33,7 @@ struct alignas(64) Tally {
   }
 };
 
-// A bound as a float.
+// The smallest float that is not less than x, for bounds.
 inline float RoundedUp(double x) {
   const float f = static_cast<float>(x);
   return f >= x ? f : std::nextafter(f, INFINITY);

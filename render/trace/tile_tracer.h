@@ -1,7 +1,12 @@
-// TileTracer: runs the tile kernel over one prepared view, with trimming and the fallback solver behind it.
+// TileTracer: runs the tile kernel on the tiles of one prepared view. It answers the kernel's questions about
+// trimming, and solves leaves without a certificate with the fallback solver.
 //
-//  1. One per thread: it owns the bitmaps, the solver's stack and a tile's results. The view and the scene
-//     are shared and only read.
+//     TileTracer tracer(shared, kernel, /*certify=*/false);
+//     tracer.Trace(tile, /*crossings=*/nullptr);
+//     if (!tracer.empty()) Copy(tracer.depth, tracer.leaf, tracer.doubt);
+//
+//  1. Each thread has its own TileTracer, which owns the bitmaps, the solver's stack and the results of a
+//     tile. The view and the scene are shared and read-only.
 #pragma once
 
 #include <array>
@@ -27,68 +32,69 @@ struct Crossing {
 
 class TileTracer final : private HitResolver {
  public:
-  // `certify`: spend what it takes to tell coincident faces from certified ones.
+  // `certify`: also detect coincident faces, which takes more time.
   TileTracer(const TraceShared& shared, TileKernel kernel, bool certify);
 
-  // The nearest hits of tile `index`, in the arrays below. With `crossings`, every hit of every ray is
-  // appended to it too.
+  // Traces tile `index` and stores the nearest hits in the arrays below. If `crossings` is not null, all hits
+  // of every ray are appended to it as well.
   void Trace(int index, std::vector<Crossing>* crossings);
 
-  int column() const { return job_.column; }  // of the last tile
+  int column() const { return job_.column; }  // first sample of the last tile
   int row() const { return job_.row; }
   int columns() const { return job_.columns; }
   int rows() const { return job_.rows; }
 
-  bool empty() const { return job_.words == 0; }  // no leaf meets it: nothing below is set
+  bool empty() const { return job_.words == 0; }  // no leaf meets the tile, and the arrays below are not set
 
   static constexpr int kSamples = kTileSize * kTileSize;
   std::array<double, kSamples> depth, error, s, t;
   std::array<std::uint32_t, kSamples> leaf;
   std::array<std::uint8_t, kSamples> doubt;
-  std::array<std::array<float, 3>, kSamples> normal;  // as TileJob's; not with crossings
-  TileCounters counters;                              // of all tiles so far
-  CheckStats check;                                   // of the roots of leaves without a certificate
+  std::array<std::array<float, 3>, kSamples> normal;  // as TileJob::normal; not set with crossings
+  TileCounters counters;                              // counters of all tiles so far
+  CheckStats check;                                   // results for the roots of leaves without a certificate
 
   std::size_t bitmap_bytes() const { return bitmaps_.bytes(); }
 
  private:
-  // A root of a leaf, and how far off in s and t it may be.
+  // A root of a leaf, with bounds of its errors in s and t.
   struct Root {
     double s, t, error_s, error_t;
-    double jacobian_sign;  // of (s, t) → pixel; 0: not known
+    double jacobian_sign;  // sign of the Jacobian of (s, t) → pixel; 0: unknown
   };
   Root RootOf(const CertifiedLeaf& leaf, double s, double t) const;
   static Root RootOf(const FallbackRoot& root);
   using LeafSite = TraceShared::LeafSite;
-  // With its errors, in native parameters.
+  // Queries the trim index at the root, with the errors of the root converted to native parameters.
   TrimAnswer QueryTrim(const LeafSite& site, const Root& root, double cosine) const;
-  // Where the ray through (x, y), relative to the image centre, lies in the arrays of the tile.
+  // The index, in the arrays of the tile, of the ray through (x, y), relative to the image centre.
   int SampleAt(double x, double y) const;
-  // Calls back found(leaf, root, hit) for every root of the placed face on the ray, untrimmed. Returns false
-  // if the ray's work does not suffice for all of them.
+  // Calls found(leaf, root, hit) for every root of the untrimmed placed face on the ray. Returns false if the
+  // work limit of the ray does not suffice for all roots.
   template <typename Found>
   bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
-  // Whether the root on the border of its patch (OnPatchBorder) is the leaf's, and not its neighbour's; adds
-  // to *doubt where that is not proven, and to the hit's error what the neighbour says of the depth.
+  // Whether a root on the border of its patch (OnPatchBorder) belongs to the leaf and not to its neighbour.
+  // Adds to *doubt if that is not proven, and widens the hit's error by the difference from the neighbour's
+  // depth.
   bool OwnsBorderRoot(const LeafSite& site, const Root& root, double x, double y, TileHit* hit,
                       std::uint8_t* doubt);
   // The root of the same ray in the patch across the border.
   struct Neighbour {
     double depth, error;
-    bool within;  // not proven to lie beyond its own border
+    bool within;  // not proven to lie beyond the neighbour's own border
   };
   std::optional<Neighbour> NeighbourOf(const LeafSite& site, const Root& root, const TileHit& hit, double x,
                                        double y);
-  // Whether the face has the root again on the other side of the seam that `answer` names.
+  // Whether the face has the same root again on the other side of the seam that `answer` reports.
   bool OnSeam(const LeafSite& site, const Root& root, const TrimAnswer& answer, double depth, double x,
               double y);
   bool IsInsideFace(const LeafSite& site, const Root& root, double x, double y, std::uint8_t* doubt);
   bool IsTrimmed(std::uint32_t leaf) const;
-  // The crossing that a seam leaf's face owes the ray, if the others of the face don't come out as they
-  // should.
+  // Adds the crossing of a seam leaf if the number of the face's other crossings has the wrong parity
+  // (seams.h).
   std::uint8_t SolveSeam(const SeamLeaf& leaf, double x, double y, RootSink* roots);
 
-  // As HitResolver.
+  // The functions of HitResolver.
   bool IsInsideFace(std::uint32_t leaf, double s, double t, double x, double y, std::uint8_t* doubt) override;
   bool OwnsBorderRoot(std::uint32_t leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) override;
   std::uint8_t SolveUncertified(std::uint32_t leaf, double x, double y, double limit,
@@ -104,7 +110,7 @@ class TileTracer final : private HitResolver {
   TileBitmaps bitmaps_;
   TileJob job_;
   FallbackSolver solver_;
-  std::array<RayWork, kSamples> work_;  // of the tile's rays
+  std::array<RayWork, kSamples> work_;  // work limits of the rays of the tile
   std::vector<FallbackRoot> roots_;
   std::vector<RootTwin> seam_roots_;
   std::vector<Crossing>* crossings_ = nullptr;
