@@ -1,10 +1,16 @@
-// Animated pictures: WebP through libwebp and libwebpmux, one file.
+// Animated pictures: one WebP file, written with libwebp and libwebpmux.
 //
-//  1. An animation begins again for ever. Each frame is a picture of its own (no frame leans on another), so
-//     nothing of what was smears.
-//  2. Compressed with losses that one does not see; alpha is kept as it is. One thread: the same frames give
-//     the same bytes.
-//  3. Frames are compressed as they come: what is held is their compressed bytes, and one frame.
+//     Result<Animation> animation = Animation::Begin(width, height);
+//     if (!animation) return animation.error();
+//     for (int i = 0; i < count; ++i) (void)animation.value().Add(frames[i], 100 * i);
+//     return animation.value().Write("turntable.webp", 100 * count);
+//
+//  1. An animation repeats endlessly. Each frame is complete in itself and does not depend on other frames,
+//     so earlier frames leave no traces.
+//  2. Compression is lossy, but without visible loss; alpha is lossless. A single thread compresses, so the
+//     same frames give the same bytes.
+//  3. Each frame is compressed when it is added. The memory holds the compressed frames and one uncompressed
+//     frame.
 #pragma once
 
 #include <memory>
@@ -15,20 +21,21 @@
 
 namespace facetless {
 
-// WebP's own limit, pixels.
+// The limit of the WebP format, pixels.
 inline constexpr int kMostAnimationSide = 16383;
 
 class Animation {
  public:
-  // Errors: kLimitExceeded (more than kMostAnimationSide pixels on a side; memory).
+  // Starts an animation. Errors: kLimitExceeded (more than kMostAnimationSide pixels on a side; memory).
   static Result<Animation> Begin(int width, int height);
   ~Animation();
   Animation(Animation&&) noexcept;
   Animation& operator=(Animation&&) noexcept;
 
-  // A frame that begins at `at_ms`, in order. Errors: kSizeMismatch, kLimitExceeded (memory), kInternal.
+  // Adds a frame that begins at `at_ms`. Requires ascending times. Errors: kSizeMismatch, kLimitExceeded
+  // (memory), kInternal.
   Result<void> Add(const Image8& frame, int at_ms);
-  // The last frame ends at `end_ms`. Errors: as Add, and kWriteFailed.
+  // Writes the file. The last frame ends at `end_ms`. Errors: the errors of Add, and kWriteFailed.
   Result<void> Write(const std::string& path, int end_ms);
 
  private:

@@ -1,4 +1,4 @@
-// Files that appear in full or not at all.
+// Files that are written completely or not at all.
 #pragma once
 
 #include <span>
@@ -8,9 +8,9 @@
 
 namespace facetless {
 
-// Writes `bytes` under a temporary name beside `path`, flushes, and renames. On failure the temporary file
-// is removed and what stood at `path` before is untouched. Error: kWriteFailed with the path and the
-// system's reason.
+// Writes `bytes` to a temporary file next to `path`, flushes it, and renames it. If that fails, the temporary
+// file is removed and an existing file at `path` is unchanged. Error: kWriteFailed with the path and the
+// reason given by the system.
 Result<void> WriteAtomically(const std::string& path, std::span<const unsigned char> bytes);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// What the codecs share: a file's bytes, and what is said of a size or a file that none of them can use.
+// Functions that the image codecs share: reading a file, and checking sizes.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,15 @@ namespace facetless {
 
 constexpr int kMaxImageSide = 65536;  // pixels
 
-// 1 … kMaxImageSide on a side (kLimitExceeded), and `found` values for `channels` per pixel (kSizeMismatch).
+// Checks the size of an image that is to be written. Errors: kLimitExceeded (a side is not 1 …
+// kMaxImageSide), kSizeMismatch (`found` is not the number of values for `channels` per pixel).
 Result<void> CheckImageSize(const std::string& path, int width, int height, std::size_t found,
                             std::size_t channels);
 
-// A regular file's bytes. Errors: kFileUnreadable, kLimitExceeded (memory).
+// Reads the bytes of a regular file. Errors: kFileUnreadable, kLimitExceeded (memory).
 Result<std::vector<unsigned char>> ReadImageBytes(const std::string& path);
 
-// The one answer to a failed allocation.
+// The error for a failed allocation.
 Error ImageTooLarge(const std::string& path);
 
 }  // namespace facetless

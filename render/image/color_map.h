@@ -1,4 +1,5 @@
-// The colour maps of pictures that show numbers. No libm: the same bytes on every machine.
+// The colour maps of pictures that show numbers. They use no libm function and give the same bytes on every
+// machine.
 #pragma once
 
 #include <array>
@@ -6,17 +7,17 @@
 
 namespace facetless {
 
-// sRGB of t in −1 … 1 (clamped): blue, near white at 0, orange-red. Even steps of t are even steps of
-// lightness and chroma in Oklab (Ottosson 2020), the same on both sides; blue and orange differ for every
-// common colour blindness.
+// The sRGB colour of t in −1 … 1 (clamped): from blue through near white at 0 to orange-red. Equal steps of t
+// are equal steps of lightness and chroma in Oklab (Ottosson 2020), symmetric about 0. Blue and orange remain
+// distinct for all common kinds of colour blindness.
 std::array<std::uint8_t, 3> DivergingColor(double t);
 
-// sRGB of t in 0 … 1 (clamped): dark violet, green, light yellow. Even steps of t are even steps of
-// lightness, so that the order can be read without colours, too.
+// The sRGB colour of t in 0 … 1 (clamped): from dark violet through green to light yellow. Equal steps of t
+// are equal steps of lightness, so the order is visible in greyscale, too.
 std::array<std::uint8_t, 3> SequentialColor(double t);
 
-// sRGB colours for things that are only to be told apart: neighbours in number differ in hue, and thirds in
-// lightness.
+// An sRGB colour for each category. Consecutive numbers differ in hue, and the lightness cycles through three
+// levels.
 std::array<std::uint8_t, 3> CategoryColor(std::uint32_t number);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// What every comparison checks first. Private to image/.
+// The check that all image comparisons make first. Private to render/image.
 #pragma once
 
 #include "render/base/result.h"
@@ -6,7 +6,8 @@
 
 namespace facetless {
 
-// kSizeMismatch if the sizes differ; kBadUsage if a picture is empty or its bytes don't match its size.
+// Errors: kSizeMismatch (the sizes differ), kBadUsage (a picture is empty, or its bytes do not match its
+// size).
 Result<void> CheckSameSize(const Image8& a, const Image8& b);
 
 }  // namespace facetless

@@ -1,10 +1,15 @@
-// Film: a picture in linear light. Image8: the same as people's screens want it.
+// Film: a picture in linear light. Image8: a picture encoded for display.
 //
-//  1. Film holds linear Rec. 709 red, green, blue, multiplied by alpha, and alpha; row-major, row 0 on top.
-//  2. Image8 holds sRGB-encoded bytes, alpha not multiplied in; three channels where everything is opaque,
-//     else four.
-//  3. Encode gives the same bytes on every machine: its curve is a table of exact thresholds, no library's
-//     pow.
+//     Result<Film> film = Resolve(std::move(samples), 2, 2);
+//     if (!film) return film.error();
+//     Result<Image8> image = Encode(film.value());
+//
+//  1. A Film holds linear Rec. 709 red, green and blue, multiplied by alpha, and alpha. It is row-major, with
+//     row 0 at the top.
+//  2. An Image8 holds sRGB-encoded bytes that are not multiplied by alpha. It has three channels if all
+//     pixels are opaque, and four otherwise.
+//  3. Encode gives the same bytes on every machine: its curve is a table of exact thresholds, and it does not
+//     call pow.
 #pragma once
 
 #include <array>
@@ -30,19 +35,20 @@ struct Image8 {
   std::uint8_t* at(int x, int y) { return &bytes[(std::size_t(y) * width + x) * channels]; }
 };
 
-// Box filter: each pixel of the result is the mean of samples_x × samples_y of the film's, in linear light,
-// summed in a fixed order. Requires that samples_x divides the width and samples_y the height
-// (kSizeMismatch).
+// Applies a box filter: each pixel of the result is the mean of samples_x × samples_y pixels of `samples`, in
+// linear light, summed in a fixed order. Error: kSizeMismatch (samples_x does not divide the width, or
+// samples_y the height).
 Result<Film> Resolve(Film samples, int samples_x, int samples_y);
 
-// Numbers outside 0 … 1 are clamped. Error: kNotFinite names the first pixel with a NaN or an infinity.
+// Encodes a film as sRGB. Values outside 0 … 1 are clamped. Error: kNotFinite, which names the first pixel
+// with a NaN or an infinity.
 Result<Image8> Encode(const Film& film);
 
-// The sRGB transfer curve, within 1e-7 of the exact one, the same on every machine; 0 … 1, clamped.
+// The sRGB transfer curve for 0 … 1 (clamped), within 1e-7 of the exact curve, and the same on every machine.
 double SrgbToLinear(double encoded);
 double LinearToSrgb(double linear);
 
-// One sRGB byte for a linear value: the nearest of the 256.
+// The sRGB byte nearest to a linear value.
 std::uint8_t EncodeByte(float linear);
 
 }  // namespace facetless

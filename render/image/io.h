@@ -1,10 +1,13 @@
-// Image files: PNG through libpng, TIFF through libtiff, EXR through OpenEXR, one file each.
+// Image files: PNG with libpng, TIFF with libtiff, and EXR with OpenEXR.
 //
-//  1. A file appears in full or not at all: it is written under a temporary name beside its own and
-//     renamed.
-//  2. PNG is 8-bit sRGB; alpha is not multiplied in. Depth is one channel of float64 in TIFF, +inf where
-//     nothing is hit. AOVs are one EXR file with named channels.
-//  3. No file carries a date or a machine's name: the same picture gives the same bytes.
+//     if (Result<void> written = WritePng("view.png", image); !written) return written.error();
+//     Result<DepthImage> depth = ReadDepth("view.depth.tif");
+//
+//  1. A file is written completely or not at all: it is written under a temporary name in the same directory
+//     and then renamed.
+//  2. PNG files are 8-bit sRGB, not multiplied by alpha. Depth is a TIFF file with one float64 channel, +inf
+//     where nothing is hit. AOVs are one EXR file with named channels.
+//  3. No file contains a date or the name of a machine, so the same picture gives the same bytes.
 //  4. Errors name the path: kWriteFailed (absent directory, no permission, disk full), kFileUnreadable,
 //     kFormatBroken, kFormatUnknown, kLimitExceeded (more than 65,536 pixels on a side).
 #pragma once
@@ -21,32 +24,33 @@
 namespace facetless {
 
 Result<void> WritePng(const std::string& path, const Image8& image);
-// An RGB picture whose bytes are numbers: no colour space is named, so no reader converts them. Packed
-// lightly: planes of data are many, and half of their bytes don't compress.
+// Writes an RGB picture whose bytes are numbers. The file states no colour space, so readers do not convert
+// the bytes. The compression is fast rather than strong, because there are many data planes and half of their
+// bytes do not compress.
 Result<void> WriteDataPng(const std::string& path, const Image8& image);
-// The same as bytes, packed well.
+// The same file as bytes, with strong compression.
 Result<std::string> EncodeDataPng(const Image8& image);
-// Grey images come back as RGB, 16-bit ones rounded to 8.
+// Reads a PNG file. Grey images are converted to RGB, and 16-bit images are rounded to 8 bits.
 Result<Image8> ReadPng(const std::string& path);
 
 struct DepthImage {
   int width = 0, height = 0;
-  std::vector<double, LargePages<double>> depth;  // mm; +inf: nothing hit
+  std::vector<double, LargePages<double>> depth;  // mm; +inf for a miss
 };
 Result<void> WriteDepth(const std::string& path, int width, int height, std::span<const double> depth);
-// Also reads TIFF files of float32. Numbers are returned as they are, NaN included: comparing is what
-// refuses them.
+// Reads a depth image; float32 TIFF files are accepted, too. The values are returned unchanged, NaN included;
+// the comparison functions reject NaN.
 Result<DepthImage> ReadDepth(const std::string& path);
 
-// Which AOVs a file holds, besides those that are always there.
+// The AOVs to write.
 struct AovSelection {
   bool depth = true, normal = true, face = true, uv = false, certificate = false;
-  const std::vector<float>* curvature = nullptr;  // mean curvature, 1/mm, if somebody computed it
+  const std::vector<float>* curvature = nullptr;  // mean curvature, 1/mm; null: not written
 };
 // Channels: depth.Z (float32 of the depth), normal.X/Y/Z, face.id (uint32; 4294967295: none), uv.U/V,
 // certificate.C (uint32: 0 certified, 1 converged, 2 unresolved), certificate.doubt (uint32: bits of
 // render/view/doubt.h) and certificate.error (float32: bound of the depth's error, mm), curvature.H.
-// kBadUsage if an AOV is asked for that the samples don't hold.
+// Error: kBadUsage (the samples lack a selected AOV).
 Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, const AovSelection& aovs);
 
 }  // namespace facetless

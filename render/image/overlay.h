@@ -1,13 +1,14 @@
-// What is drawn into a finished picture: a scale bar and the model's axes.
+// Overlays that are drawn into a finished picture: a scale bar and the axes of the model.
 //
-//  1. Both stand on the picture's lower border: axes on the left, the bar on the right. Sizes follow from the
-//     picture's; one with less than kLeastOverlay pixels on a side has no room and stays as it is.
-//  2. Dark or coloured strokes in a light seam: they can be read on light, on dark and on nothing (a
-//     transparent picture).
-//  3. The bar is 1, 2 or 5 times a power of ten long, at most a quarter of the width, in nm, µm, mm, m or km;
-//     on whole pixels, so that it is right to half a pixel.
-//  4. Axes are those of the model as the camera sees it: the nearest is on top, and one that runs along the
-//     view is a dot (towards the viewer) or a ring.
+//  1. Both are placed at the lower border of the picture, the axes on the left and the bar on the right.
+//     Their sizes depend on the size of the picture. A picture with fewer than kLeastOverlay pixels on a side
+//     has no room for them and is not changed.
+//  2. The strokes are dark or coloured with a light outline, so they are legible on light, dark and
+//     transparent pictures.
+//  3. The length of the bar is 1, 2 or 5 times a power of ten in nm, µm, mm, m or km, and at most a quarter
+//     of the width of the picture. The bar is aligned to whole pixels, so it is accurate to half a pixel.
+//  4. The axes are drawn in the orientation of the model, the nearest one on top. An axis along the view
+//     direction is drawn as a dot if it points towards the viewer, and as a ring otherwise.
 #pragma once
 
 #include <string>
@@ -23,11 +24,11 @@ struct OverlayOptions {
   bool axes = false, scale_bar = false;
 };
 
-// Over the upper `height` rows of the image, which the frame was made for. A perspective frame has no scale:
-// no bar is drawn.
+// Draws over the upper `height` rows of the image, for which the frame was made. A perspective view has no
+// uniform scale, so no bar is drawn.
 void DrawOverlay(Image8& image, int height, const CameraFrame& frame, const OverlayOptions& options);
 
-// The longest bar of at most `most_mm`: its length and what is written on it. Requires most_mm > 0.
+// The length and the label of the longest bar of at most `most_mm`. Requires most_mm > 0.
 struct ScaleBar {
   double length_mm = 0;
   std::string label;

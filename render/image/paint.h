@@ -1,10 +1,11 @@
-// Strokes and areas over a picture, antialiased.
+// Drawing antialiased strokes and rectangles over a picture.
 //
-//  1. Coordinates are pixels as in camera.h: the centre of pixel (i, j) is (i + 0.5, j + 0.5). What lies
-//     outside is cut off.
-//  2. Colours are mixed in linear light. On a transparent picture (4 channels) what is drawn covers: alpha
-//     grows with it.
-//  3. The same bytes on every machine: no libm function is used.
+//     DrawStroke(image, {10, 10}, {90, 10}, 2.0, {255, 0, 0});
+//
+//  1. Coordinates are pixels as in camera.h: the centre of pixel (i, j) is (i + 0.5, j + 0.5). Strokes and
+//     rectangles are clipped to the picture.
+//  2. Colours are mixed in linear light. In a picture with an alpha channel, drawing increases alpha.
+//  3. No libm function is used, so the bytes are the same on every machine.
 #pragma once
 
 #include <array>
@@ -17,16 +18,16 @@ namespace facetless {
 
 using Rgb8 = std::array<std::uint8_t, 3>;  // sRGB
 
-// Covers `cover` (0 … 1) of a pixel of 3 or 4 channels.
+// Paints the share `cover` (0 … 1) of a pixel with 3 or 4 channels.
 void CoverPixel(std::uint8_t* pixel, int channels, const Rgb8& color, double cover);
 
-// A line with round ends; a dot where both are the same.
+// Draws a line with round ends, or a dot if both ends are the same point. `width` is in pixels.
 void DrawStroke(Image8& image, Vec2 from, Vec2 to, double width, const Rgb8& color, double cover = 1);
 
-// A rectangle; borders that lie on pixel borders are crisp.
+// Fills a rectangle. Its borders are sharp if they lie on pixel borders.
 void FillRectangle(Image8& image, Vec2 low, Vec2 high, const Rgb8& color, double cover = 1);
 
-// The distance of p to the line from `from` to `to`.
+// The distance of p from the line segment between `from` and `to`.
 double DistanceToSegment(Vec2 from, Vec2 to, Vec2 p);
 
 }  // namespace facetless

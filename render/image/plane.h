@@ -1,4 +1,4 @@
-// One channel of a picture in float32, and the separable filters that metrics are made of. Private to image/.
+// One channel of a picture in float32, and the separable filters of the metrics. Private to render/image.
 #pragma once
 
 #include <array>
@@ -19,16 +19,17 @@ struct Plane {
   const float* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
 };
 
-// Taps for offsets −radius … radius; taps.size() = 2·radius + 1.
+// The weights of a filter for the offsets −radius … radius; taps.size() = 2·radius + 1.
 using Taps = std::vector<float>;
 
-// Beyond the border the border's pixel repeats. Sums run in single precision from the first tap to the last:
-// the same on every machine, and within 1e-6 of the largest value.
+// Filters a plane. Beyond the border, the border pixel is repeated. Sums run in single precision from the
+// first tap to the last, so they are the same on every machine, and accurate to 1e-6 of the largest value.
 Plane FilterRows(const Plane& plane, const Taps& taps);
 Plane FilterColumns(const Plane& plane, const Taps& taps);
 Plane Filter(const Plane& plane, const Taps& along_x, const Taps& along_y);  // rows, then columns
 
-// The picture's channels as linear light 0 … 1; transparent pixels over mid grey (an encoded 0.5).
+// The channels of the picture as linear light, 0 … 1. Transparent pixels are composed over mid grey (encoded
+// 0.5).
 std::array<Plane, 3> LinearChannels(const Image8& image);
 
 }  // namespace facetless

@@ -1,10 +1,14 @@
-// Contact sheets: many pictures side by side, each with its name.
+// Contact sheets: many pictures side by side, each with its label.
 //
-//  1. Pictures are reduced to fit kSheetTile pixels, by the mean of what each new pixel covers, in linear
-//     light; never enlarged.
-//  2. Tiles are of one size, that of the largest picture; they lie row by row on paper, which also shows
-//     through what is transparent.
-//  3. The same bytes on every machine and for any number of threads.
+//     Result<Image8> picture = Reduced(image, kSheetTile);
+//     if (picture) tiles.push_back({std::move(picture).value(), "front"});
+//     Result<Image8> sheet = DrawSheet(tiles, SheetColumns(tiles.size()));
+//
+//  1. Pictures are reduced to fit kSheetTile pixels, and never enlarged. Each new pixel is the mean of the
+//     area that it covers, in linear light.
+//  2. All tiles have the size of the largest picture. They are arranged row by row on a paper-coloured
+//     background, which also shows through transparent pixels.
+//  3. The bytes are the same on every machine and for any number of threads.
 #pragma once
 
 #include <string>
@@ -17,17 +21,17 @@ namespace facetless {
 inline constexpr int kSheetTile = 480;
 
 struct SheetTile {
-  Image8 picture;  // as Reduced gives it
+  Image8 picture;  // a result of Reduced
   std::string label;
 };
 
-// The picture on paper, opaque, at most `most` pixels on a side.
+// The picture, composed over the paper colour and reduced to at most `most` pixels on a side.
 Result<Image8> Reduced(const Image8& picture, int most);
 
-// Columns for `count` pictures of one kind: as many as make the sheet about square.
+// The number of columns for `count` pictures that makes the sheet about square.
 int SheetColumns(std::size_t count);
 
-// Errors: kBadUsage (no tile), kLimitExceeded (more than 65,536 pixels on a side).
+// Draws the sheet. Errors: kBadUsage (there is no tile), kLimitExceeded (more than 65,536 pixels on a side).
 Result<Image8> DrawSheet(const std::vector<SheetTile>& tiles, int columns);
 
 }  // namespace facetless

@@ -1,10 +1,13 @@
-// Plain words and numbers in pictures, without any font file.
+// Drawing words and numbers in pictures, without a font file.
 //
-//  1. Glyphs are strokes of one width: lines and arcs of ellipses, antialiased by their distance to a
-//     pixel's centre.
-//  2. There are the digits, the Latin letters, µ, and . , : - _ − + ± × / % ( ). Other characters are left
-//     out: CanDraw tells.
-//  3. The same bytes on every machine: no libm function is used.
+//     const TextStyle style{.size_px = 14};
+//     DrawText(image, 10 - TextWidth("10 mm", style) / 2, 20, "10 mm", style);
+//
+//  1. Glyphs are strokes of constant width, consisting of lines and elliptical arcs. They are antialiased by
+//     their distance from the centre of a pixel.
+//  2. The font has the digits, the Latin letters, µ, and . , : - _ − + ± × / % ( ). Other characters are not
+//     drawn; CanDraw checks a text for them.
+//  3. No libm function is used, so the bytes are the same on every machine.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +23,13 @@ struct TextStyle {
   std::uint8_t color[3] = {40, 40, 44};  // sRGB
 };
 
+// Whether the font has all characters of the text.
 bool CanDraw(std::string_view utf8);
 
-// The width that DrawText takes, px.
+// The width of the text as drawn by DrawText, px.
 double TextWidth(std::string_view utf8, const TextStyle& style);
 
-// Draws over `image` with the left end of the baseline at (x, y). What lies outside is cut off.
+// Draws the text over `image`, with the left end of the baseline at (x, y). The text is clipped to the image.
 void DrawText(Image8& image, double x, double y, std::string_view utf8, const TextStyle& style);
 
 }  // namespace facetless

@@ -1,11 +1,14 @@
-// What an inspection picture shows, and with which settings: the value behind --shade.
+// Inspection: the kind of an inspection picture and its settings. It is the value of --shade.
 //
-//  1. kStudio is the picture of render/shade; everything else is drawn by render/inspect.
-//  2. zebra, isophotes, reflection, draft and back need a normal, faces and unseen a face id: both tracers
-//     have them (a foreign mesh names no faces). curvature needs second derivatives and thickness the exact
-//     solid: only the direct renderer has them.
-//  3. Text is NAME or NAME:KEY=VALUE,KEY=VALUE…; a value may hold commas itself, as a direction does.
-//     FormatInspection gives the text with every setting of the kind, and ParseInspection reads it back.
+//     Result<Inspection> inspection = ParseInspection("zebra:stripes=24,axis=z");
+//     if (!inspection) return inspection.error();
+//
+//  1. render/shade draws the picture of kStudio; render/inspect draws all other kinds.
+//  2. zebra, isophotes, reflection, draft and back need a normal; faces and unseen need a face id. Both
+//     tracers provide them, except that a foreign mesh has no face ids. curvature needs second derivatives,
+//     and thickness the exact solid, which only the direct renderer provides.
+//  3. The text form is NAME or NAME:KEY=VALUE,KEY=VALUE…; a value may itself contain commas, as directions
+//     do. FormatInspection returns the text with all settings of the kind, and ParseInspection reads it back.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +43,7 @@ enum class Orient : std::uint8_t {
 
 enum class CurvatureKind : std::uint8_t { kGaussian, kMean, kMax, kMin };
 
-// In the model's axes, or in the viewer's: x right, y up, z towards the viewer.
+// A direction in model axes, or in viewer axes: x right, y up, z towards the viewer.
 struct InspectionDirection {
   Vec3 vector{0, 0, 1};
   bool of_view = false;
@@ -52,24 +55,25 @@ struct ValueRange {
 
 struct Inspection {
   InspectionKind kind = InspectionKind::kStudio;
-  int count = 24;  // zebra's stripes, isophotes' bands from pole to pole; reflection's lines all round
+  int count = 24;  // zebra: stripes; isophotes: bands from pole to pole; reflection: lines around the tunnel
   InspectionDirection
-      direction;  // zebra's axis, isophotes' light, the way of reflection's lines, draft's pull
+      direction;  // zebra: axis; isophotes: light; reflection: direction of the lines; draft: pull
   CurvatureKind curvature = CurvatureKind::kMean;
-  double limit_deg = 3;             // draft: what is enough
-  std::optional<ValueRange> range;  // curvature and thickness; none: a robust one of each view
-  int few_pixels = 16;              // unseen: a face with fewer pixel centres is hardly seen
-  Orient orient = Orient::kFile;    // set by its own option (--orient), not in the text of --shade
+  double limit_deg = 3;             // draft: the smallest sufficient angle
+  std::optional<ValueRange> range;  // curvature and thickness; nothing: a robust range of each view
+  int few_pixels = 16;              // unseen: a face with fewer pixel centres counts as hardly visible
+  Orient orient = Orient::kFile;    // set by the option --orient, not by the text of --shade
 };
 
-// "studio", "zebra", …, in the order of InspectionKind.
+// The names "studio", "zebra", …, in the order of InspectionKind.
 const std::vector<std::string>& InspectionNames();
 
-// Error: kBadUsage names what is allowed.
+// Reads the text form (law 3). Error: kBadUsage, which lists what is allowed.
 Result<Inspection> ParseInspection(const std::string& text);
 std::string FormatInspection(const Inspection& inspection);
 
-// Law 2. `names_faces`: of a mesh, Mesh::from_model. Error: kBadUsage says what is missing.
+// Check what a kind needs (law 2). `names_faces` is Mesh::from_model of a mesh. Error: kBadUsage, which
+// states what is missing.
 bool NeedsExactSurface(InspectionKind kind);
 Result<void> CheckMeshCanShow(const Inspection& inspection, bool names_faces);
 

@@ -12,14 +12,14 @@ namespace facetless {
 
 inline constexpr std::size_t kMostListedBreaks = 200;
 
-// "inspection" of one tracer's view: {"shade", "quantity", "unit", "range", "values": {"count", "none",
-// "min", …}, "classes": [{"name", "pixels", "color"}], "faces_hardly_seen": [{"id", "name", "pixels"}]}, each
-// only for the kinds that have it.
+// The object "inspection" of one tracer's view: {"shade", "quantity", "unit", "range", "values": {"count",
+// "none", "min", …}, "classes": [{"name", "pixels", "color"}], "faces_hardly_seen": [{"id", "name",
+// "pixels"}]}. A key is present only for the kinds to which it applies.
 nlohmann::json InspectionJson(const InspectionView& view, const Model& model);
 
-// {"tolerances", "counts": {"gap", "G0", "G1", "G2"}, "border_edges", "crowded_edges", "unmeasured_edges",
-// "worst": {"gap": […], "G0": […], "G1": […]}}; each list is worst first and ends after kMostListedBreaks
-// edges.
+// The object "continuity": {"tolerances", "counts": {"gap", "G0", "G1", "G2"}, "border_edges",
+// "crowded_edges", "unmeasured_edges", "worst": {"gap": […], "G0": […], "G1": […]}}. Each list is sorted
+// worst first and holds at most kMostListedBreaks edges.
 nlohmann::json ContinuityJson(const Continuity& continuity, const Model& model);
 
 }  // namespace facetless

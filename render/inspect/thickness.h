@@ -1,12 +1,17 @@
-// Wall thickness: from a point of a solid's surface along the inward normal to where the ray leaves the
-// material.
+// Wall thickness: the distance from a point on the surface of a solid, along the inward normal, to the point
+// where the ray leaves the material.
 //
-//  1. The answer is the distance, in placed millimetres, to the next crossing of any face of the same solid,
-//     the starting face included; exact to the surfaces (SolidTree), and the same whatever the view. Faces
-//     without a solid count with the other such faces of their part.
-//  2. A crossing nearer than kLeastShare of the solid's size is the starting point itself.
-//  3. None: the ray leaves the solid nowhere (an open shell), or the normal does not exist there.
-//  4. Trees are built at construction, for the solids of shown faces only.
+//     const Thickness thickness(scene, surfaces, shown);
+//     const std::optional<double> mm = thickness.At(face, instance.placement, u, v, outward);
+//
+//  1. The thickness is the distance, in placed millimetres, to the next crossing with any face of the same
+//     solid, including the starting face. It is exact for the surfaces (SolidTree) and does not depend on the
+//     view. All faces of a part that belong to no solid are treated as one solid.
+//  2. A crossing nearer than kLeastShare of the solid's size is taken for the starting point itself and
+//     ignored.
+//  3. There is no thickness if the ray does not leave the solid (an open shell), or if the normal does not
+//     exist.
+//  4. The constructor builds the trees, only for the solids of shown faces.
 #pragma once
 
 #include <memory>
@@ -19,11 +24,12 @@ namespace facetless {
 
 class Thickness {
  public:
-  // Trees for the solids of the faces that `shown` marks (by Model::faces). The scene and the surfaces must
-  // outlive it. Runs in the caller's task arena.
+  // Builds the trees for the solids of the faces that are set in `shown` (indexed like Model::faces). The
+  // scene and the surfaces must outlive this object. The constructor runs in the task arena of the caller.
   Thickness(const Scene& scene, const std::vector<SurfaceEval>& surfaces, const std::vector<bool>& shown);
 
-  // From the point of `face` at (u, v); `outward` is the placed unit normal there.
+  // The thickness at the point (u, v) of `face`, mm; nothing in the cases of law 3. `outward` is the placed
+  // unit normal there.
   std::optional<double> At(std::uint32_t face, const Placement& placement, double u, double v,
                            Vec3 outward) const;
 

@@ -1,14 +1,22 @@
-// The numbers behind an inspection picture: curvature, draft, thickness per sample, and what they are like as
-// a whole.
+// The numbers of an inspection picture: curvature, draft or thickness per sample, and their statistics.
 //
-//  1. With the samples' native parameters (SampleBuffer::uv) normals and derivatives are those of the surface
-//     in double; without, draft is of the samples' own normals, and curvature and thickness are kBadUsage.
-//  2. No number is +inf, as in a depth image: nothing hit, a pole, an open shell. Never NaN.
-//  3. A robust range runs from the 2nd to the 98th percentile of the numbers; for curvature it is symmetric
-//     about 0, and never narrower than what is flat for a model of this size. Thickness begins at 0.
-//  4. The outside is the file's, or with Orient::kViewer the side that is seen: a surface that is drawn
-//     inside out then has the draft, curvature and thickness of one that is not.
-//  5. The same values for any number of threads and any instruction set: no libm but sqrt.
+//     auto values = InspectionValues(model, &scene, samples, frame, inspection, {});
+//     if (!values) return values.error();
+//     const ValueStatistics statistics = StatisticsOf(values.value(), samples);
+//
+//  1. If the samples have native parameters (SampleBuffer::uv), normals and derivatives are evaluated on the
+//     surface in double. Otherwise, draft uses the normals of the samples, and curvature and thickness give
+//     kBadUsage.
+//  2. A sample without a number (a miss, a pole, an open shell) has the value +inf, as in a depth image.
+//     Values are never NaN.
+//  3. The robust range extends from the 2nd to the 98th percentile of the numbers. For curvature it is
+//     symmetric about 0, and not narrower than what counts as flat for a model of this size. For thickness it
+//     begins at 0.
+//  4. The outside is that of the file, or, with Orient::kViewer, the side that the viewer sees. With kViewer,
+//     a surface with reversed orientation has the same draft, curvature and thickness as one with correct
+//     orientation.
+//  5. The values are the same for any number of threads and any instruction set; sqrt is the only libm
+//     function used.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +31,8 @@
 
 namespace facetless {
 
-// Whether the kind has numbers at all, their name and unit as a legend has them ("mean curvature", "1/mm"),
-// and whether 0 divides them.
+// The name and the unit of a quantity as in the legend ("mean curvature", "1/mm"), and whether it has a sign.
+// Only kinds for which HasValues returns true have a quantity.
 struct Quantity {
   std::string name, unit;
   bool has_sign = false;
@@ -32,16 +40,16 @@ struct Quantity {
 bool HasValues(InspectionKind kind);
 Quantity QuantityOf(const Inspection& inspection);
 
-// Whether the viewer sees the surface from inside, by more than the rounding of a normal in float32
+// Whether the viewer sees the surface from inside, by more than the rounding error of a float32 normal
 // (kSettled).
 inline constexpr double kSettled = 0x1p-20;  // eight units in the last place
 bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i);
 
-// Whether the tracer must fill uv for Values to be exact.
+// Whether the tracer must fill SampleBuffer::uv so that InspectionValues is exact.
 bool WantsUv(InspectionKind kind);
 
-// Requires HasValues. `scene` is the model's, or null: a mesh's samples. Errors: kBadUsage (law 1),
-// kSizeMismatch, kCancelled.
+// Computes the value of each sample. Requires a kind for which HasValues is true. `scene` is the scene of the
+// model, or null for samples of a mesh. Errors: kBadUsage (law 1), kSizeMismatch, kCancelled.
 Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scene,
                                            const SampleBuffer& samples, const CameraFrame& frame,
                                            const Inspection& inspection, const Execution& execution);
@@ -52,7 +60,7 @@ struct ValueStatistics {
 };
 ValueStatistics StatisticsOf(const PerSample<double>& values, const SampleBuffer& samples);
 
-// Law 3; `inspection.range` if it is given.
+// `inspection.range` if it is set, or else the robust range of law 3.
 ValueRange RangeOf(const Inspection& inspection, const ValueStatistics& statistics, double diagonal_mm);
 
 }  // namespace facetless

@@ -1,10 +1,15 @@
-// Lines drawn over a film, and written as SVG.
+// Drawing lines over a film, and writing them as SVG.
 //
-//  1. A line covers a pixel by its distance to the pixel's centre: fully within half its width less half a
-//     pixel, not at all beyond half its width and half a pixel, evenly between. Pieces of one kind cover by
-//     their largest, so joints are not doubled. No libm function but sqrt; the same bytes for any number of
+//     const std::vector<ViewLine> lines = FindLines(scene, camera, frame, samples, frame, {});
+//     DrawLines(lines, &film);
+//     const std::string svg = LinesSvg(lines, camera.width_px, camera.height_px, frame.pixel_x, "part");
+//
+//  1. The distance of a line from the centre of a pixel determines how much of the pixel the line covers: all
+//     of it up to half the width minus half a pixel, nothing beyond half the width plus half a pixel, and
+//     linearly in between. The coverages of pieces of the same kind are combined by their maximum, so joints
+//     do not appear darker. sqrt is the only libm function used, and the bytes are the same for any number of
 //     threads.
-//  2. Hidden lines lie below the others, dashed and light. What they are drawn with is in StyleOf, for both.
+//  2. Hidden lines lie below the others, dashed and lighter. StyleOf has the style of both.
 #pragma once
 
 #include <span>
@@ -18,18 +23,19 @@ namespace facetless {
 
 struct LineStyle {
   double width = 1.2;                       // pixels
-  float cover = 1;                          // of what lies below
+  float cover = 1;                          // coverage of what lies below, 0 … 1
   float ink[3] = {0.016f, 0.017f, 0.020f};  // linear light
   double dash = 0, gap = 0;                 // pixels; 0: solid
 };
 LineStyle StyleOf(LineClass kind, bool visible);
 
-// `film` is one of pixels, not of samples; the lines lie in it or near it, as FindLines has them.
+// Draws lines. `film` must consist of pixels, not samples. The lines must lie in the picture or near it, as
+// those of FindLines do.
 void DrawLines(std::span<const ViewLine> lines, Film* film);
 
-// An SVG document: a group for each class, hidden lines apart, the view box in pixels. `mm_per_px`: of an
-// orthographic view, written as the document's size in millimetres; 0 for perspective. `title`: UTF-8; markup
-// in it is escaped.
+// An SVG document with one group for each class, separate groups for hidden lines, and a view box in pixels.
+// `mm_per_px` is the scale of an orthographic view, from which the size of the document in millimetres
+// follows; 0 for perspective views. `title` is UTF-8 and is escaped.
 std::string LinesSvg(std::span<const ViewLine> lines, int width_px, int height_px, double mm_per_px,
                      const std::string& title);
 

@@ -1,12 +1,13 @@
 // The edges of a model as lines of a view.
 //
-//  1. An edge's class is the part's own, not the view's: a seam if both of its coedges belong to one face, a
-//     boundary if it is used once, else a feature or smooth by the largest angle between the outward normals
-//     of its two faces, along the p-curves. An edge of more than two faces is a feature.
-//  2. Each edge is projected segment by segment as the rational Bézier curve that it is, and halved until its
-//     projected control points lie within kFlatness of the chord: the convex hull holds the curve. In
-//     perspective what is not in front of the eye is left out; so is an edge that is smaller than a tenth of
-//     a pixel.
+//  1. The class of an edge depends on the part, not on the view. An edge is a seam if both of its coedges
+//     belong to one face, and a boundary if it is used once. Otherwise the largest angle along the p-curves
+//     between the outward normals of its two faces decides whether it is a feature or smooth. An edge of more
+//     than two faces is a feature.
+//  2. Each segment of an edge is projected as a rational Bézier curve, and halved until its projected control
+//     points, whose convex hull contains the curve, lie within kFlatness of the chord. In perspective views,
+//     parts that are not in front of the eye are left out. Edges smaller than a tenth of a pixel are left
+//     out, too.
 #pragma once
 
 #include <atomic>
@@ -17,8 +18,8 @@
 
 namespace facetless {
 
-// By edge, as Model::edges. `edge_angle_deg`: above it an edge is a feature. Edges of no coedge count as
-// features.
+// The class of each edge, indexed like Model::edges. An edge is a feature if the angle exceeds
+// `edge_angle_deg`, or if no coedge uses it.
 std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg);
 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,

@@ -1,14 +1,15 @@
-// Curves on trimmed faces where something vanishes: silhouettes, where the surface turns away from the
+// Curves on trimmed faces on which a function vanishes: silhouettes, where the surface turns away from the
 // viewer, and cuts, where it meets a section plane.
 //
-//  1. The curve is sought on a grid over the face's parameters, kCellsPerSpan cells for each of its knot
-//     spans and direction; fewer where the whole face is small in the picture, and none where it is smaller
-//     than a pixel. Where the value changes its sign along a side of a cell a place of the curve is found by
-//     bracketing; between two such places it is refined, point by point on the curve, until chords lie within
-//     kFlatness of it on the screen.
-//  2. Parts outside the trimming are left out; where a curve leaves the face is bisected.
+//  1. The curve is searched on a grid over the parameters of the face, with kCellsPerSpan cells per knot span
+//     and direction. The grid is coarser if the whole face is small in the picture, and a face smaller than a
+//     pixel is skipped. If the function changes its sign along a side of a cell, a point of the curve is
+//     found by bracketing. Between two such points, more points on the curve are added until the chords lie
+//     within kFlatness of the curve on the screen.
+//  2. Parts outside the trimmed face are left out. The point where a curve leaves the face is found by
+//     bisection.
 //  3. A closed curve that lies within one cell is not found.
-//  4. What vanishes on a whole face (a cylinder seen along its axis) gives no curve.
+//  4. If the function vanishes on a whole face (a cylinder seen along its axis), there is no curve.
 #pragma once
 
 #include <atomic>
@@ -19,11 +20,11 @@
 
 namespace facetless {
 
-// Where n · view = 0 on curved faces.
+// The curves on curved faces on which n · view = 0.
 std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
                                       const std::atomic<bool>* cancel = nullptr);
 
-// Where faces meet `plane`.
+// The curves in which faces meet `plane`.
 std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
                                const CameraFrame& frame, const std::atomic<bool>* cancel = nullptr);
 

@@ -1,10 +1,10 @@
-// Lines of a view: what a drawing shows of a model, in pixels.
+// The lines of a view, which a line drawing of a model shows.
 //
-//  1. Points are pixel coordinates of the view's camera and the depth there; between two of them runs a
-//     straight line that is off the exact curve by at most kFlatness, and by kDepthFlatness in depth: a rim
-//     that is seen edge-on is a straight line on the screen, and must not run through the inside of what
-//     hides its far side.
-//  2. Classes, in the order in which they are drawn: what comes later lies on top.
+//  1. The points of a line are pixel coordinates of the view's camera, with the depth there. The straight
+//     line between two successive points deviates from the exact curve by at most kFlatness on the screen,
+//     and by at most kDepthFlatness in depth. The depth matters because a rim that is seen edge-on is a
+//     straight line on the screen, but its chords must not pass through the material that hides its far side.
+//  2. The classes are listed in drawing order: later classes lie on top.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace facetless {
 inline constexpr double kFlatness = 0.03, kDepthFlatness = 0.5;  // pixels
 
 enum class LineClass : std::uint8_t {
-  kSeam,        // both sides are the same face
+  kSeam,        // the face on both sides is the same
   kSmooth,      // two faces meet without a bend
   kFeature,     // two faces meet at an angle
   kBoundary,    // the edge of one face only
@@ -30,8 +30,8 @@ enum class LineClass : std::uint8_t {
 inline constexpr std::array<const char*, 6> kLineClassNames = {"seam",     "smooth",     "feature",
                                                                "boundary", "silhouette", "cut"};
 
-// Which lines a picture shows. kHidden: those too that are hidden, dashed; but for seams and smooth edges,
-// which would only be in the way.
+// The lines that a picture shows. kHidden also shows hidden lines, dashed, except for hidden seams and smooth
+// edges, which would clutter the picture.
 enum class LineMode : std::uint8_t { kNone, kVisible, kHidden };
 
 struct LinePoint {
@@ -41,22 +41,22 @@ struct LinePoint {
 struct ViewLine {
   LineClass kind = LineClass::kFeature;
   bool visible = true;
-  std::vector<LinePoint> points;                           // two at least
-  std::array<std::uint32_t, 2> faces{kNoIndex, kNoIndex};  // placed faces that it lies on
+  std::vector<LinePoint> points;                           // at least two
+  std::array<std::uint32_t, 2> faces{kNoIndex, kNoIndex};  // the placed faces on which the line lies
 };
 
-// The point at `share` of the way from a to b on the screen. Depth runs evenly on a straight line in an
-// orthographic view, its reciprocal in perspective.
+// The point at the share `share` of the way from a to b on the screen. Along a straight line, the depth is
+// linear in orthographic views, and its reciprocal is linear in perspective views.
 LinePoint Between(const CameraFrame& frame, const LinePoint& a, const LinePoint& b, double share);
 
-// Where the planes cut a line away nothing is left of it. Appends what is to `out`; `except`: a plane that is
-// not asked, −1 for none.
+// Appends the parts of a line that the section planes keep to `out`. `except` is the index of a plane to
+// ignore; −1: none.
 void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes, int except, ViewLine line,
               std::vector<ViewLine>* out);
 
-// Appends what of a line lies in a picture of width × height pixels, or so near that the line's width may
-// touch it. Left out is also the way between two points more than 1e12 pixels apart: no number says where it
-// crosses the picture.
+// Appends the parts of a line that lie in a picture of width × height pixels, or so near that the stroke may
+// touch it. Segments longer than 1e12 pixels are left out, because rounding hides where they cross the
+// picture.
 void CutToPicture(const CameraFrame& frame, double width, double height, const ViewLine& line,
                   std::vector<ViewLine>* out);
 

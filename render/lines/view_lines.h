@@ -1,4 +1,4 @@
-// All lines of a view: edges, silhouettes and the outlines of cuts, with what hides them.
+// All lines of a view: edges, silhouettes and outlines of cuts, each marked as visible or hidden.
 #pragma once
 
 #include <vector>
@@ -10,13 +10,14 @@
 namespace facetless {
 
 struct LineOptions {
-  double edge_angle_deg = 20;          // above it an edge is a feature
-  std::vector<SectionPlane> sections;  // as the samples were traced with
-  Execution execution;                 // cancelled, the call ends with whatever there is
+  double edge_angle_deg = 20;          // an edge with a larger angle is a feature
+  std::vector<SectionPlane> sections;  // the sections with which the samples were traced
+  Execution execution;                 // if cancelled, the call returns incomplete lines
 };
 
-// `samples`: of the same view, or of Supersampled of it, with their frame. Lines end a little beside the
-// picture, and come in an order that depends on nothing but model and view.
+// Finds the lines of a view. `samples` and `sample_frame` belong to the same view, or to a Supersampled
+// camera of it. Lines are cut slightly outside the picture. Their order depends only on the model and the
+// view.
 std::vector<ViewLine> FindLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
                                 const SampleBuffer& samples, const CameraFrame& sample_frame,
                                 const LineOptions& options);

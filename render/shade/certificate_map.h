@@ -1,8 +1,8 @@
-// The certificates of a view as a picture: which samples are proven, and why the others are not.
+// A picture of the certificates of a view. It shows which samples are proven, and why the others are not.
 //
-//  1. Certified hits are light grey, certified misses white; every other sample has the colour of its gravest
-//     doubt, the last of render/view/doubt.h, hit or not.
-//  2. A band below the view names the colours with the number of samples of each; doubts that do not occur
+//  1. Certified hits are light grey, and certified misses are white. Every other sample, hit or miss, has the
+//     colour of its most serious doubt, which is the highest bit of render/view/doubt.h.
+//  2. A legend below the view names the colours and the number of samples of each. Doubts that do not occur
 //     are left out.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Lines at silhouettes and creases, over a shaded film. Private to shade/.
+// Lines at silhouettes and creases, drawn over a shaded film. Private to render/shade.
 #pragma once
 
 #include "render/image/film.h"
@@ -8,8 +8,8 @@
 
 namespace facetless {
 
-// Draws shade.h's law 5 over `film`, which was shaded from `samples`. Requires equal sizes. Runs in the
-// caller's task arena.
+// Draws the edges of law 5 of shade.h over `film`, which was shaded from `samples`. Requires equal sizes.
+// Runs in the task arena of the caller.
 void DrawEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
                Film& film);
 

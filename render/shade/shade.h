@@ -1,16 +1,19 @@
-// One shading function for both tracers: a soft two-light studio.
+// The shading function for all tracers: a studio with two soft lights.
 //
-//  1. A pixel's colour depends on its normal, its view direction and its face's colour, and on nothing
-//     else: no shadow, no secondary ray, no random number. Two tracers that agree in the samples agree in
-//     every byte.
-//  2. Normals are flipped to the viewer, so open shells look the same from both sides.
-//  3. Lights stand still relative to the camera: a warm key from above left, a cool fill from below right,
-//     a rim.
-//  4. No library's sin, exp or pow is on the way to a pixel; sums and products are in a fixed order.
-//  5. Edges, where asked for, are drawn at silhouettes (a jump in depth that the surface's slope does not
-//     explain) and where the normals on both sides of a face border differ by more than edge_angle_deg.
-//     They are about one pixel wide: with samples_x × samples_y samples per pixel, as many samples.
-//  6. Caps of section planes have their solid's colour, hatched (hatch.h).
+//     Result<Film> film = Shade(result.samples, result.frame, colors, {.edges = true});
+//     if (!film) return film.error();
+//
+//  1. The colour of a pixel depends only on its normal, its view direction and the colour of its face. There
+//     are no shadows, no secondary rays and no random numbers. Two tracers whose samples are equal give
+//     pictures with equal bytes.
+//  2. Normals are flipped towards the viewer, so open shells look the same from both sides.
+//  3. The lights are fixed relative to the camera: a warm key light from above left, a cool fill light from
+//     below right, and a rim light.
+//  4. The code does not call sin, exp or pow of a library, and adds and multiplies in a fixed order.
+//  5. Edges, if requested, are drawn at silhouettes (a jump in depth that the slope of the surface does not
+//     explain), and where the normals on both sides of a face border differ by more than edge_angle_deg. They
+//     are about one pixel wide, which is samples_x × samples_y samples.
+//  6. Caps of section planes have the colour of their solid and are hatched (hatch.h).
 #pragma once
 
 #include <array>
@@ -32,28 +35,29 @@ struct ShadeOptions {
   Background background = Background::kStudio;
   bool edges = false;
   double edge_angle_deg = 20;        // 0 … 180
-  int samples_x = 1, samples_y = 1;  // samples per pixel: the width of edges
-  Color fallback;                    // of a face id beyond `colors`
-  // Face ids from here on are caps, those of a plane following each other by solid (view/section.h).
+  int samples_x = 1, samples_y = 1;  // samples per pixel, which determine the width of edges
+  Color fallback;                    // colour of face ids beyond `colors`
+  // Face ids from first_cap on are caps. The caps of each plane are consecutive, ordered by solid
+  // (view/section.h).
   std::uint32_t first_cap = kNoIndex, cap_stride = 1;
-  Execution execution;  // shading is short, and is not cancelled
+  Execution execution;  // shading takes little time and is not cancelled
 };
 
-// `colors` by placed-face id (sRGB); `frame` is the one that the samples were traced with. Errors:
-// kSizeMismatch (buffers of different length), kNotFinite (a hit whose depth or normal is no number: names
-// the pixel), kBadUsage (options).
+// Shades samples. `colors` is indexed by placed-face id (sRGB); `frame` is the frame with which the samples
+// were traced. Errors: kSizeMismatch (the buffers have different lengths), kNotFinite (the depth or the
+// normal of a hit is not a number; names the pixel), kBadUsage (options).
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options);
 
-// What Shade shows where nothing is hit: red, green, blue times alpha, and alpha; linear.
+// The linear light that Shade gives to misses: red, green and blue, multiplied by alpha, and alpha.
 std::array<float, 4> BackgroundLight(Background background);
 
-// Law 6 alone: hatches the pixel of a cap's sample, x and y from the film's corner; leaves others as they
-// are.
+// Applies law 6 alone: hatches the pixel if its sample is a cap, and leaves it unchanged otherwise. x and y
+// are relative to the corner of the film.
 void HatchCap(const ShadeOptions& options, std::uint32_t face, double x, double y,
               std::array<float, 4>* pixel);
 
-// Law 5 alone, over a film that somebody else made from the samples. Requires equal sizes.
+// Applies law 5 alone, over a film that other code made from the samples. Requires equal sizes.
 void DrawFeatureEdges(const SampleBuffer& samples, const CameraFrame& frame, const ShadeOptions& options,
                       Film& film);
 

@@ -1,18 +1,18 @@
-// The studio: how a surface looks under its two lights. Private to shade/.
+// The studio: the appearance of a surface under its lights. Private to render/shade.
 //
-//  1. All vectors are in the viewer's axes: x right, y up, z towards the viewer. The lights stand still
-//     there.
-//  2. Sums, products, quotients and square roots of doubles only, in a fixed order.
+//  1. All vectors are in viewer axes: x right, y up, z towards the viewer. The lights are fixed in these
+//     axes.
+//  2. The code uses only sums, products, quotients and square roots of doubles, in a fixed order.
 #pragma once
 
 #include "render/base/vec.h"
 
 namespace facetless {
 
-// What the lights do for one direction of view: everybody's in an orthographic view.
+// The lighting for one view direction. In an orthographic view, all pixels have the same direction.
 class StudioView {
  public:
-  // `toward`: unit, from the surface to the eye.
+  // `toward` is the unit vector from the surface to the eye.
   explicit StudioView(Vec3 toward);
 
   Vec3 toward() const { return toward_; }
@@ -21,10 +21,10 @@ class StudioView {
   Vec3 Light(Vec3 normal, Vec3 albedo) const;
 
  private:
-  Vec3 toward_, half_;  // half_: between the eye and the key light, unit
+  Vec3 toward_, half_;  // half_: unit vector halfway between the eye and the key light
 };
 
-// Linear light of the studio's background.
+// The linear light of the studio's background.
 Vec3 StudioBackground();
 
 }  // namespace facetless
