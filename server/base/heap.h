@@ -1,16 +1,16 @@
-// What the service's process holds of the machine's memory between jobs.
+// Control of the memory that the service's process holds between jobs.
 //
-// The C library's allocator keeps what was freed: up to an arena for each thread, each as large as its
-// fullest moment. A service that stands for months gives it back.
+// The C library's allocator keeps freed memory: up to one arena per thread, each with the size of its peak
+// use. A service that runs for months must return that memory to the system.
 #pragma once
 
 namespace facetless {
 
-// Bounds the number of arenas, so that what one thread freed serves the next one. To be called before threads
-// are started.
+// Bounds the number of arenas, so that threads reuse each other's freed memory. Call it before threads are
+// started.
 void BoundHeap();
 
-// Returns what is free to the system. It takes milliseconds, so it is called between jobs.
+// Returns free memory to the system. This takes some milliseconds, so the service calls it between jobs.
 void GiveBackHeap();
 
 }  // namespace facetless

@@ -1,10 +1,15 @@
-// Stopping: signals from the user, and deadlines. Both end in one flag that long work polls.
+// Stopping work on signals and deadlines. Both set a flag that long computations poll.
 //
-//  1. The first SIGINT, SIGTERM or SIGHUP sets the flag, so that work unwinds, children are killed and
-//     temporary files removed. A second one ends the process at once (children die with it: see
-//     child_process.h).
-//  2. A Deadline's flag is set when its time is over or when the flag that it watches is set; expired() tells
-//     which. Start sets its time anew, for work whose clock begins later than its flag is needed.
+//     Deadline deadline(/*seconds=*/60, &InterruptFlag());
+//     auto result = TraceDirect(scene, camera, {.execution = {.cancel = deadline.flag()}});
+//     if (!result && deadline.expired()) return TimeoutError();
+//
+//  1. The first SIGINT, SIGTERM or SIGHUP sets the flag. Work then ends, child processes are killed and
+//     temporary files are removed. A second signal ends the process at once; child processes die with it
+//     (child_process.h).
+//  2. The flag of a Deadline is set when its time is over or when the flag that it watches is set; expired()
+//     distinguishes the two. Start restarts the clock, for work whose time begins later than its flag is
+//     needed.
 #pragma once
 
 #include <atomic>
@@ -16,27 +21,27 @@
 
 namespace facetless {
 
-// Installs the handlers; SIGPIPE is ignored from then on. Call it once, from main.
+// Installs the signal handlers, and ignores SIGPIPE from then on. Call it once, from main.
 void InstallInterruptHandlers();
-// Set by the first signal. Valid for the life of the process.
+// The flag that the first signal sets. It is valid for the lifetime of the process.
 const std::atomic<bool>& InterruptFlag();
 // The signal that set the flag, or 0.
 int InterruptSignal();
 
 class Deadline {
  public:
-  // `seconds` <= 0: no limit of time. `watched` may be null; it must outlive the Deadline.
+  // `seconds` <= 0 means no time limit. `watched` may be null; it must outlive the Deadline.
   Deadline(double seconds, const std::atomic<bool>* watched);
   ~Deadline();
   Deadline(const Deadline&) = delete;
   Deadline& operator=(const Deadline&) = delete;
 
-  // From now on `seconds`; <= 0: no limit.
+  // Restarts the clock: the time is over `seconds` from now; <= 0 means no time limit.
   void Start(double seconds);
-  // The time is over now.
+  // Ends the time now.
   void Expire();
   const std::atomic<bool>* flag() const { return &stop_; }
-  // True if the flag was set because the time was over.
+  // Whether the flag was set because the time was over.
   bool expired() const { return expired_; }
 
  private:

@@ -1,4 +1,4 @@
-// JSON that people write: requests, manifests, cameras.
+// Parsing JSON that users write: requests, manifests and cameras.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace facetless {
 
-// The value that `text` is. `what` names the text in errors: "the part \"options\"". Errors: kBadUsage (no
-// JSON: the message has line, column and what was expected there; a name that an object has twice).
+// Parses `text`. `what` names the text in error messages, as in "the part \"options\"". Errors: kBadUsage
+// (the text is not valid JSON, and the message states line, column and reason; or an object has a name
+// twice).
 Result<nlohmann::json> ParseJsonText(const std::string& text, const std::string& what,
                                      bool ignore_comments = false);
 

@@ -1,11 +1,12 @@
-// How busy the machine is.
+// The load of the machine.
 #pragma once
 
 #include <cstdlib>
 
 namespace facetless {
 
-// Processes that ran or wanted to, on average over the last minute; 0 if the system does not tell.
+// The number of running and runnable processes, averaged over the last minute; 0 if the system does not
+// report it.
 inline double LoadAverage() {
   double load = 0;
   return getloadavg(&load, 1) == 1 ? load : 0;

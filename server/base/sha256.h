@@ -1,7 +1,7 @@
 // SHA-256 of bytes, streams and files, as 64 lower-case hexadecimal digits.
 //
-// libcrypto does the work: it uses the processor's SHA instructions (GB/s instead of some 200 MB/s), and the
-// HTTP library loads it anyway, so it costs no new dependency.
+// The implementation is libcrypto. It uses the SHA instructions of the processor (GB/s instead of about 200
+// MB/s), and the HTTP library needs it anyway, so it is no additional dependency.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class Sha256 {
   Sha256& operator=(Sha256&&) noexcept;
 
   void Add(const void* data, std::size_t size);
-  // Ends the computation: call it once.
+  // Finishes the computation and returns the digest. Call it only once.
   std::string Hex();
 
  private:
@@ -31,10 +31,10 @@ class Sha256 {
 
 std::string Sha256Hex(std::string_view bytes);
 
-// Error: kFileUnreadable.
+// The digest of a file. Error: kFileUnreadable.
 Result<std::string> Sha256OfFile(const std::string& path);
 
-// True for 64 lower-case hexadecimal digits.
+// Whether the text consists of 64 lower-case hexadecimal digits.
 bool IsSha256Hex(std::string_view text);
 
 }  // namespace facetless

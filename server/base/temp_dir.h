@@ -1,8 +1,12 @@
-// A directory that exists as long as the object does.
+// A temporary directory that exists as long as its object.
 //
-//  1. Create makes a new, empty directory that only this user may enter (0700), below `parent` or, if that is
-//     empty, below $TMPDIR or /tmp.
-//  2. The destructor removes it with everything in it. It never follows a symbolic link out of it, and never
+//     Result<TempDir> directory = TempDir::Create();
+//     if (!directory) return directory.error();
+//     const std::string path = directory.value().File("model.flm");
+//
+//  1. Create makes a new, empty directory with mode 0700. It is below `parent`, or below $TMPDIR or /tmp if
+//     `parent` is empty.
+//  2. The destructor removes the directory with its contents. It does not follow symbolic links, and never
 //     throws.
 #pragma once
 
@@ -14,7 +18,7 @@ namespace facetless {
 
 class TempDir {
  public:
-  // Error: kWriteFailed.
+  // Creates the directory. Error: kWriteFailed.
   static Result<TempDir> Create(const std::string& parent = "");
 
   TempDir() = default;

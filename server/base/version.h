@@ -1,4 +1,4 @@
-// Which program this is: the "facetless" object of every report.
+// The version and the build of the program, for the object "facetless" of every report.
 #pragma once
 
 #include <string>
@@ -7,11 +7,12 @@
 
 namespace facetless {
 
-// "0.1.0"
+// The version, such as "0.1.0".
 std::string Version();
 
-// {"version", "build", "isa", "threads"}: build names compiler and build type; isa is what the kernels run
-// on; threads what is used when `threads` is 0.
+// The object {"version", "build", "isa", "threads"}. "build" names the compiler and the build type, "isa" the
+// instruction set of the kernels, and "threads" the number of threads in use (one per core if `threads` is
+// 0).
 nlohmann::json ProgramJson(int threads);
 
 }  // namespace facetless

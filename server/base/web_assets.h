@@ -1,4 +1,4 @@
-// The files of server/web, embedded when the program is built.
+// The files of server/web, which are embedded in the program when it is built.
 #pragma once
 
 #include <string_view>

@@ -1,7 +1,12 @@
-// The options of the commands, as --help shows them.
+// The command-line options of the commands.
 //
-//  1. An option of a run is a row of the option table; it is collected as JSON under its own name, and
-//     checked where requests over HTTP are (options.h): every check exists once.
+//     OptionCollector options;
+//     AddOptions(app, kRender, options);
+//     app->parse(argc, argv);
+//     Result<nlohmann::json> json = options.Take();  // for ParseOptions
+//
+//  1. Each option of a run is a row of the option table. Its value is collected as JSON under its name, and
+//     checked by the same code as HTTP requests (options.h), so that every check exists once.
 #pragma once
 
 #include <string>
@@ -20,17 +25,17 @@ namespace facetless {
 
 class OptionCollector {
  public:
-  // Lets `app` take the option.
+  // Adds the option to `app`.
   void Add(CLI::App* app, const OptionRow& row);
 
-  // What was given. Errors: kBadUsage (a camera that is no JSON, or whose file cannot be read).
+  // The options that were given. Errors: kBadUsage (a camera that is not JSON, or whose file cannot be read).
   Result<nlohmann::json> Take();
 
  private:
   nlohmann::json json_ = nlohmann::json::object();
 };
 
-// Those that the command, one bit of Commands, takes, in the order of the table and under its headings.
+// Adds the options of `command` (one bit of Commands), in the order and under the headings of the table.
 void AddOptions(CLI::App* app, Commands command, OptionCollector& options,
                 const OptionTable& table = AllOptions());
 void AddBenchOptions(CLI::App* app, CommandArguments& arguments);

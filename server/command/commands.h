@@ -1,5 +1,5 @@
-// What each command does once its command line is understood. Each returns an exit code (exit_code.h); what
-// it prints is listed in docs/cli.md.
+// The commands, after their command lines have been parsed. Each returns an exit code (exit_code.h).
+// docs/cli.md documents what they print.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@
 namespace facetless {
 
 struct CommandArguments {
-  std::string file;       // the CAD file, or regress's manifest
+  std::string file;       // the CAD file, or the manifest of regress
   std::string out;        // --out
   bool progress = false;  // --progress
   bool update = false;    // regress --update
-  // bench
+  // The arguments of bench.
   std::vector<std::string> files;
-  std::string json_out, plot_out;  // --json, --plot; empty: none
+  std::string json_out, plot_out;  // --json, --plot; empty: not written
   BenchSettings bench;
   RunOptions options;
 };

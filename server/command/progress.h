@@ -1,7 +1,7 @@
-// Progress for a person who waits, on standard error.
+// Progress of a command, shown on standard error.
 //
-//  1. On a terminal, one line that is rewritten and removed at the end; with --progress elsewhere, one line
-//     per stage and tenth; else nothing.
+//  1. On a terminal, one line is rewritten and finally removed. Elsewhere, with --progress, one line is
+//     printed per stage and tenth of it. Otherwise nothing is printed.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // `fraction` 0 … 1 of `stage`.
+  // Reports that the fraction `fraction` (0 … 1) of `stage` is done.
   void Report(const std::string& stage, double fraction);
 
  private:

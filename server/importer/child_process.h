@@ -1,15 +1,20 @@
-// A child process under limits, watched from its start to its end.
+// Runs a child process under limits, and watches it from its start to its end.
 //
-//  1. The child leads its own process group, in its own working directory, with exactly the environment
-//     given, nothing on standard input, and no other open file of ours. It dies if we die.
-//     Where file_access names anything, it reaches no other file (file_access.h) and has no privileges, also
-//     if we have some; but it may read what we may read.
-//  2. RunChild returns when the child has ended and nothing of its group is left: at its own exit, when the
-//     wall clock, the cancel flag or one of the limits that are watched from outside ended it (SIGKILL to it
-//     and its group), or when one of its resource limits did. Watched limits are looked at every 20 ms, and
-//     those of its directory once more at its end.
-//  3. Standard output is kept up to stdout_cap bytes, of standard error the last stderr_cap bytes; what goes
-//     beyond is read and dropped, so that a child that floods neither blocks nor fills our memory.
+//     ChildRequest request{.program = "/usr/bin/true", .working_directory = "/tmp"};
+//     request.limits.wall_seconds = 10;
+//     Result<ChildOutcome> outcome = RunChild(request);
+//
+//  1. The child leads its own process group and has its own working directory, exactly the given environment,
+//     an empty standard input, and no other open file of the parent. It dies if the parent dies. If
+//     file_access is not empty, the child cannot reach any other file (file_access.h) and has no privileges,
+//     even if the parent has some; it may still read what the parent may read.
+//  2. RunChild returns when the child has ended and no process of its group remains. The child ends by
+//     itself; or the parent kills it and its group with SIGKILL because of the wall clock, the cancel flag or
+//     a watched limit; or one of its resource limits ends it. Watched limits are checked every 20 ms, and
+//     those of the directory once more at the end.
+//  3. The first stdout_cap bytes of standard output and the last stderr_cap bytes of standard error are kept.
+//     The rest is read and discarded, so that a child with excessive output neither blocks nor fills the
+//     memory of the parent.
 #pragma once
 
 #include <linux/filter.h>
@@ -29,14 +34,15 @@ namespace facetless {
 
 struct ChildLimits {               // 0: no limit
   std::uint64_t memory_bytes = 0;  // address space (RLIMIT_AS)
-  std::uint64_t cpu_seconds = 0;   // of all threads together
-  double wall_seconds = 0;         // ChildRequest::expired is a clock with rules of its own
-  std::uint64_t file_bytes = 0;    // of each file that it writes
+  std::uint64_t cpu_seconds = 0;   // CPU time of all threads together
+  double wall_seconds = 0;         // ChildRequest::expired allows other rules
+  std::uint64_t file_bytes = 0;    // size of each file that the child writes
   std::uint64_t open_files = 0;
-  std::uint64_t threads = 0;          // watched: also root's threads count, unlike with RLIMIT_NPROC
-  std::uint64_t directory_bytes = 0;  // watched: of all files below the working directory, and of files that
-                                      // it has removed and keeps open
-  std::uint64_t directory_names = 0;  // watched: files and directories there
+  std::uint64_t threads = 0;  // watched; unlike RLIMIT_NPROC, it also applies to root
+  std::uint64_t directory_bytes =
+      0;  // watched: size of all files below the working directory, and of removed
+          // files that the child keeps open
+  std::uint64_t directory_names = 0;  // watched: number of files and directories there
 };
 
 struct ChildRequest {
@@ -45,14 +51,16 @@ struct ChildRequest {
   std::vector<std::string> environment;  // NAME=value
   std::string working_directory;
   ChildLimits limits;
-  std::vector<sock_filter> syscall_filter;  // empty: none; kOwnProcess becomes the child's number (sandbox.h)
-  FileAccess file_access;                   // empty: everything that we may
+  std::vector<sock_filter>
+      syscall_filter;      // empty: no filter; kOwnProcess is replaced by the child's id (sandbox.h)
+  FileAccess file_access;  // empty: the same files as the parent
   std::size_t stdout_cap = 1 << 20;
   std::size_t stderr_cap = 1 << 16;
   std::function<void(std::string_view)>
-      on_stderr_line;                         // called for each whole line, without its end; may be empty
+      on_stderr_line;  // called for each complete line, without the line end; may be empty
   const std::atomic<bool>* cancel = nullptr;  // true kills the child
-  std::function<bool()> expired;  // true ends it as the wall clock does; asked at every look; may be empty
+  std::function<bool()>
+      expired;  // true kills the child like the wall clock; called at every check; may be empty
 };
 
 enum class ChildEnd : std::uint8_t {
@@ -71,14 +79,16 @@ struct ChildOutcome {
   int signal = 0;               // kSignalled
   std::string out, error_tail;  // standard output and the end of standard error
   double wall_ms = 0;
-  std::uint64_t peak_bytes = 0;  // largest resident size, sampled; 0 if it ended before the first sample
-  std::uint64_t peak_address_bytes = 0;  // largest address space, the same way
+  std::uint64_t peak_bytes =
+      0;  // largest sampled resident size; 0 if the child ended before the first sample
+  std::uint64_t peak_address_bytes = 0;  // largest sampled address space
 };
 
-// Error: kInternal if the program cannot be started, with the system's reason.
+// Runs the child. Error: kInternal (the program cannot be started; the message has the reason given by the
+// system).
 Result<ChildOutcome> RunChild(const ChildRequest& request);
 
-// "SIGSEGV (segmentation fault)".
+// The name of a signal, such as "SIGSEGV (segmentation fault)".
 std::string SignalName(int signal);
 
 }  // namespace facetless

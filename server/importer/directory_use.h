@@ -1,9 +1,9 @@
-// How much a directory holds, while a process that we don't trust is still writing to it.
+// The disk usage of a directory to which an untrusted process is still writing.
 //
-//  1. Counted is everything below it: names, and of each file the larger of its length and the space that it
-//     takes. Symbolic links are counted and never followed.
-//  2. Counting ends as soon as one of the limits is passed, so that a flood can't keep us busy; what
-//     disappears meanwhile is not counted.
+//  1. Everything below the directory is counted: names, and for each file the larger of its length and the
+//     space that it occupies. Symbolic links are counted but never followed.
+//  2. Counting ends as soon as one of the limits is exceeded, so that a large number of files cannot delay
+//     the caller. Files that disappear during the count are not counted.
 #pragma once
 
 #include <sys/types.h>
@@ -17,10 +17,10 @@ struct DirectoryUse {
   std::uint64_t bytes = 0, names = 0;
 };
 
-// Limits of 0: none.
+// Measures the usage. A limit of 0 means no limit.
 DirectoryUse MeasureDirectory(const std::string& path, const DirectoryUse& limits);
 
-// Bytes of regular files that the process holds open although no directory names them any more.
+// The size of the regular files that the process has open but that no directory contains any more, in bytes.
 std::uint64_t NamelessBytes(pid_t process);
 
 }  // namespace facetless

@@ -1,18 +1,22 @@
-// Runs `facetless-import` on one file: the only way from a CAD file to a Model.
+// Runs `facetless-import` on one file. This is the only way from a CAD file to a Model.
 //
-//  1. The importer is a process of its own (child_process.h), under limits of memory, processor time, wall
-//     time, threads, files and what it writes, without sockets, processes or signals to others (sandbox.h),
-//     in an empty directory of its own, beside which it may read its input and the system's libraries alone
-//     (file_access.h).
-//  2. Whatever the file does to it, RunImporter returns either files or one Error, and leaves nothing behind
-//     but what ImportedFiles owns.
-//  3. Nothing that the importer says is trusted: its files are regular ones that only this directory names,
-//     its answer is checked before it is used, and what it says in words is cut and made printable.
-//  4. The importer writes the model first, whole, and then makes the meshes. Meshing has a budget of time of
-//     its own. Where the caller says that the model alone is of use (model_suffices), a mesher that fails
-//     costs the meshes and not the model.
-//  5. The importer is found beside the running binary; the environment variable FACETLESS_IMPORTER names
-//     another one.
+//     Result<ImportedFiles> files = RunImporter({.input = "part.step"});
+//     if (!files) return files.error();
+//     Result<Model> model = ReadModel(files.value().model_path);
+//
+//  1. The importer is a separate process (child_process.h) with limits on memory, CPU time, wall time,
+//     threads, files and output. It cannot use sockets, start processes or send signals to other processes
+//     (sandbox.h). It runs in an empty directory of its own; outside of it, it can read only its input and
+//     the system's libraries (file_access.h).
+//  2. Whatever the file causes, RunImporter returns either files or one Error, and leaves nothing behind
+//     except what ImportedFiles owns.
+//  3. Nothing from the importer is trusted. Its files must be regular files with a single name, in its
+//     directory. Its answer is checked before it is used, and its messages are shortened and made printable.
+//  4. The importer first writes the complete model, and then makes the meshes. Meshing has a time limit of
+//     its own. If the caller can use the model alone (model_suffices), a failure of the mesher loses the
+//     meshes but not the model.
+//  5. The importer is the program next to the running binary, unless the environment variable
+//     FACETLESS_IMPORTER names another one.
 #pragma once
 
 #include <array>
@@ -37,63 +41,64 @@ struct TessellationOptions {
 };
 
 struct ImportLimits {
-  double timeout_s = 300;          // wall clock of all but meshing; --import-timeout
-  double mesh_timeout_s = 300;     // wall clock of meshing, of all meshes together; --mesh-timeout
+  double timeout_s = 300;          // wall time without meshing; --import-timeout
+  double mesh_timeout_s = 300;     // wall time of meshing, for all meshes together; --mesh-timeout
   std::uint64_t memory_mb = 8192;  // address space; --import-memory
-  std::uint64_t file_mb = 4096;    // of all files that it writes
+  std::uint64_t file_mb = 4096;    // total size of the files that the importer writes
 };
 
-// Rays for OpenCASCADE's exact intersector, which only the importer's process knows.
+// Rays for OpenCASCADE's exact intersector, which exists only in the importer's process.
 struct ExactRays {
   std::vector<std::array<double, 6>> rays;  // origin, direction
-  double near = 0;                          // above 0: only hits at a depth of at least this count
-  double seconds = 10;                      // answer as many as this allows
+  double near = 0;                          // if above 0, hits at a smaller depth are ignored, mm
+  double seconds = 10;                      // time limit: as many rays as possible are answered within it
 };
 
 struct ImportRequest {
   std::string input;
-  std::vector<TessellationOptions> meshes;  // one file each; none: the model only
+  std::vector<TessellationOptions> meshes;  // one mesh file each; empty: the model only
   bool model_suffices = false;              // law 4
-  ExactRays exact;                          // without rays: nothing is asked
-  double unit_mm = 0;                       // above 0: one unit of the file, whatever the file says
+  ExactRays exact;                          // rays to intersect; may be empty
+  double unit_mm = 0;                       // if above 0, the unit of the file, whatever the file states
   ImportLimits limits;
-  std::string temp_parent;  // where the files go; empty: $TMPDIR or /tmp
+  std::string temp_parent;  // parent directory of the files; empty: $TMPDIR or /tmp
   const std::atomic<bool>* cancel = nullptr;
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
-  // Called on the caller's thread when the model is whole and the mesher begins. The importer still runs and
-  // could change its files, so that who wants the model now must copy it first.
+  // Called on the caller's thread when the model is complete and the mesher starts. The importer still runs
+  // and could change its files, so a callback that uses the model must copy it first.
   std::function<void(const std::string& model_path)> model_written;
-  // Called if the importer did not end by itself, or its answer could not be used. `cause` is crash, timeout,
-  // memory, output (files too many or too large), threads or answer.
+  // Called if the importer did not end by itself, or if its answer was unusable. `cause` is crash, timeout,
+  // memory, output (too many or too large files), threads or answer.
   std::function<void(const std::string& cause)> died;
 };
 
-// Why there is no mesh. `reason` is timeout, memory, crash, output (files too many or too large), threads or
-// failed (the mesher's own answer, which `error` has).
+// The reason why there is no mesh. `reason` is timeout, memory, crash, output (too many or too large files),
+// threads or failed (the mesher itself reported `error`).
 struct MeshFailure {
   std::string reason;
   Error error;
 };
 
 struct ImportedFiles {
-  TempDir directory;  // holds all of them
+  TempDir directory;  // contains all files
   std::string model_path;
   std::vector<std::string> mesh_paths;      // in the order of ImportRequest::meshes; empty after a failure
   std::optional<MeshFailure> mesh_failure;  // only with ImportRequest::model_suffices
-  nlohmann::json summary;                   // the importer's own answer; null after a failure
-  std::vector<double> exact_depths;  // of the first of ImportRequest::exact's rays; infinite for a miss
+  nlohmann::json summary;                   // the answer of the importer; null after a failure
+  std::vector<double> exact_depths;  // depths of the first rays of ImportRequest::exact; infinite for a miss
   double wall_ms = 0;
   std::uint64_t peak_bytes = 0;
-  std::uint64_t peak_address_bytes = 0;  // what ImportLimits::memory_mb limits
+  std::uint64_t peak_address_bytes = 0;  // limited by ImportLimits::memory_mb
 };
 
-// Errors: kFileUnreadable (absent or no regular file); kImporterCrashed (names the signal, or its last words,
-// or what was wrong with its answer); kLimitExceeded (names the limit, and the option that raises it where
-// there is one); kCancelled; kInternal (no importer); and whatever the importer reports.
+// Runs the importer. Errors: kFileUnreadable (the input is absent or not a regular file); kImporterCrashed
+// (the message names the signal, the last line of output, or the fault in the answer); kLimitExceeded (the
+// message names the limit, and the option that raises it if there is one); kCancelled; kInternal (there is no
+// importer); and all errors that the importer itself reports.
 Result<ImportedFiles> RunImporter(const ImportRequest& request);
 
-// The error code with the given stable name; kInternal for a name that no code has.
+// The error code with the given stable name (ErrorCodeName); kInternal for an unknown name.
 ErrorCode ErrorCodeFromName(const std::string& name);
 
 }  // namespace facetless

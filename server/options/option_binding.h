@@ -1,4 +1,4 @@
-// How the values of the option table get into RunOptions and out of it.
+// The bindings of the option table: they store the values of options in RunOptions, and read them back.
 #pragma once
 
 #include <optional>
@@ -22,9 +22,9 @@ struct IsOptional<std::optional<T>> : std::true_type {};
 
 }  // namespace binding_detail
 
-// Binds an option to the member of RunOptions that `member` returns, of constant options and of others: what
-// its type can hold is read by the row's range or choices. An enumeration's values are the choices in their
-// order.
+// Binds an option to a member of RunOptions. `member` returns a reference to that member, for const and
+// non-const RunOptions. The value is parsed according to the type of the member, with the range or the
+// choices of the row. The values of an enumeration correspond to the choices in their order.
 template <typename Member>
 OptionBinding Bound(Member member) {
   using Target = std::remove_reference_t<decltype(member(std::declval<RunOptions&>()))>;
@@ -75,12 +75,12 @@ OptionBinding Bound(Member member) {
   return binding;
 }
 
-// Those that have a form of their own.
+// The bindings of options with special forms.
 OptionBinding ViewsBinding();
 OptionBinding CamerasBinding();
 OptionBinding SizeBinding();
 OptionBinding SamplesBinding();
-OptionBinding ViewMemoryBinding();  // megabytes of an option in bytes
+OptionBinding ViewMemoryBinding();  // the option is in megabytes, the member in bytes
 OptionBinding UnitBinding();
 OptionBinding AovsBinding();
 OptionBinding WithBinding();

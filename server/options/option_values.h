@@ -1,6 +1,10 @@
-// Values of options, read from JSON: one way to check a range and to say what is allowed.
+// Parsing the values of options from JSON. Every range is checked, and every error sentence written, in one
+// way.
 //
-//  1. `name` is the option's; every message names it and shows the value as it was given.
+//     Result<double> margin = ParseNumber(json, "margin", 0, 0.45);
+//     if (!margin) return margin.error();  // "margin is 2, but must be a number from 0 to 0.45"
+//
+//  1. `name` is the name of the option. Every message contains it and the value as it was given.
 //  2. Every error is kBadUsage.
 #pragma once
 
@@ -16,17 +20,17 @@ namespace facetless {
 
 Error BadUsage(std::string message);
 
-// A value as the caller wrote it; bytes that are no UTF-8 are replaced.
+// A value as the caller wrote it. Bytes that are not valid UTF-8 are replaced.
 std::string Quoted(const nlohmann::json& json);
-// With commas.
+// The names, separated by commas.
 std::string Joined(const std::vector<std::string>& names);
 
-// " (did you mean size?)" if one of `names` is spelled much like `word`; else "".
+// " (did you mean size?)" if one of `names` is similar to `word`; otherwise "".
 std::string Suggestion(const std::string& word, const std::vector<std::string>& names);
-// A word of the caller's in quotes, cut where it is too long to be one.
+// A word of the caller in quotation marks, shortened if it is very long.
 std::string Shortened(const std::string& word);
 
-// A number of [low, high]; high may be infinite.
+// A number in [low, high]; high may be infinite.
 Result<double> ParseNumber(const nlohmann::json& json, const std::string& name, double low, double high);
 Result<int> ParseInteger(const nlohmann::json& json, const std::string& name, int low, int high);
 Result<bool> ParseBool(const nlohmann::json& json, const std::string& name);
@@ -40,7 +44,7 @@ Result<std::vector<std::string>> ParseWords(const nlohmann::json& json, const st
 Result<std::vector<double>> ParseNumbers(const nlohmann::json& json, const std::string& name, double low,
                                          double high);
 
-// Puts what was read into `target`, or passes its error on.
+// Stores a parsed value in `target`, or returns its error.
 template <typename Parsed, typename Target>
 Result<void> Store(Parsed parsed, Target& target) {
   if (!parsed) return parsed.error();

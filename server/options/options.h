@@ -1,10 +1,14 @@
-// What a caller may ask of a run. The command line and the HTTP service both fill it from JSON, so a name, a
-// range and an error message exist once.
+// The options of a run. The command line and the HTTP service both fill RunOptions from JSON, so every name,
+// range and error message exists once.
 //
-//  1. Which options there are, their ranges and defaults, and what they exclude is in the option table
-//     (option_table.h).
-//  2. An unknown name, a wrong type, a number out of range and two options that contradict each other are
-//     kBadUsage; the message names the option and what is allowed.
+//     Result<RunOptions> options = ParseOptions({{"view", {"iso", "top"}}, {"margin", 0.1}});
+//     if (!options) return options.error();
+//     Result<std::vector<Camera>> cameras = ResolveCameras(options.value(), model.bounds);
+//
+//  1. The option table (option_table.h) defines the options, their ranges and defaults, and which options
+//     exclude each other.
+//  2. An unknown name, a wrong type, a number out of range, and two contradictory options are kBadUsage. The
+//     message names the option and what is allowed.
 #pragma once
 
 #include <optional>
@@ -29,24 +33,23 @@
 
 namespace facetless {
 
-// The largest values that a run may have and still pass.
+// The largest values with which a run passes.
 struct Thresholds {
   std::optional<double> deviation_mm, depth_mm, silhouette_px, flip, share;
 };
 
-// What `facetless trade` sweeps, and what it is asked.
+// The parameters that `facetless trade` varies, and the questions that it answers.
 struct TradeOptions {
   std::vector<double> deflections = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
   std::vector<double> angles_deg = {30, 12, 5};
   std::vector<double> tolerances = {1e-3, 1e-5, 1e-8};
   double budget_s = 60;
   std::uint64_t budget_mb = 4096;
-  TradeLimits limits;  // none given: half a pixel
+  TradeLimits limits;  // if none is given, half a pixel
   ErrorMeasure measure = ErrorMeasure::kP99;
 };
 
-// What everything after the import may take if no option says otherwise, seconds: no input keeps a run going
-// for ever.
+// The default time limits for everything after the import, seconds. No input can keep a run going endlessly.
 inline constexpr double kRunTimeoutS = 600, kTradeTimeoutS = 3600;
 
 struct RunOptions {
@@ -57,15 +60,15 @@ struct RunOptions {
   int samples = 4;
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
-  double newton_tolerance = 0;  // 0: the precision's own
+  double newton_tolerance = 0;  // 0: the default of the precision
   int threads = 0;
-  // Of the leaves of one view, and of the search tree of the mesh that it is compared with.
+  // Memory limit for the leaves of one view, and for the search tree of the mesh with which it is compared.
   std::uint64_t max_view_bytes = DirectOptions{}.max_bytes;
-  std::optional<double> timeout_s;  // none: kRunTimeoutS or kTradeTimeoutS; 0: no limit
+  std::optional<double> timeout_s;  // nothing: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
   Inspection inspection;
-  Orient orient = Orient::kFile;  // goes into the inspection when a view is made
+  Orient orient = Orient::kFile;  // copied to the inspection when a view is made
   LineMode lines = LineMode::kNone;
   bool svg = false;
   std::vector<SectionRequest> sections;
@@ -75,7 +78,7 @@ struct RunOptions {
   std::vector<MethodChoice> with;  // what is compared or measured beside the mesh
   TessellationOptions tessellation;
   ImportLimits import_limits;
-  double unit_mm = 0;  // 0: the file's own
+  double unit_mm = 0;  // 0: the unit of the file
   bool strict = false;
   Thresholds fail;
   TradeOptions trade;
@@ -83,22 +86,22 @@ struct RunOptions {
   bool WantsAov(const std::string& name) const;
 };
 
-// Error: kBadUsage.
+// Parses options. Error: kBadUsage (law 2).
 Result<RunOptions> ParseOptions(const nlohmann::json& json, const OptionTable& table = AllOptions());
 
-// One camera. {"eye": [x,y,z]} is enough; the rest has defaults: "target" the centre of `bounds`, "up" the
-// axis that is up (what `top` draws upwards if that is the view direction), "projection" that of the options,
-// "height" (orthographic) what shows `bounds` from every side with the margin, "fov_y_deg" 40, "name" as
-// given, "width" and "height_px" those of the options. So a camera of a report can be given back as it is.
-// Error: kBadUsage.
+// Parses one camera. Only "eye": [x,y,z] is required. The defaults are: for "target", the centre of `bounds`;
+// for "up", the up axis of the options (or the up direction of the view `top` if that axis is the view
+// direction); for "projection", "width" and "height_px", those of the options; for "height" of an
+// orthographic camera, a value that shows `bounds` from every side with the margin; for "fov_y_deg", 40; for
+// "name", `default_name`. The camera object of a report can be passed unchanged. Error: kBadUsage.
 Result<Camera> ParseCamera(const nlohmann::json& json, const RunOptions& options, const Box3& bounds,
                            const std::string& default_name);
 
-// How many samples a run takes: pixels × samples per pixel × views, and those of a turntable's frames. It
-// needs no model. Error: kBadUsage (a camera).
+// The number of samples of a run: pixels × samples per pixel × views, plus those of the frames of a
+// turntable. No model is needed. Error: kBadUsage (a camera).
 Result<std::uint64_t> CountSamples(const RunOptions& options);
 
-// The cameras of a run, their names distinct. Error: kBadUsage.
+// The cameras of a run, with distinct names. Error: kBadUsage.
 Result<std::vector<Camera>> ResolveCameras(const RunOptions& options, const Box3& bounds);
 
 const char* PrecisionName(Precision precision);

@@ -1,5 +1,5 @@
-// How pictures are arranged, coloured and labelled: the group "Pictures" of the option table, and margin and
-// up.
+// Options for the arrangement, the colours and the labels of pictures: the group "Pictures" of the option
+// table, and `margin` and `up`.
 #pragma once
 
 #include <string>
@@ -21,8 +21,8 @@ struct PictureOptions {
   double turntable_s = 6;
 };
 
-// Whether `command` ("render", "compare", "trade", "bench", "regress") can do what the options ask for.
-// Error: kBadUsage names the option that it cannot.
+// Checks whether `command` ("render", "compare", "trade", "bench", "regress") supports the options. Error:
+// kBadUsage, which names the unsupported option.
 Result<void> CheckPictureOptions(const PictureOptions& options, const std::string& command);
 
 }  // namespace facetless

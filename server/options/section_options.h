@@ -1,8 +1,8 @@
-// Section planes as a caller writes them.
+// Parsing section planes in the forms in which callers write them.
 //
-//  "x,y,z,nx,ny,nz"   a point in millimetres and a normal of any length; the side that it points to is removed
-//  "z=12.5"           the plane z = 12.5, all above it removed; "-z=12.5": all below it
-//  "z=50%"            the same, at that share of the model's bounds
+//  "x,y,z,nx,ny,nz"   a point in millimetres and a normal of any length; the side that it points to is
+//  removed "z=12.5"           the plane z = 12.5; everything above it is removed; "-z=12.5": everything below
+//  it "z=50%"            the same, at this percentage of the model's bounds
 //  [x,y,z,nx,ny,nz]   in JSON, or {"point": [x,y,z], "normal": [nx,ny,nz]}
 #pragma once
 
@@ -16,17 +16,18 @@
 
 namespace facetless {
 
-// A plane that may wait for the model's bounds.
+// A section plane whose position may depend on the model's bounds.
 struct SectionRequest {
   SectionPlane plane;
-  int axis = -1;     // 0 … 2: the plane stands at `share` of the bounds along it
+  int axis =
+      -1;  // 0 … 2: the plane is perpendicular to this axis, at `share` of the bounds; −1: `plane` is complete
   double share = 0;  // 0 … 1
 };
 
-// One plane, or a list. Error: kBadUsage says what is allowed.
+// Parses one plane or a list of planes. Error: kBadUsage, which states what is allowed.
 Result<std::vector<SectionRequest>> ParseSections(const nlohmann::json& json);
 
-// Errors: kBadUsage (a share of bounds that are empty).
+// Computes the planes for a model's bounds. Error: kBadUsage (a percentage of empty bounds).
 Result<std::vector<SectionPlane>> ResolveSections(const std::vector<SectionRequest>& requests,
                                                   const Box3& bounds);
 

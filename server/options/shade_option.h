@@ -1,5 +1,5 @@
-// The option `shade`: what pictures show. A string, as the command line has it, or in JSON an object with the
-// same settings: {"name": "zebra", "stripes": 24, "axis": [0, 0, 1]}.
+// The option `shade`, which selects how surfaces are coloured. Its value is a string as on the command line,
+// or a JSON object with the same settings: {"name": "zebra", "stripes": 24, "axis": [0, 0, 1]}.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,10 +9,11 @@
 
 namespace facetless {
 
-// Error: kBadUsage names what is allowed.
+// Parses the option. Error: kBadUsage, which states what is allowed.
 Result<Inspection> ParseShade(const nlohmann::json& json);
 
-// Whether edges between faces belong into the report: of pictures that show how smooth a surface is.
+// Whether the kind shows the smoothness of a surface. If so, the report includes the continuity of edges
+// between faces.
 bool ShowsSmoothness(InspectionKind kind);
 
 }  // namespace facetless

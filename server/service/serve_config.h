@@ -1,10 +1,12 @@
-// The options of `facetless serve`, from where people who run services keep them.
+// The options of `facetless serve`, from a file, the environment and the command line.
 //
-//  1. In rising precedence: the default; a file (--config, or FACETLESS_SERVE_CONFIG); the environment, where
-//     --max-upload is FACETLESS_SERVE_MAX_UPLOAD; the command line. An empty variable is none.
-//  2. A file is JSON if it begins with {, else TOML: one value for each option, by its name without the
-//     dashes in front, with _ or - inside, at the top or in a section [serve]. An unknown name is an error.
-//  3. Every value goes through the same checks, and what is wrong is said with the place that it comes from.
+//  1. The sources, in ascending precedence, are: the default; a file (--config, or FACETLESS_SERVE_CONFIG);
+//     the environment, in which --max-upload is FACETLESS_SERVE_MAX_UPLOAD; and the command line. An empty
+//     variable is ignored.
+//  2. A file that begins with { is JSON; any other file is TOML. It has one value for each option, under its
+//     name without the leading dashes and with _ or - inside, at the top level or in a section [serve]. An
+//     unknown name is an error.
+//  3. All values are checked in the same way, and error messages name the source of the value.
 #pragma once
 
 #include <functional>
@@ -26,18 +28,18 @@ namespace facetless {
 
 class ServeConfig {
  public:
-  // Adds the options to the command, which must outlive this.
+  // Adds the options to the command, which must outlive this object.
   explicit ServeConfig(CLI::App* command);
   ServeConfig(const ServeConfig&) = delete;
   ServeConfig& operator=(const ServeConfig&) = delete;
 
-  // To be called when the command line was parsed. Error: kBadUsage.
+  // Determines the options. Call it after the command line has been parsed. Error: kBadUsage.
   Result<ServeOptions> Resolve();
 
   bool print() const { return print_; }  // --print-config
-  // {"listen": {"value": "127.0.0.1:8080", "source": "default"}, "jobs": {"value": 4, "source":
-  // "environment", "name": "FACETLESS_SERVE_JOBS"}, …} as Resolve left it; the name of a file's values is its
-  // path.
+  // The options after Resolve, such as {"listen": {"value": "127.0.0.1:8080", "source": "default"}, "jobs":
+  // {"value": 4, "source": "environment", "name": "FACETLESS_SERVE_JOBS"}, …}. For values from a file, "name"
+  // is its path.
   nlohmann::json Description() const;
 
  private:
@@ -63,7 +65,7 @@ class ServeConfig {
   bool print_ = false;
 };
 
-// The values of a configuration file by option, as texts. Errors: kBadUsage.
+// Reads the values of a configuration file, as texts by option. Errors: kBadUsage.
 Result<std::map<std::string, std::string>> ReadConfigFile(const std::string& path);
 
 }  // namespace facetless

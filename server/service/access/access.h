@@ -1,11 +1,11 @@
-// Who may do what: one decision per request, before its body is read.
+// Access control: one decision for each request, before its body is read.
 //
-//  1. A key that is given (Authorization: Bearer …) must be a good one. Without one a caller is "", if
-//     callers without a key are let in at all. The page, its files, /healthz and /readyz are for everybody;
-//     /metrics is too where it has a listener of its own, and elsewhere for keys with the scope admin.
-//  2. What a key made is seen by that key only; for everybody else it is not there (404).
-//  3. Each decision about a key, or the lack of one, is one line for the log, with the key's id and never the
-//     key.
+//  1. If a request has a key (Authorization: Bearer …), the key must be valid. A caller without a key is "",
+//     if callers without keys are allowed at all. The page, its files, /healthz and /readyz need no key.
+//     /metrics needs none if it has a separate listener; otherwise it needs a key with the scope admin.
+//  2. A caller sees only what was made with the same key. For all other callers it does not exist (404).
+//  3. Each decision about a key, or about a missing key, is one line in the log. The line has the id of the
+//     key, but never the key.
 #pragma once
 
 #include <chrono>
@@ -23,13 +23,13 @@ namespace facetless {
 
 class AccessControl {
  public:
-  // `keys` must outlive it.
+  // `keys` must outlive this object.
   AccessControl(KeyStore& keys, bool anonymous) : keys_(keys), anonymous_(anonymous) {}
 
-  // Sets request.caller; 401, 403 or 429 if the request must not go on.
+  // Sets request.caller. Returns a response with status 401, 403 or 429 if the request is refused.
   std::optional<HttpResponse> Decide(HttpRequest& request, const Route& route);
 
-  // Called with each decision; may be empty. To be set before the first one.
+  // Called with each decision; may be empty. It must be set before the first decision.
   std::function<void(const std::string&, const HttpRequest&)> audit;
 
  private:

@@ -1,9 +1,16 @@
-// The transport: HTTP/1.1 over TCP in front of a Service.
+// The transport: an HTTP/1.1 server in front of a Service.
 //
-//  1. Bodies are read in pieces and counted after decompression, so that neither chunked nor compressed ones
-//     pass the limit; parts "file" and "mesh" go straight to files, the rest is small.
-//  2. One request per connection: what a refused request leaves unread can't be taken for the next one.
-//  3. Every response carries nosniff and an X-Request-Id of its own, and never what an exception said.
+//     auto server = HttpServer::Bind(service, {.host = "127.0.0.1", .port = 8080});
+//     if (!server) return server.error();
+//     server.value()->Run();  // until Stop is called
+//
+//  1. Bodies are read in pieces, and their size is counted after decompression, so neither chunked nor
+//     compressed bodies can exceed the limit. The parts "file" and "mesh" are written to files; all other
+//     parts are small.
+//  2. Each connection serves one request, so the unread rest of a refused request cannot be taken for the
+//     next request.
+//  3. Every response has the header nosniff and its own X-Request-Id. No response contains the message of an
+//     exception.
 #pragma once
 
 #include <atomic>
@@ -18,30 +25,31 @@ namespace facetless {
 
 struct Listener {
   std::string host;
-  int port = 0;             // 0: a free one
-  bool operations = false;  // for health and metrics alone (service.h, law 6): two threads
+  int port = 0;             // 0: a free port
+  bool operations = false;  // only for health and metrics, with two threads (service.h, law 6)
 };
 
-// A request that was answered. Its path has no query, which may hold anything.
+// A request that was answered. Its path excludes the query, which may contain anything.
 struct ServedRequest {
-  std::string id, trace_id, method, path, key, job;  // "" where there is none
+  std::string id, trace_id, method, path, key, job;  // "" if there is none
   int status = 0;
   double ms = 0;
 };
 
 class HttpServer {
  public:
-  // Binds at once. Error: kBadUsage (the address is not to be had).
+  // Binds the address at once. Error: kBadUsage (the address is not available).
   static Result<std::unique_ptr<HttpServer>> Bind(Service& service, const Listener& listener);
   ~HttpServer();
 
   int port() const;
-  // Serves until Stop is called and every request has been answered. False if the socket failed before that.
+  // Serves requests until Stop is called and all requests are answered. Returns false if the socket failed
+  // before.
   bool Run();
-  // May be called from another thread, also before Run.
+  // Stops the server. May be called from any thread, also before Run.
   void Stop();
 
-  // Called after each request, from many threads; may be empty. To be set before Run.
+  // Called after each request, from many threads; may be empty. It must be set before Run.
   std::function<void(const ServedRequest&)> on_request;
 
  private:

@@ -1,7 +1,8 @@
-// Lists that are read page by page: GET /v1/models and GET /v1/jobs.
+// Paginated lists: GET /v1/models and GET /v1/jobs.
 //
-//  1. `limit` is 1 … 1000, 100 without one; `after` is the id of the last entry of the page before.
-//  2. The answer has the list under its name, and "next": the address of the next page, null on the last one.
+//  1. `limit` is 1 … 1000 (default: 100). `after` is the id of the last entry of the previous page.
+//  2. The answer has the list under its name, and "next", the address of the next page, which is null on the
+//     last page.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +20,12 @@ struct PageRequest {
   std::string after;  // "" for the first page
 };
 
-// Error: kBadUsage: a limit out of range, an `after` of other characters or length than an id, and any other
-// name.
+// Parses the query of a list. Error: kBadUsage (the limit is out of range, `after` does not have the form of
+// an id, or the query has another name).
 Result<PageRequest> ParsePageRequest(const std::map<std::string, std::string>& query, std::size_t id_digits);
 
-// Law 2. `entries` has one more than `page.limit` where there is a next page; each has an "id".
+// Makes the answer of law 2. `entries` has page.limit + 1 entries if there is a next page. Each entry has an
+// "id".
 nlohmann::json PageJson(const std::string& path, const std::string& name, const PageRequest& page,
                         nlohmann::json entries);
 

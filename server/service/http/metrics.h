@@ -1,8 +1,8 @@
-// What the service counts, in the text format of Prometheus: docs/api.md, "Metrics", lists the names.
+// The metrics of the service, in the text format of Prometheus. docs/api.md, "Metrics", lists their names.
 //
-//  1. Everything may be called from many threads.
-//  2. No label takes what a caller chose: routes are patterns, methods and stages those that are known. So
-//     the number of series has a bound, and no name of a file or a key is among them.
+//  1. All functions may be called from many threads.
+//  2. No label has a value that a caller chose: routes are patterns, and methods and stages are from fixed
+//     lists. The number of series is therefore bounded, and labels contain no names of files or keys.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace facetless {
 
-// What is so at the moment that somebody asks.
+// The values at the moment of the request.
 struct MetricsNow {
   bool ready = false;
   int jobs_waiting = 0, jobs_running = 0;
@@ -26,12 +26,12 @@ class Metrics {
   Metrics& operator=(const Metrics&) = delete;
 
   void RequestServed(const std::string& route, const std::string& method, int status, double seconds);
-  // `seconds`: from its start; of one that never started 0.
+  // `seconds` is the time since the start of the job; 0 for a job that never started.
   void JobEnded(const std::string& kind, const std::string& state, double seconds);
   void StageEnded(const std::string& stage, double seconds);
   void Traced(double rays, double seconds);
   void ImporterDied(const std::string& cause);
-  // Whether the answer to a question of this kind was there already.
+  // Counts a look-up of an answer of this kind; `found` tells whether the answer existed already.
   void LookedUp(const std::string& kind, bool found);
 
   std::string Text(const MetricsNow& now);

@@ -1,13 +1,18 @@
-// The HTTP service without HTTP: requests in, responses out. docs/api.md is its contract with callers.
+// The service without the transport: it maps requests to responses. docs/api.md is its contract with callers.
 //
-//  1. Handle may be called from many threads. Work is a job (jobs.h): it is in the job store before anything
-//     of it happens, and a request waits for its end only as long as the caller wants.
-//  2. Check looks at a request before its body is read: what fails there would fail afterwards, too.
-//  3. A question that was answered before costs a look-up, however full the queue is.
-//  4. What a caller sees and may do is decided by access.h; what is another owner's is not there.
-//  5. Every error is a problem document (problem.h). No message shows where the service keeps its files.
-//  6. Where health and metrics have a listener of their own (HttpRequest::operations), there is nothing else
-//     on it, and /metrics is nowhere else.
+//     Service service(store, jobs, access, limits);
+//     std::optional<HttpResponse> refused = service.Check(request);
+//     const HttpResponse response = refused ? *refused : service.Handle(request);
+//
+//  1. Handle may be called from many threads. Work is done as a job (jobs.h). The job is in the job store
+//     before it starts, and a request waits for its end only as long as the caller wants.
+//  2. Check examines a request before its body is read. A request that fails there would also fail
+//     afterwards.
+//  3. A question that was answered before is answered by a look-up, however full the queue is.
+//  4. access.h decides what a caller may see and do. For a caller, things of other owners do not exist.
+//  5. Every error is a problem document (problem.h). No message contains the paths of the service's files.
+//  6. If health and metrics have a separate listener (HttpRequest::operations), that listener serves nothing
+//     else, and /metrics is not served elsewhere.
 #pragma once
 
 #include <atomic>
@@ -29,32 +34,32 @@
 namespace facetless {
 
 struct ServiceLimits {
-  int queue = 64;          // jobs that wait
-  int waiters = 32;        // requests that wait for a job's end; more are answered at once
-  int listeners = 32;      // event streams
-  double timeout_s = 300;  // the longest wait; an upload has as long
+  int queue = 64;      // number of jobs that may wait
+  int waiters = 32;    // number of requests that may wait for a job; further requests are answered at once
+  int listeners = 32;  // number of event streams
+  double timeout_s = 300;  // longest wait of a request; also the time limit of an upload
   std::uint64_t max_upload_bytes = std::uint64_t{256} << 20;
-  std::uint64_t max_samples = 1 << 25;  // of one request: pixels × samples per pixel × views
-  bool operations_apart = false;        // /metrics is for HttpRequest::operations only
-  HostPolicy hosts;                     // which hosts and origins are answered for
+  std::uint64_t max_samples = 1 << 25;  // limit for one request: pixels × samples per pixel × views
+  bool operations_apart = false;        // /metrics is served for HttpRequest::operations only
+  HostPolicy hosts;                     // the hosts and origins for which requests are answered
 };
 
 class Service {
  public:
-  // All must outlive the service.
+  // `store`, `jobs` and `access` must outlive the service.
   Service(Store& store, Jobs& jobs, AccessControl& access, const ServiceLimits& limits);
 
-  // A response if the request must not go on: 401, 403, 404, 405, 413, 415, 429, 503. Only method, path and
-  // headers are looked at. Sets request.caller, which Handle goes by.
+  // Returns a response if the request is refused: 401, 403, 404, 405, 413, 415, 429 or 503. It examines only
+  // the method, the path and the headers. It sets request.caller, which Handle uses.
   std::optional<HttpResponse> Check(HttpRequest& request);
   HttpResponse Handle(const HttpRequest& request);
 
   const ServiceLimits& limits() const { return limits_; }
   Store& store() { return store_; }
 
-  // Both are to be set before the first request, and may be empty.
+  // Both functions may be empty, and must be set before the first request.
   std::function<std::string(const MetricsNow&)> metrics_text;          // the body of /metrics
-  std::function<void(const std::string& kind, bool found)> looked_up;  // was the answer there already?
+  std::function<void(const std::string& kind, bool found)> looked_up;  // found: the answer existed already
 
  private:
   HttpResponse Health();
@@ -84,7 +89,7 @@ class Service {
   AccessControl& access_;
   const ServiceLimits limits_;
   std::mutex ready_mutex_;
-  std::chrono::steady_clock::time_point ready_until_;  // until then, why_not_ready_ is taken for true
+  std::chrono::steady_clock::time_point ready_until_;  // until then, why_not_ready_ is considered current
   std::string why_not_ready_;
   std::atomic<int> waiters_{0};
   std::shared_ptr<std::atomic<int>> listeners_ = std::make_shared<std::atomic<int>>(0);

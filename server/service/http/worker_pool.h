@@ -1,13 +1,13 @@
-// Threads for the requests of one listener. Of requests that take no time, as many run at once as the
-// processors can serve: a hundred threads that all want two processors each wait for ninety-eight others, and
-// one request in a hundred waits a hundred times as long as the rest. Requests that wait themselves, for a
-// job or for a slow sender, are not counted among those.
+// The threads for the requests of one listener. The number of short requests that run at the same time is
+// limited to what the processors can serve: if a hundred threads competed for two processors, each would wait
+// for ninety-eight others, and one request in a hundred would take a hundred times as long as the rest.
+// Requests that wait for a job or for a slow sender do not count towards this limit.
 //
-//  1. Tasks begin in the order in which they came.
-//  2. At most `processors` × 2 tasks are younger than a few milliseconds at any time; older ones are taken to
-//     be waiting for somebody.
-//  3. At most `threads` tasks run at once. Law 2 delays a task by a millisecond or so for each one ahead of
-//     it that waits itself.
+//  1. Tasks start in the order in which they arrive.
+//  2. At any time, at most `processors` × 2 tasks are younger than a few milliseconds. Older tasks are
+//     assumed to be waiting.
+//  3. At most `threads` tasks run at the same time. Law 2 delays a task by about a millisecond for each
+//     waiting task ahead of it.
 #pragma once
 
 #include <chrono>
@@ -23,12 +23,12 @@ namespace facetless {
 class WorkerPool {
  public:
   explicit WorkerPool(int threads);
-  ~WorkerPool();  // as Shutdown
+  ~WorkerPool();  // calls Shutdown
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   void Run(std::function<void()> task);
-  // Runs what is waiting to its end, and returns then.
+  // Runs all waiting tasks, and returns when they have ended.
   void Shutdown();
 
  private:
@@ -41,8 +41,8 @@ class WorkerPool {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> tasks_;
-  std::vector<Clock::time_point> began_;  // of each thread's task; long ago: it has none
-  bool watched_ = false;                  // a thread waits for a task to grow old
+  std::vector<Clock::time_point> began_;  // start of each thread's task; long ago if the thread has none
+  bool watched_ = false;                  // a thread is waiting for a task to pass the age limit
   bool ending_ = false;
   std::vector<std::thread> threads_;
 };

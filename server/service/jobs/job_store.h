@@ -1,16 +1,20 @@
-// What is to be done, for whom, and what came of it. One implementation is in SQLite (sql_job_store.h); one
-// for several machines would keep the same laws.
+// The job store: the queue of jobs, their owners and their results. sql_job_store.h implements it with
+// SQLite. An implementation for several machines would obey the same laws.
 //
-//  1. A job is `queued`, then `running`, then one of `done`, `failed`, `cancelled`, for ever. What was
-//     submitted is there after a crash of process or machine; a running job goes back to `queued` when its
-//     lease is over or its process is known to be dead.
-//  2. Every claim is an attempt with a number of its own, and only the latest may renew, finish or release:
-//     what an attempt brings that is no longer the job's is refused, so a job ends once.
-//  3. A job that was attempted `max_attempts` times without an end has failed. Its last attempt runs alone,
-//     so that a job which kills the process takes no other with it each time.
-//  4. Claims go round the owners that have something waiting; within an owner, first come first served.
-//  5. Of one owner, two jobs with the same question never wait or run at the same time, and one retry key
-//     stands for one job.
+//     Result<Submitted> submitted = jobs.Submit({.kind = "render", .owner = caller.owner});
+//     Result<std::optional<Job>> job = jobs.Claim("worker-1", /*lease_s=*/30);
+//
+//  1. A job is first `queued`, then `running`, and finally and permanently `done`, `failed` or `cancelled`. A
+//     submitted job survives a crash of the process or the machine. A running job becomes `queued` again when
+//     its lease has expired or when its process is known to be dead.
+//  2. Every claim is an attempt with its own number. Only the latest attempt may renew, finish or release the
+//     job. The results of earlier attempts are refused, so a job ends exactly once.
+//  3. A job fails after `max_attempts` attempts without an end. Its last attempt runs alone, so that a job
+//     that kills the process does not end other jobs every time.
+//  4. Claims alternate between the owners that have waiting jobs. The jobs of one owner are claimed in the
+//     order of submission.
+//  5. Two jobs of one owner with the same question are never queued or running at the same time, and each
+//     retry key of an owner belongs to one job.
 #pragma once
 
 #include <cstdint>
@@ -26,19 +30,19 @@ namespace facetless {
 
 enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
 
-// "queued", "running", "done", "failed", "cancelled".
+// The name of a state: "queued", "running", "done", "failed" or "cancelled".
 const char* JobStateName(JobState state);
 
 struct Job {
   std::string id;          // 128 random bits, hexadecimal
   std::string kind;        // model, render, comparison or trade
-  std::string owner;       // the id of a key; "" where there are none
-  std::string question;    // digest of what is asked
-  nlohmann::json request;  // what is asked, in full
+  std::string owner;       // id of a key; "" for callers without a key
+  std::string question;    // digest of everything that determines the answer
+  nlohmann::json request;  // the complete request
   JobState state = JobState::kQueued;
   double created = 0, started = 0, finished = 0;  // seconds since 1970; 0: not yet
   int attempts = 0;
-  std::string result;      // done: the item that is the answer (store.h)
+  std::string result;      // done: the item that contains the answer (store.h)
   nlohmann::json problem;  // failed: the problem document
 
   bool Ended() const { return state != JobState::kQueued && state != JobState::kRunning; }
@@ -54,18 +58,18 @@ struct NewJob {
   std::string kind, owner, question;
   nlohmann::json request;
   std::vector<JobFile> files;
-  std::vector<std::string> needs;  // items that must stay until its end
-  std::string retry_key;           // the caller's own name for this submission; empty: none
-  std::string body;                // digest of the submission; compared where the retry key is known
-  std::string result;              // not empty: the answer is here already, and the job is done
+  std::vector<std::string> needs;  // items that the store must keep until the job ends
+  std::string retry_key;           // the caller's Idempotency-Key; empty: none
+  std::string body;                // digest of the submission; compared if the retry key is known
+  std::string result;              // not empty: the answer exists already, and the job is done
 };
 
 enum class SubmitOutcome {
   kAccepted,
-  kSame,       // an earlier job with this question, or this retry key
-  kKeyReused,  // the retry key stands for another submission
+  kSame,       // there is an earlier job with this question or this retry key
+  kKeyReused,  // the retry key belongs to another submission
   kQueueFull,
-  kShareFull,  // this owner has as much waiting as one may have
+  kShareFull,  // this owner has reached the limit of waiting jobs per owner
 };
 
 struct Submitted {
@@ -74,8 +78,8 @@ struct Submitted {
 };
 
 struct QueueLimits {
-  int queued = 64;           // jobs that wait, of all owners
-  int queued_of_owner = 64;  // of one that has a name
+  int queued = 64;           // waiting jobs of all owners
+  int queued_of_owner = 64;  // waiting jobs of one owner that has a key
   int max_attempts = 3;
 };
 
@@ -87,43 +91,46 @@ class JobStore {
  public:
   virtual ~JobStore() = default;
 
-  // Commits the job before it returns. Errors: kWriteFailed.
+  // Submits a job. The job is committed when the function returns. Errors: kWriteFailed.
   virtual Result<Submitted> Submit(const NewJob& job) = 0;
 
-  // The next job, leased to `worker` for so many seconds; nothing if none is to be had.
+  // Claims the next job for `worker`, with a lease of `lease_s` seconds; nothing if there is no job to run.
   virtual Result<std::optional<Job>> Claim(const std::string& worker, double lease_s) = 0;
-  // False if the attempt is no longer the job's: its work must stop. `job` is as Claim gave it.
+  // Renews the lease. `job` is the result of Claim. Returns false if the attempt is not the latest one; its
+  // work must then stop.
   virtual Result<bool> Renew(const Job& job, double lease_s) = 0;
-  // Ends the attempt with job.state, job.result and job.problem. False if it is no longer the job's.
+  // Ends the job with job.state, job.result and job.problem. Returns false if the attempt is not the latest
+  // one.
   virtual Result<bool> Finish(const Job& job) = 0;
-  // Gives the job back, as if it had not been claimed.
+  // Returns the job to the queue, as if it had not been claimed.
   virtual Result<bool> Release(const Job& job) = 0;
 
-  // Of a queued job: cancels it. Of a running one: notes that it shall be, whatever happens to its process.
-  // The job as it is then; nothing if there is none.
+  // Cancels a queued job. For a running job, records that it is to be cancelled, whatever happens to its
+  // process. Returns the job after that; nothing if there is no such job.
   virtual Result<std::optional<Job>> Cancel(const std::string& id) = 0;
   virtual std::optional<Job> Find(const std::string& id) = 0;
-  // Ids of an owner's jobs, the newest first, from the first one older than `after` on ("": the newest of
-  // all): at most `limit`. Nothing if there is no job `after` of that owner.
+  // The ids of at most `limit` jobs of an owner, newest first, starting with the first job older than `after`
+  // ("" starts with the newest job). Nothing if the owner has no job `after`.
   virtual std::optional<std::vector<std::string>> List(const std::string& owner, const std::string& after,
                                                        std::size_t limit) = 0;
   virtual JobCounts Counts() = 0;
 
-  // Returns OK if the store can accept a job. Errors: those of Submit.
+  // Succeeds if the store can accept a job. Errors: the errors of Submit.
   virtual Result<void> Check() = 0;
 
-  // Gives back or fails (law 3) every running job, whatever its lease: to be called when no other process can
-  // have any.
+  // Returns every running job to the queue, or lets it fail (law 3), whatever its lease. Call this only when
+  // no other process can be running jobs.
   virtual Result<void> Recover() = 0;
-  // Forgets jobs that ended before `finished_before`, and the oldest beyond a bound of the implementation's.
+  // Deletes jobs that ended before `finished_before`, and the oldest jobs beyond a limit of the
+  // implementation.
   virtual Result<void> Forget(double finished_before) = 0;
 };
 
-// A problem document with what finds its job in the log: job_id, request_id and trace_id of the request that
-// brought it.
+// The problem document with the ids that identify the job in the log: its job_id, and the request_id and
+// trace_id of the request that submitted it.
 nlohmann::json ProblemOfJob(nlohmann::json problem, const Job& job);
 
-// 128 bits that nobody guesses, as 32 hexadecimal digits.
+// 128 unpredictable random bits, as 32 hexadecimal digits.
 std::string RandomId();
 
 }  // namespace facetless

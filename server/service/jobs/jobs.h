@@ -1,12 +1,18 @@
-// The queue at work: threads that claim jobs, run them and report what becomes of them.
+// The job runner: threads that claim jobs from the queue, run them and report their progress and their ends.
 //
-//  1. `workers` jobs run at the same time at most. A job's end is in the job store before anybody is told.
-//  2. Cancel of a running job ends its work within a fraction of a second: the importer is killed with its
-//     group, the renderer polls a flag.
-//  3. Stop claims nothing more, lets running jobs go on for a while, and gives back what is not finished
-//     then.
-//  4. Whoever waits or listens is woken at the job's end, and at Stop when the job will not end here.
-//  5. No exception leaves a job: what it throws, lack of memory included, is its failure.
+//     Jobs jobs(queue, store, {.workers = 2});
+//     Result<Submitted> submitted = jobs.Submit(job);
+//     std::optional<JobView> view = jobs.WaitForEnd(submitted.value().job.id, /*seconds=*/10);
+//
+//  1. At most `workers` jobs run at the same time. The end of a job is in the job store before any caller is
+//     notified.
+//  2. Cancelling a running job ends its work within a fraction of a second: the importer is killed with its
+//     process group, and the renderer polls a flag.
+//  3. Stop claims no more jobs, lets running jobs continue for the grace period, and returns unfinished jobs
+//     to the queue.
+//  4. Callers that wait for a job are woken when the job ends, and at Stop if the job will not end in this
+//     process.
+//  5. No exception leaves a job. A job that throws, even for lack of memory, fails.
 #pragma once
 
 #include <atomic>
@@ -28,26 +34,28 @@
 
 namespace facetless {
 
-// A job and how far it is.
+// A job and its progress.
 struct JobView {
   Job job;
-  std::string stage;  // queued, starting, one of the importer's or the run's, or the state that it ended in
+  std::string stage;  // queued, starting, a stage of the importer or of the run, or the final state
   double fraction = 0;
-  std::vector<std::string> messages;  // of this attempt, so far
-  std::uint64_t version = 0;          // rises when anything of this changes
+  std::vector<std::string> messages;  // messages of this attempt so far
+  std::uint64_t version = 0;          // increases with every change of the view
 };
 
 struct JobSettings {
   int workers = 2;
   RunLimits run;
-  double forget_after_s = 0;      // how long jobs that ended are remembered; 0: by number only
-  std::string private_directory;  // paths below it are cut from problems
+  double forget_after_s =
+      0;  // time after which ended jobs are deleted, seconds; 0: only their number is limited
+  std::string private_directory;  // paths below this directory are removed from problem documents
   Observer observer;
 };
 
 class Jobs {
  public:
-  // Gives back what a dead process was running, and starts. Both stores must outlive it.
+  // Returns the jobs of a dead process to the queue, and starts the threads. Both stores must outlive this
+  // object.
   Jobs(JobStore& queue, Store& store, const JobSettings& settings);
   ~Jobs();
   Jobs(const Jobs&) = delete;
@@ -55,22 +63,22 @@ class Jobs {
 
   Result<Submitted> Submit(const NewJob& job);
   std::optional<JobView> Find(const std::string& id);
-  // JobStore::List.
+  // Calls JobStore::List.
   std::optional<std::vector<std::string>> List(const std::string& owner, const std::string& after,
                                                std::size_t limit) {
     return queue_.List(owner, after, limit);
   }
-  // The job when it has ended, or when `seconds` are over.
+  // Waits until the job has ended, at most `seconds`, and returns the job.
   std::optional<JobView> WaitForEnd(const std::string& id, double seconds);
-  // The same for any change since `version`.
+  // Waits until the view differs from `version`, at most `seconds`, and returns the job.
   std::optional<JobView> WaitForChange(const std::string& id, std::uint64_t version, double seconds);
-  // Waits up to a second for running work to end. Nothing if there is no such job.
+  // Cancels a job, and waits up to a second for running work to end. Nothing if there is no such job.
   Result<std::optional<JobView>> Cancel(const std::string& id);
   JobCounts Counts() { return queue_.Counts(); }
-  // Nothing, if a job would be taken now and run here.
+  // Succeeds if a job would be accepted now.
   Result<void> Check() { return queue_.Check(); }
 
-  // Stops, with so many seconds of grace; may be called more than once.
+  // Stops with a grace period of `grace_s` seconds (law 3). May be called more than once.
   void Stop(double grace_s);
   bool stopping() const { return stopping_; }
 
@@ -91,7 +99,7 @@ class Jobs {
   const JobSettings settings_;
   const std::string worker_;
   std::mutex mutex_;
-  std::condition_variable changed_;  // work came, progress was made, a job ended, or it is time to stop
+  std::condition_variable changed_;  // notified when a job arrives, makes progress or ends, and at Stop
   std::map<std::string, std::shared_ptr<Active>> active_;
   std::uint64_t arrivals_ = 0, changes_ = 0;
   std::atomic<bool> stopping_{false};

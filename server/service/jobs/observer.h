@@ -1,7 +1,7 @@
-// What happens in the service's jobs, for whoever counts it or writes it down.
+// The events of jobs, for the metrics and the log.
 //
-//  1. Each is called from many threads, at the end of what it is about, and must not wait for anything.
-//  2. Any of them may be empty.
+//  1. Each function is called from many threads, at the end of the event that it reports, and must not block.
+//  2. Each function may be empty.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,13 @@
 namespace facetless {
 
 struct Observer {
-  // Done, failed or cancelled, as it was stored; how long its last attempt ran, 0 if it never did. Not the
-  // difference of the job's own times: the date may have been set in between.
+  // `job` is done, failed or cancelled, as it was stored. `seconds` is the duration of its last attempt, 0 if
+  // it never ran. It is not the difference of the job's times, because the clock may have been set in
+  // between.
   std::function<void(const Job& job, double seconds)> job_ended;
   std::function<void(const std::string& stage, double seconds)> stage_ended;
   std::function<void(double rays, double seconds)> traced;  // one view of the direct renderer
-  // crash, timeout, memory, output, threads or answer (import_process.h).
+  // `cause` is crash, timeout, memory, output, threads or answer (import_process.h).
   std::function<void(const std::string& cause)> importer_died;
 };
 

@@ -1,4 +1,4 @@
-// A JobStore in the database of a data directory.
+// A JobStore that uses the database of a data directory.
 #pragma once
 
 #include "server/service/jobs/job_store.h"

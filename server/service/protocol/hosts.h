@@ -1,13 +1,17 @@
-// Which hosts and origins a service answers for: what keeps a page of another site from reading a service on
-// its visitor's machine.
+// The hosts and origins for which a service answers requests. This policy prevents a page of another site
+// from reading a service on its visitor's machine.
 //
-//  1. Such a page can have its own name resolve to this machine (DNS rebinding); its requests then are
-//     same-origin for the browser, and name the page's host. So a request must name a host that this service
-//     is known by: an address in numbers, localhost, a name below localhost, or one of the list. A request
-//     without a Host is answered: no browser sends one.
-//  2. An Origin, where a request has one, must be that of the host that the request names, or one of the
-//     list.
-//  3. Host names are compared without regard to capitals, a final dot or the port. Origins are compared with
+//     const HostPolicy policy({"cad.example.org"}, {});
+//     const std::string why = policy.WhyNot(request.Header("host"), request.Header("origin"));
+//     if (!why.empty()) return Problem(403, "host-not-allowed", "Host or origin not allowed", why);
+//
+//  1. Such a page can let its own host name resolve to this machine (DNS rebinding). The browser then
+//     considers its requests same-origin, and they name the page's host. A request must therefore name a host
+//     by which this service is known: a numeric address, localhost, a name below localhost, or a name from
+//     the list. A request without a Host header is answered, because browsers always send one.
+//  2. If a request has an Origin header, it must be the origin of the host that the request names, or one
+//     from the list.
+//  3. Host names are compared without regard to case, a final dot or the port. Origins are compared with
 //     their ports.
 #pragma once
 
@@ -18,14 +22,14 @@ namespace facetless {
 
 class HostPolicy {
  public:
-  // Answers for everything.
+  // Allows all hosts and origins.
   HostPolicy() = default;
-  // `hosts`: names such as "cad.example.org", or "*.example.org" for all names below; "*" for any. `origins`:
-  // such as "https://cad.example.org:8443".
+  // `hosts` are names such as "cad.example.org", "*.example.org" for all names below example.org, or "*" for
+  // any name. `origins` are texts such as "https://cad.example.org:8443".
   HostPolicy(std::vector<std::string> hosts, std::vector<std::string> origins);
 
-  // Why a request with these headers is refused, as a sentence that names the option to change; empty: it is
-  // not.
+  // The reason why a request with these headers is refused, as a sentence that names the option to change;
+  // empty if the request is allowed.
   std::string WhyNot(const std::string& host, const std::string& origin) const;
 
  private:
@@ -35,7 +39,7 @@ class HostPolicy {
   std::vector<std::string> hosts_, origins_;
 };
 
-// The parts of a list "a, b", without blanks around them and without empty ones.
+// The entries of a list "a, b", without surrounding blanks and without empty entries.
 std::vector<std::string> SplitList(const std::string& list);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// Sentences that were made for the command line, in the terms of HTTP.
+// Conversion of error sentences for the command line to the terms of HTTP requests.
 #pragma once
 
 #include <string>
@@ -6,12 +6,12 @@
 
 namespace facetless {
 
-// Whether a request over HTTP may give the option `name` ("mesh_unit"). What concerns the machine is the
-// operator's: threads, memory, and how long something may take.
+// Whether an HTTP request may contain the option `name` ("mesh_unit"). Options that concern the machine
+// (threads, memory and time limits) belong to the operator.
 bool IsRequestOption(std::string_view name);
 
-// `sentence` with the names of options as a request gives them: "--mesh-unit" becomes "mesh_unit". An option
-// that is the operator's keeps its name, and the sentence says whose it is.
+// The sentence with the names of options as in requests: "--mesh-unit" becomes "mesh_unit". An option of the
+// operator keeps its name, and the sentence states that the operator sets it.
 std::string InHttpTerms(const std::string& sentence);
 
 }  // namespace facetless

@@ -1,5 +1,5 @@
-// HTTP requests and responses as plain data: what passes between the transport (http_server.h) and the
-// service (service.h).
+// HTTP requests and responses as plain data, which the transport (http_server.h) and the service (service.h)
+// exchange.
 #pragma once
 
 #include <cstdint>
@@ -14,33 +14,33 @@
 
 namespace facetless {
 
-// One part of a multipart body; a body of another type is one part without a name.
+// One part of a multipart body. A body of another type is one part without a name.
 struct BodyPart {
   std::string name, file_name, content_type;
   std::string text;    // the content of small parts
-  std::string path;    // of a part kept in a file: where; else empty
-  std::string sha256;  // of a part kept in a file
+  std::string path;    // path of a part that is stored in a file; otherwise empty
+  std::string sha256;  // digest of a part that is stored in a file
   std::uint64_t bytes = 0;
 };
 
-// Who sent a request, as access.h found.
+// The sender of a request, as determined by access.h.
 struct Caller {
   std::string owner;  // the id of a key; "" for a caller without one
   bool read = true, submit = true, admin = false;
-  std::uint64_t quota_mb = 0;  // of what is kept for the owner; 0: none
+  std::uint64_t quota_mb = 0;  // limit of what the store keeps for the owner; 0: no limit
 };
 
 struct HttpRequest {
   std::string method, path;                    // path: decoded, without the query
-  std::map<std::string, std::string> headers;  // names in lower case; of repeated ones the first
+  std::map<std::string, std::string> headers;  // names in lower case; for a repeated header, the first value
   std::map<std::string, std::string> query;
   std::vector<BodyPart> parts;
-  TempDir uploads;  // holds the parts' files
+  TempDir uploads;  // contains the files of the parts
   Caller caller;
-  std::string id;           // in X-Request-Id of the response, and in the log
-  std::string trace_id;     // of its traceparent (trace_context.h); "" without a sound one
-  bool admitted = false;    // Service::Check has let it pass
-  bool operations = false;  // came in where health and metrics are served, and nothing else
+  std::string id;           // appears in X-Request-Id of the response, and in the log
+  std::string trace_id;     // from the traceparent header (trace_context.h); "" without a valid one
+  bool admitted = false;    // Service::Check has accepted the request
+  bool operations = false;  // the request came through the listener for health and metrics
 
   std::string Header(const std::string& lower_case_name) const {
     const auto found = headers.find(lower_case_name);
@@ -52,12 +52,12 @@ struct HttpResponse {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string file_path;  // if not empty, the body is this file's content
-  // If not empty, the body is what this returns, one piece after the other, until it returns nothing. It may
-  // take seconds to find the next piece.
+  std::string file_path;  // if not empty, the body is the content of this file
+  // If not empty, the body consists of the pieces that this function returns, until it returns nothing. The
+  // next piece may take seconds.
   std::function<std::optional<std::string>()> stream;
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string job;  // the id of the job that this is about, for the log; "" if it is about none
+  std::string job;  // id of the job to which the response refers, for the log; "" if there is none
 };
 
 }  // namespace facetless

@@ -1,11 +1,13 @@
-// Errors over HTTP: RFC 9457 `application/problem+json`.
+// Errors in HTTP responses, as problem documents (RFC 9457, `application/problem+json`).
 //
-// {"type": "urn:facetless:problem:<code>", "title", "status", "detail"}: type and status are stable, title
-// and detail are for people. The codes are those of ErrorCodeName, and for what concerns HTTP itself
-// not-found, method-not-allowed, payload-too-large, unauthorized, forbidden, rate-limited,
-// unsupported-media-type, malformed-request, cross-site, request-timeout, busy, not-ready, timeout,
-// cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them. That of a job that failed has
-// job_id, request_id and, if there was one, trace_id too: they are in the log.
+//     return Problem(404, "not-found", "Not found", "There is nothing at this address.");
+//
+// A problem document is {"type": "urn:facetless:problem:<code>", "title", "status", "detail"}. "type" and
+// "status" are stable; "title" and "detail" are for users. The codes are those of ErrorCodeName, and for
+// errors of HTTP itself not-found, method-not-allowed, payload-too-large, unauthorized, forbidden,
+// rate-limited, unsupported-media-type, malformed-request, cross-site, request-timeout, busy, not-ready,
+// timeout, cancelled, gave-up, key-reused and shutting-down; docs/api.md lists them. The document of a failed
+// job also has job_id, request_id and, if there was one, trace_id, which are in the log, too.
 #pragma once
 
 #include <string>
@@ -20,14 +22,14 @@ namespace facetless {
 HttpResponse Problem(int status, const std::string& code, const std::string& title,
                      const std::string& detail);
 
-// A problem document that was kept, as a response again.
+// The response for a stored problem document.
 HttpResponse ProblemResponse(const nlohmann::json& document);
 
-// For an error of a run: 422 where the input or the options are to blame, 507 where something cannot be
-// stored, else 500.
+// The response for an error of a run: 422 if the input or the options caused it, 507 if something cannot be
+// stored, and 500 otherwise.
 HttpResponse ProblemOf(const Error& error);
 
-// For a status that the transport itself answers with.
+// The response for a status that the transport itself reports.
 HttpResponse ProblemOfStatus(int status);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// The addresses of the service.
+// The routes of the service: its addresses and their methods.
 #pragma once
 
 #include <string>
@@ -26,15 +26,15 @@ struct Route {
   std::string argument;      // kPage: the file in server/web; kSubmit: the job's kind; else the id or name
   std::string content_type;  // kPage
   std::string methods = "GET, HEAD";
-  std::string pattern = "none";  // as in openapi.json: "/v1/models/{id}"
+  std::string pattern = "none";  // the path as in openapi.json: "/v1/models/{id}"
 
   bool Allows(const std::string& method) const;
 };
 
-// kNone where there is nothing.
+// The route of a path; kNone if there is nothing at the path.
 Route FindRoute(const std::string& path);
 
-// Every route, `argument` empty where it is a part of the path.
+// All routes. `argument` is empty if it is a part of the path.
 const std::vector<Route>& AllRoutes();
 
 }  // namespace facetless

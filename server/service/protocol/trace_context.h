@@ -1,12 +1,12 @@
-// W3C Trace Context, as far as a log needs it: https://www.w3.org/TR/trace-context/
+// The part of W3C Trace Context that the log needs: https://www.w3.org/TR/trace-context/
 #pragma once
 
 #include <string>
 
 namespace facetless {
 
-// The trace id of a traceparent header, 32 hexadecimal digits; "" for one that is not well-formed, which the
-// standard wants ignored.
+// The trace id of a traceparent header, 32 hexadecimal digits; "" for a malformed header, which the standard
+// requires to be ignored.
 std::string TraceIdOf(const std::string& traceparent);
 
 }  // namespace facetless

@@ -1,12 +1,13 @@
 // A data directory and its database, owned by one process at a time.
 //
-//   DIR/lock     DIR/facetless.db (with -wal and -shm beside it)     DIR/files/<first two digits>/<sha256>     DIR/tmp/
+//   DIR/lock     DIR/facetless.db (with -wal and -shm beside it)     DIR/files/<first two digits>/<sha256>
+//    DIR/tmp/
 //
-//  1. Open takes the lock; a second process is refused at once.
-//  2. The database says which files belong to what (the tables are described in data_directory.cpp). A file
-//     is on the disk before a row names it, and its rows are gone before it is removed: a crash leaves files
-//     without rows, never rows without files.
-//  3. A database of a newer version is refused and left as it is.
+//  1. Open takes the lock. A second process is refused at once.
+//  2. The database records which files belong to which items (data_directory.cpp describes the tables). A
+//     file is on the disk before a row refers to it, and its rows are deleted before the file. A crash may
+//     therefore leave files without rows, but never rows without files.
+//  3. A database of a newer version is refused and not changed.
 #pragma once
 
 #include <memory>
@@ -17,16 +18,17 @@
 
 namespace facetless {
 
-// What the tables look like. A change of them raises it, and Open brings older ones up.
+// The version of the tables. It is increased when they change, and Open upgrades older databases.
 inline constexpr int kSchemaVersion = 1;
 
 class DataDirectory {
  public:
-  // Makes it if it is absent. Errors: kWriteFailed; kBadUsage (another process has it, or it is newer than
-  // this program); kFormatBroken.
+  // Opens the directory, and creates it if it is absent. Errors: kWriteFailed; kBadUsage (another process
+  // uses it, or it is newer than this program); kFormatBroken.
   static Result<std::unique_ptr<DataDirectory>> Open(const std::string& path);
   ~DataDirectory();
-  // The database alone, also while another process has the directory: for what is not about files or jobs.
+  // Opens only the database, even while another process uses the directory, for access that does not concern
+  // files or jobs.
   static Result<std::unique_ptr<Database>> OpenDatabase(const std::string& path);
   DataDirectory(const DataDirectory&) = delete;
   DataDirectory& operator=(const DataDirectory&) = delete;
@@ -38,7 +40,7 @@ class DataDirectory {
   std::string TemporaryPath() const { return path_ + "/tmp"; }
 
   Database& writer() { return *writer_; }
-  // For questions only: they don't wait for a commit.
+  // For queries only, which do not wait for a commit.
   Database& reader() { return *reader_; }
 
  private:
@@ -49,7 +51,7 @@ class DataDirectory {
   std::unique_ptr<Database> writer_, reader_;
 };
 
-// Seconds since 1970, UTC: the clock of every row.
+// Seconds since 1970, UTC. All times in the database use this clock.
 double WallClock();
 
 }  // namespace facetless

@@ -1,13 +1,18 @@
-// SQLite behind a few words: the one place that knows it (docs/api.md, "What is kept").
+// A small interface to SQLite. This is the only place that uses SQLite (docs/api.md, "What is kept").
 //
-//  1. A Database may be used from many threads: a statement has it for itself, and so has a Transaction from
-//     its start to its end.
-//  2. What was committed is on the disk when Commit or a Run outside a transaction returns: write-ahead log,
-//     synchronous=FULL. After a crash of the process or the machine the database is as the last commit left
-//     it.
-//  3. A failed statement changes nothing, and a Transaction that ends without Commit is rolled back.
-//  4. Errors: kWriteFailed (the disk is full or fails), kFormatBroken (the file is damaged or no database),
-//     else kInternal.
+//     Transaction transaction(database);
+//     if (!transaction.begun()) return transaction.begun();
+//     auto changed = database.Run("DELETE FROM keys WHERE id = ?", {id});
+//     return changed ? transaction.Commit() : Result<void>(changed.error());
+//
+//  1. A Database may be used from many threads. A statement has exclusive use of it while it runs, and a
+//     Transaction from its start to its end.
+//  2. Committed changes are on the disk when Commit, or Run outside of a transaction, returns (write-ahead
+//     log, synchronous=FULL). After a crash of the process or the machine, the database is in the state of
+//     the last commit.
+//  3. A failed statement changes nothing. A Transaction that ends without Commit is rolled back.
+//  4. Errors: kWriteFailed (the disk is full or fails), kFormatBroken (the file is damaged or is not a
+//     database), and kInternal for all others.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +29,7 @@ namespace facetless {
 
 using SqlValue = std::variant<std::nullptr_t, std::int64_t, double, std::string>;
 
-// A row while a query walks over it; columns count from 0.
+// The current row of a query. Columns are counted from 0.
 class SqlRow {
  public:
   explicit SqlRow(void* statement) : statement_(statement) {}
@@ -39,18 +44,18 @@ class SqlRow {
 
 class Database {
  public:
-  // Makes the file if it is absent.
+  // Opens the file, and creates it if it is absent.
   static Result<std::unique_ptr<Database>> Open(const std::string& path);
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  // Runs one statement; how many rows it changed.
+  // Runs one statement, and returns the number of rows that it changed.
   Result<int> Run(const std::string& sql, const std::vector<SqlValue>& values = {});
-  // Calls `row` for each row of the answer. `row` must not use the database.
+  // Calls `row` for each row of the result. `row` must not use the database.
   Result<void> Query(const std::string& sql, const std::vector<SqlValue>& values,
                      const std::function<void(const SqlRow&)>& row);
-  // Runs several statements without values, as one text.
+  // Runs several statements without values, given as one text.
   Result<void> RunScript(const std::string& sql);
 
  private:
@@ -64,7 +69,7 @@ class Database {
 
 class Transaction {
  public:
-  // Takes the database for itself and begins; ok() has the error if that fails.
+  // Locks the database and begins a transaction. begun() has the error if that fails.
   explicit Transaction(Database& database);
   ~Transaction();
   Transaction(const Transaction&) = delete;

@@ -1,4 +1,5 @@
-// Files that are on the disk when a function returns, not only in the system's memory.
+// Durable file operations: when a function returns, its effect is on the disk, not only in the memory of the
+// system.
 #pragma once
 
 #include <string>
@@ -7,10 +8,10 @@
 
 namespace facetless {
 
-// Syncs the file's content. Error: kWriteFailed.
+// Syncs the content of the file. Error: kWriteFailed.
 Result<void> SyncFile(const std::string& path);
 
-// Renames a synced file, makes it read-only, and syncs the directory that it comes to. Error: kWriteFailed.
+// Renames a synced file, makes it read-only, and syncs its new directory. Error: kWriteFailed.
 Result<void> RenameDurably(const std::string& from, const std::string& to);
 
 }  // namespace facetless

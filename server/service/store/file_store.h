@@ -1,8 +1,11 @@
-// A Store in a data directory: files by their SHA-256, and who keeps them in the database (data_directory.h).
+// A Store in a data directory. Files are named by their SHA-256, and the database records what uses them
+// (data_directory.h).
 //
-//  1. A file is written under another name, synced, renamed, and its directory synced, before a row names it.
-//  2. Open removes what a crash left behind: everything in tmp/, and files that no row names.
-//  3. Times of use are written now and then only, so after a crash the order of giving up may be minutes old.
+//  1. A file is written under a temporary name, synced and renamed, and its directory is synced, before a row
+//     refers to it.
+//  2. Open removes what a crash left behind: everything in tmp/, and files to which no row refers.
+//  3. Times of use are written only periodically. After a crash, the deletion order may therefore be minutes
+//     out of date.
 #pragma once
 
 #include <map>
@@ -18,7 +21,7 @@ namespace facetless {
 
 class FileStore : public Store {
  public:
-  // `directory` must outlive the store. Errors: kWriteFailed and those of the database.
+  // Opens the store. `directory` must outlive it. Errors: kWriteFailed and the errors of the database.
   static Result<std::unique_ptr<FileStore>> Open(DataDirectory& directory, const StoreLimits& limits = {});
   ~FileStore() override;
 

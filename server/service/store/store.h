@@ -1,14 +1,20 @@
-// What the service keeps in files: uploads, models with their meshes, answers with their pictures.
-// The service knows this interface only; where and how things are kept is the implementation's business.
-// What is to be done, and for whom, is the other half: job_store.h.
+// The store: the files that the service keeps, which are uploads, models with their meshes, and answers with
+// their pictures. The service uses only this interface; the implementation decides where and how files are
+// stored. The jobs are in the job store (job_store.h).
 //
-//  1. Everything is content-addressed or keyed by a digest of what made it, so nothing is ever overwritten by
-//     something else: putting the same thing twice keeps the first, and two writers at once do no harm.
-//  2. A thing is found whole or not at all, also after a crash. What a Put returned for is on the disk.
-//  3. An owner finds what was put for that owner, and nothing else. "" is an owner like any other.
-//  4. Where there are limits of size or age, models and answers that were not used for longest are given up,
-//     but never what a waiting or running job needs.
-//  5. Callers may pass anything as an identifier: what is not well-formed is not found.
+//     Result<KeptFile> file = store.Keep(path, /*sha256=*/"");
+//     if (!file) return file.error();
+//     Result<void> stored = store.PutMesh(owner, model_id, key, file.value());
+//
+//  1. Everything is addressed by its content, or by a digest of what determines it, so nothing is ever
+//     overwritten by something different. Putting the same thing twice keeps the first copy, and concurrent
+//     writers do no harm.
+//  2. A thing is found completely or not at all, even after a crash. When a Put function returns, its data is
+//     on the disk.
+//  3. An owner finds only what was put for that owner. "" is an owner like any other.
+//  4. If there are limits of size or age, the models and answers that were least recently used are deleted,
+//     but never those that a waiting or running job needs.
+//  5. Callers may pass any text as an identifier. A malformed identifier is not found.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +31,8 @@
 
 namespace facetless {
 
-// A file of the store. It stays on the disk at least as long as one copy of this lives; after that, what was
-// put together with it keeps it.
+// A file of the store. It stays on the disk at least as long as a copy of this object exists. After that, it
+// stays as long as a model or an answer refers to it.
 struct KeptFile {
   std::string sha256, path;
   std::uint64_t bytes = 0;
@@ -35,13 +41,13 @@ struct KeptFile {
 
 struct StoredModel {
   std::string id;    // SHA-256 of the uploaded bytes
-  std::string name;  // file name as first uploaded, made safe
+  std::string name;  // file name of the first upload, sanitized
   std::uint64_t bytes = 0;
-  nlohmann::json report;                // "model" of a report
-  std::string source_path, model_path;  // files to read; never to change
+  nlohmann::json report;                // the object "model" of a report
+  std::string source_path, model_path;  // files that must not be changed
 };
 
-// A model of a list.
+// A model in a list.
 struct ListedModel {
   std::string id, name;
   std::uint64_t bytes = 0;
@@ -51,7 +57,7 @@ struct ListedModel {
 enum class Removal {
   kRemoved,
   kNotThere,
-  kNeeded,  // a job that waits or runs needs it
+  kNeeded,  // a waiting or running job needs the model
 };
 
 struct StoredArtifact {
@@ -59,27 +65,28 @@ struct StoredArtifact {
   std::uint64_t bytes = 0;
 };
 
-// What law 4 goes by.
+// The limits of law 4.
 struct StoreLimits {
-  std::uint64_t max_bytes = 0;  // of all files together; 0: none
-  double max_age_s = 0;         // since the last use; 0: none
+  std::uint64_t max_bytes = 0;  // total size of all files; 0: no limit
+  double max_age_s = 0;         // time since the last use, seconds; 0: no limit
 };
 
 class Store {
  public:
   virtual ~Store() = default;
 
-  // An empty directory on the store's own disk, for uploads and results on their way in.
+  // Creates an empty directory on the disk of the store, for uploads and results that will be stored.
   virtual Result<TempDir> Scratch() = 0;
 
-  // Moves a file from a Scratch in. `sha256` spares reading it; empty: it is computed. Errors: kWriteFailed.
+  // Moves a file from a Scratch directory to the store. `sha256` is its digest; if it is empty, it is
+  // computed from the file. Errors: kWriteFailed.
   virtual Result<KeptFile> Keep(const std::string& path, const std::string& sha256) = 0;
-  // A file that is in already; nothing if it is not.
+  // A file that is already in the store; nothing if it is not.
   virtual std::optional<KeptFile> Pin(const std::string& sha256) = 0;
-  // Gives up what law 4 allows until so many bytes more are within the limit. Error: kWriteFailed, if that is
-  // not enough.
+  // Deletes what law 4 allows until `bytes` more bytes are within the limit. Error: kWriteFailed (there is
+  // not enough to delete).
   virtual Result<void> MakeRoom(std::uint64_t bytes) = 0;
-  // The same within the `quota` of one owner, from what is kept for that one.
+  // The same for the `quota` of one owner; deletes only what is kept for that owner.
   virtual Result<void> MakeRoomFor(const std::string& owner, std::uint64_t quota, std::uint64_t bytes) = 0;
 
   // Errors: kWriteFailed.
@@ -88,42 +95,47 @@ class Store {
                                 const KeptFile& model) = 0;
   virtual std::optional<StoredModel> FindModel(const std::string& owner, const std::string& id) = 0;
 
-  // An owner's models by id, from the first one behind `after` on ("" is before all): at most `limit`.
+  // At most `limit` models of an owner, ordered by id, starting with the first id after `after` ("" starts at
+  // the beginning).
   virtual std::vector<ListedModel> ListModels(const std::string& owner, const std::string& after,
                                               std::size_t limit) = 0;
-  // Gives a model up with its meshes; answers about it stay. Error: kWriteFailed.
+  // Deletes a model with its meshes. Answers about it stay. Error: kWriteFailed.
   virtual Result<Removal> RemoveModel(const std::string& owner, const std::string& id) = 0;
 
-  // A mesh of a model that is there; `key` is a digest of how it was made.
+  // Stores a mesh of a stored model. `key` is a digest of how the mesh was made.
   virtual Result<void> PutMesh(const std::string& owner, const std::string& id, const std::string& key,
                                const KeptFile& mesh) = 0;
   virtual std::optional<std::string> FindMesh(const std::string& owner, const std::string& id,
                                               const std::string& key) = 0;
 
-  // The text of an answer and its files, each under its ArtifactName; `key` is a digest of the question.
+  // Stores the text of an answer and its files, each under its artifact name. `key` is a digest of the
+  // question.
   virtual Result<void> PutAnswer(const std::string& owner, const std::string& key, const std::string& text,
                                  const std::vector<std::pair<std::string, KeptFile>>& artifacts) = 0;
   virtual std::optional<std::string> FindAnswer(const std::string& owner, const std::string& key) = 0;
   virtual std::optional<StoredArtifact> FindArtifact(const std::string& owner, const std::string& name) = 0;
 
-  // Returns OK if the store can accept writes. Error: kWriteFailed.
+  // Succeeds if the store can accept writes. Error: kWriteFailed.
   virtual Result<void> Check() = 0;
-  virtual std::uint64_t KeptBytes() = 0;  // of all files
-  virtual std::uint64_t FreeBytes() = 0;  // of its disk, for us
+  virtual std::uint64_t KeptBytes() = 0;  // total size of all files
+  virtual std::uint64_t FreeBytes() = 0;  // free space on its disk that the service may use
 
-  // Gives up what is over the limits, and files that nothing keeps any more. To be called now and then.
+  // Deletes what exceeds the limits, and files to which nothing refers any more. It must be called
+  // periodically.
   virtual void Sweep() = 0;
 };
 
-// What a job needs (job_store.h) and what holds files: "<owner>/model/<id>", "<owner>/answer/<key>".
+// The names of items: "<owner>/model/<id>", "<owner>/answer/<key>". Items refer to files, and jobs need items
+// (job_store.h).
 std::string ModelItem(const std::string& owner, const std::string& id);
 std::string AnswerItem(const std::string& owner, const std::string& key);
 
-// "<64 hexadecimal digits>.<extension of 1 to 8 lower-case letters and digits>".
+// Whether the name has the form "<64 hexadecimal digits>.<extension of 1 to 8 lower-case letters and
+// digits>".
 bool IsArtifactName(const std::string& name);
 
-// A file name with nothing in it but letters, digits and "._- ", not hidden, at most 100 bytes; "model" if
-// nothing is left. UTF-8 outside ASCII is kept.
+// A sanitized file name: it contains only letters, digits, "._- " and non-ASCII UTF-8 characters, is not
+// hidden, and has at most 100 bytes. The result is "model" if nothing remains.
 std::string SafeFileName(const std::string& name);
 
 }  // namespace facetless

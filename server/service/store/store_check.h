@@ -1,10 +1,11 @@
-// `facetless store check`: does the database of a data directory agree with its files?
+// `facetless store check`: checks whether the database of a data directory agrees with its files.
 //
-//  1. It changes nothing, and needs the directory for itself: a running service is told from a stopped one.
-//  2. Checked: the database itself; every file that a row names is there with its bytes and its SHA-256;
-//     every use of a file has its file, and its holder; a model or answer has the files of its kind; every
-//     file on the disk has a row; nothing lies in tmp/; a job's state agrees with its times, its result and
-//     its problem, and a job that ended holds nothing.
+//  1. The check changes nothing. It needs exclusive use of the directory, and refuses to run while the
+//     service runs.
+//  2. These facts are checked: the database is intact; every file to which a row refers exists with the right
+//     size and SHA-256; every use of a file has its file and its item; a model or an answer has the files of
+//     its kind; every file on the disk has a row; tmp/ is empty; the state of a job agrees with its times,
+//     its result and its problem; a job that has ended holds no files.
 #pragma once
 
 #include <string>
@@ -15,11 +16,11 @@
 
 namespace facetless {
 
-// {"directory", "files", "bytes", "items", "jobs": {state: n}, "faults": [{"kind", "what", "detail"}]}.
-// Errors: those of DataDirectory::Open; kBadUsage (there is no data directory).
+// Returns {"directory", "files", "bytes", "items", "jobs": {state: n}, "faults": [{"kind", "what",
+// "detail"}]}. Errors: the errors of DataDirectory::Open; kBadUsage (there is no data directory).
 Result<nlohmann::json> CheckStore(const std::string& directory);
 
-// Prints that and returns an exit code.
+// Prints the result of CheckStore and returns an exit code.
 int StoreCheckCommand(const std::string& directory);
 
 }  // namespace facetless
