@@ -10,11 +10,11 @@
 namespace facetless {
 namespace {
 
-// Fewer leaves than this are not worth another list of counts.
+// The least number of leaves per share; for fewer leaves, a separate list of counts does not pay off.
 constexpr std::size_t kLeavesPerShare = 4096;
 constexpr std::size_t kMostShares = 16;
 
-// Sorted in place of its leaf, which is eight times the size.
+// The sort key of a leaf. Keys are sorted instead of leaves, which are ten times as large.
 struct Key {
   double near_depth;
   std::uint32_t part, leaf;
@@ -65,7 +65,8 @@ TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int row
     return ComesFirst(parts[a.part], a.leaf, parts[b.part], b.leaf);
   });
 
-  // Number the leaves of each kind share by share.
+  // Gather and count the leaves share by share, then fill the lists. Leaves are processed in order, so the
+  // list of each tile is sorted.
   const std::size_t shares = std::clamp<std::size_t>(count / kLeavesPerShare, 1, kMostShares);
   const auto first_of = [&](std::size_t share) { return count * share / shares; };
   std::vector<Counts> first_in(shares);  // of each kind, before the share

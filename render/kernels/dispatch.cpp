@@ -12,7 +12,7 @@ namespace facetless {
 namespace {
 
 #if defined(__x86_64__)
-// By the instruction itself: clang 14 knows no such name.
+// Asks the processor directly, because __builtin_cpu_supports of clang 14 does not know this feature.
 bool SupportsF16c() {
   unsigned eax = 0, ebx = 0, ecx = 0, edx = 0;
   return __get_cpuid(1, &eax, &ebx, &ecx, &edx) != 0 && (ecx & bit_F16C) != 0;
@@ -22,7 +22,7 @@ bool SupportsF16c() {
 }  // namespace
 
 std::vector<Kernels> AvailableKernels() {
-  // Narrowest first; each needs all that Highway's target of that name uses.
+  // List the kernels, narrowest first. Each requires all features that Highway's target of that name uses.
   std::vector<Kernels> available{
       {"scalar", kernel_scalar::TraceTile, kernel_scalar_float::TraceTile, &kernel_scalar::kNets}};
 #if defined(__x86_64__)
@@ -34,7 +34,7 @@ std::vector<Kernels> AvailableKernels() {
   if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512cd")) {
-    // A point of a net fills a register of AVX2.
+    // A point of a net fills an AVX2 register, so the net operations of AVX2 are used here, too.
     available.push_back(
         {"avx512", kernel_avx512::TraceTile, kernel_avx512_float::TraceTile, &kernel_avx2::kNets});
   }

@@ -1,4 +1,5 @@
-// Operations on nets for AVX2, a point in one register. The build gives this file the target's flags.
+// The net operations for AVX2, with a point in one register. The build compiles this file with the flags of
+// the target.
 
 #include "render/kernels/net_kernel.h"
 #include "render/kernels/net_kernel.inl.h"

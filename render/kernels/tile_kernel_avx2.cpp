@@ -1,3 +1,4 @@
-// The tile kernel for AVX2 with FMA: four lanes. The build gives this file, and no other, the target's flags.
+// The tile kernel for AVX2 with FMA, with four lanes. The build compiles only this file with the flags of the
+// target.
 
 #include "render/kernels/tile_kernel.inl.h"

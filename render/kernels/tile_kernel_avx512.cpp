@@ -1,3 +1,4 @@
-// The tile kernel for AVX-512: eight lanes. The build gives this file, and no other, the target's flags.
+// The tile kernel for AVX-512, with eight lanes. The build compiles only this file with the flags of the
+// target.
 
 #include "render/kernels/tile_kernel.inl.h"

@@ -9,18 +9,18 @@
 namespace facetless {
 namespace {
 
-// Hulls are taken after at most this many halvings of a Bézier piece: the hull of an eighth of a turn then
-// exceeds the arc by 3e-4 of the radius.
+// The largest number of halvings of a Bézier piece before its hull is taken. The hull of an eighth of a turn
+// then exceeds the arc by 3e-4 of the radius.
 constexpr int kHalvings = 4;
 
-// Points whose hull holds a face.
+// Points whose convex hull contains a face.
 using Hull = std::vector<Vec3>;
 
 Vec3 Cartesian(Vec4 p) {
   return {p.x / p.w, p.y / p.w, p.z / p.w};
 }
 
-// Cuts a Bézier row in two at t.
+// Divides a Bézier row at t.
 void Split(std::span<const Vec4> points, double t, std::vector<Vec4>& left, std::vector<Vec4>& right) {
   std::vector<Vec4> work(points.begin(), points.end());
   left.clear();
@@ -43,7 +43,7 @@ void AppendCurveHull(std::span<const Vec4> points, int halvings, Hull& hull) {
   AppendCurveHull(right, halvings - 1, hull);
 }
 
-// A patch as rows of points; Part cuts [t0, t1] of the rows' direction out of it.
+// A patch as rows of points. Part extracts [t0, t1] in the direction of the rows.
 struct PointGrid {
   int count_u, count_v;
   std::vector<Vec4> points;
@@ -84,8 +84,8 @@ PointGrid Transposed(const PointGrid& patch) {
   return out;
 }
 
-// Halvings along a direction that make the whole of it at least kCells cells: on a full turn the hull then
-// exceeds an arc by less than half a per cent of its radius. Straight directions need none.
+// The number of halvings along a direction that gives at least kCells cells in total. On a full turn, the
+// hull then exceeds an arc by less than half a per cent of its radius. Straight directions need no halving.
 int HalvingsFor(int degree, std::size_t spans) {
   if (degree == 1) return 0;
   constexpr std::size_t kCells = 32;
@@ -123,7 +123,7 @@ UvBox LoopBox(const Model& model, const Face& face) {
   return box;
 }
 
-// The stretch [t0, t1] of a span that the loops reach; empty if t0 >= t1.
+// The part [t0, t1] of a span that the loops reach; empty if t0 >= t1.
 std::pair<double, double> Reached(const Span& span, double low, double high, SpanToBezier to_bezier) {
   const double begin = std::max(span.begin, low), end = std::min(span.end, high);
   if (!(begin < end)) return {1, 0};
@@ -151,14 +151,14 @@ void AppendSurfaceHull(const Model& model, const Face& face, SpanToBezier to_bez
   }
 }
 
-// True if the surface's extent in every direction is reached on its border: it is made of straight lines that
-// leave the face through its loops.
+// Whether the extent of the surface in every direction is attained on the border of a face. This is true of
+// surfaces that consist of straight lines, which leave the face through its loops.
 bool IsDevelopable(SurfaceKind kind) {
   return kind == SurfaceKind::kPlane || kind == SurfaceKind::kCylinder || kind == SurfaceKind::kCone ||
          kind == SurfaceKind::kExtrusion;
 }
 
-// The hull of all edges; false if one of the coedges has none (a border that was made for the face).
+// Appends the hull of all edges. Returns false if a coedge has no edge (a border that the importer added).
 bool AppendEdgeHull(const Model& model, const Face& face, Hull& hull) {
   if (face.loops.count == 0) return false;
   for (const Coedge& coedge : CoedgesOf(model, face)) {
@@ -198,7 +198,7 @@ Box3 FaceBounds(const Model& model, std::uint32_t face, SpanToBezier to_bezier) 
 }
 
 std::vector<Box3> InstanceBounds(const Model& model, SpanToBezier to_bezier) {
-  // Reduce each part to the points that can matter: many instances share one hull.
+  // Reduce each part to the points of its hull, which all its instances share.
   std::vector<std::pair<Hull, double>> hulls(model.parts.size());
   std::vector<bool> used(model.parts.size());
   for (const Instance& instance : model.instances) used[instance.part] = true;
@@ -212,8 +212,8 @@ std::vector<Box3> InstanceBounds(const Model& model, SpanToBezier to_bezier) {
   }
   std::vector<std::uint32_t> placed(model.parts.size(), 0);
   for (const Instance& instance : model.instances) ++placed[instance.part];
-  // A part that is placed often is replaced by the corners of its box, turned: looser by at most the turn,
-  // and quick.
+  // Replace a part that is placed often by the transformed corners of its box. This is fast, and the bounds
+  // are only looser by the effect of the rotation.
   constexpr std::uint32_t kOften = 64;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     if (placed[p] <= kOften || hulls[p].first.empty()) continue;

@@ -14,7 +14,8 @@ std::uint32_t Size(std::size_t size) {
   return static_cast<std::uint32_t>(size);
 }
 
-// Degrees are 8 bits wide in the model; what does not fit becomes one that Validate() refuses.
+// Degrees are 8 bits wide in the model. A degree that does not fit is replaced by one that Validate()
+// refuses.
 std::uint8_t Degree(std::int64_t degree) {
   return static_cast<std::uint8_t>(degree < 0 || degree > 255 ? 255 : degree);
 }
@@ -38,7 +39,7 @@ Range Next(const std::vector<T>& vector) {
   return {Size(vector.size()), 0};
 }
 
-// Makes room in `range` for the next element of `vector`.
+// Extends `range` for the next element of `vector`.
 template <typename T>
 void Grow(Range& range, const std::vector<T>& vector) {
   if (range.count == 0) range = Next(vector);
@@ -163,7 +164,7 @@ void ModelBuilder::SetBounds(const Box3& bounds) {
   bounds_are_set_ = true;
 }
 
-// Law 4 of model.h: dense ids. An instance of a part that does not exist is Validate()'s to refuse.
+// Assigns dense placed-face ids (law 4 of model.h). Validate() refuses instances of parts that do not exist.
 void ModelBuilder::PlaceInstances() {
   std::uint32_t next = 0;
   for (Instance& instance : model_.instances) {
@@ -180,7 +181,7 @@ Box3 ModelBuilder::ControlPointBounds() const {
       Box3 box;
       for (const Vec4& p : PointsOf(model_, model_.surfaces[face.surface])) {
         const Vec3 placed = instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w});
-        // No box holds such a point: Validate() refuses the empty one.
+        // A box cannot contain such a point. Return an empty box, which Validate() refuses.
         if (!std::isfinite(placed.x + placed.y + placed.z)) return {};
         box.Add(placed);
       }
@@ -196,7 +197,7 @@ Box3 ModelBuilder::ControlPointBounds() const {
 Result<Model> ModelBuilder::Finish() && {
   if (!misuse_.empty()) return Error{ErrorCode::kBadUsage, misuse_};
   PlaceInstances();
-  // Validate with any bounds in their place first: those that are computed need sound indices.
+  // Validate with placeholder bounds first, because computing the bounds requires valid indices.
   if (!bounds_are_set_) model_.bounds = {{0, 0, 0}, {0, 0, 0}};
   if (const Result<void> valid = Validate(model_); !valid) return valid.error();
   if (!bounds_are_set_) {

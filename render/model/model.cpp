@@ -64,7 +64,7 @@ std::string Model::PlacedFaceName(std::uint32_t id) const {
   // Name the occurrence, or else its prototype.
   std::string name = instance.name.empty() ? part.name : instance.name;
   if (!name.empty()) name += "/";
-  // Name the face: as the file does, by its entity, by its number in the part.
+  // Append the name of the face: from the file, or else its entity, or else its number in the part.
   if (!face.name.empty()) {
     name += face.name;
     if (!face.entity.empty()) name += " " + face.entity;

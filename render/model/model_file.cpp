@@ -19,10 +19,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "bulk vectors are copied as they lie in the file");
 static_assert(sizeof(Vec3) == sizeof(file::Vec3) && sizeof(Vec4) == sizeof(file::Vec4));
 
-// FlatBuffers' offsets are 32 bits with a sign.
+// The limit of FlatBuffers, whose offsets are signed 32-bit numbers.
 constexpr std::uint64_t kMaxFileBytes = 0x7fffffffu - 65536;
 
-// Strings of a model, each kept once. Index 0 is the empty string.
+// The strings of a model, each stored once. Index 0 is the empty string.
 class StringTable {
  public:
   std::uint32_t Add(const std::string& text) {
@@ -59,7 +59,7 @@ void UnpackRow(const file::Row& row, double (&out)[4]) {
   out[3] = row.t();
 }
 
-// Copies a vector of structs whose layout is that of the file.
+// Copies a vector of structs that have the same layout in memory and in the file.
 template <typename Packed, typename T>
 auto PackBulk(flatbuffers::FlatBufferBuilder& builder, const std::vector<T>& items) {
   return builder.CreateVectorOfStructs(reinterpret_cast<const Packed*>(items.data()), items.size());
@@ -85,7 +85,7 @@ std::vector<T> UnpackEach(const flatbuffers::Vector<const Packed*>* items, Funct
   std::vector<T> out;
   if (!items) return out;
   out.reserve(items->size());
-  // By copies: the verifier does not promise that a vector's structs are aligned.
+  // Copy each struct, because the verifier does not guarantee that the structs of a vector are aligned.
   for (std::size_t i = 0; i < items->size(); ++i) {
     Packed item;
     std::memcpy(&item, items->Data() + i * sizeof(Packed), sizeof(Packed));
@@ -172,8 +172,8 @@ void PackModel(flatbuffers::FlatBufferBuilder& builder, const Model& model) {
                                      edge_segments, edges, vertices, faces, solids, parts, instances));
 }
 
-// Reads what the verifier has found well-formed; enumerators and string indices are still the file's and are
-// checked here.
+// Reads a buffer that the verifier has accepted. The verifier does not check enumerators and string indices,
+// so they are checked here.
 class Unpacker {
  public:
   explicit Unpacker(const file::ModelFile& in) : in_(in) {}
@@ -305,7 +305,7 @@ class Unpacker {
   bool sound_ = true;
 };
 
-// A file mapped for reading; empty if it could not be.
+// A file mapped for reading; empty if it could not be mapped.
 class MappedFile {
  public:
   explicit MappedFile(const std::string& path) {
@@ -371,7 +371,7 @@ Result<void> WriteModel(const Model& model, const std::string& path) {
     return Error{ErrorCode::kWriteFailed, "The model is larger than the 2 GiB that a model file can hold."};
   flatbuffers::FlatBufferBuilder builder(1 << 20);
   PackModel(builder, model);
-  // Write beside the target and rename: a reader sees all of the file or none of it.
+  // Write a temporary file next to the target and rename it, so that readers see the complete file or none.
   const std::string partial = path + ".partial";
   std::FILE* out = std::fopen(partial.c_str(), "wb");
   if (!out) return Error{ErrorCode::kWriteFailed, "The model file " + path + " cannot be created."};

@@ -1,5 +1,5 @@
-// Validate: law 5 of model.h, one function per kind of element. Each returns the first violation as a
-// sentence.
+// Validate checks law 5 of model.h, with one function per kind of element. Each function returns the first
+// violation as a sentence.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,12 +12,12 @@
 namespace facetless {
 namespace {
 
-// A patch's largest weight: beyond, products with coordinates and errors of one unit roundoff leave the range
-// in which a double keeps all its digits.
+// The range of a patch's largest weight. Outside of it, products with coordinates and with errors of one unit
+// roundoff leave the range in which a double has full precision.
 constexpr double kLeastWeight = 1e-250, kGreatestWeight = 1e250;
 
-// Consecutive trim segments meet to within rounding of a division by the weight and one shift by a period: a
-// few ulp of the largest coordinate involved.
+// The tolerance with which consecutive trim segments must meet: a few ulp of the largest coordinate involved,
+// for the rounding of the division by the weight and of one shift by a period.
 constexpr double kLoopClosureUlps = 64 * std::numeric_limits<double>::epsilon();
 
 using Violation = std::optional<Error>;
@@ -79,8 +79,8 @@ Violation CheckSurface(const Model& model, std::size_t index, const std::string&
     return Broken(where, "its period is not a number from 0");
   if (Violation bad = CheckSpans(model, where, surface.u_spans)) return bad;
   if (Violation bad = CheckSpans(model, where, surface.v_spans)) return bad;
-  // Both counts are below 2^32 and a patch has at most 26² points: compare by division, a product could
-  // overflow.
+  // Compare by division, because a product could overflow: both counts may be up to 2^32, and a patch may
+  // have 26² points.
   const std::uint64_t available = surface.first_control_point <= model.control_points.size()
                                       ? model.control_points.size() - surface.first_control_point
                                       : 0;
@@ -150,13 +150,13 @@ Violation CheckLoop(const Model& model, std::size_t index, const std::string& ow
       segments.push_back(s);
     }
   }
-  // The largest coordinate of the loop: what its rounding is relative to.
+  // Find the largest coordinate of the loop, to which rounding errors are relative.
   double size = 0;
   for (std::uint32_t s : segments) {
     const Vec2 end = End(model, model.trim_segments[s]);
     size = std::fmax(size, std::fmax(std::fabs(end.x), std::fabs(end.y)));
   }
-  // Each segment must start where the one before it ends, the first where the last does.
+  // Each segment must start where the previous one ends, and the first where the last one ends.
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Vec2 end = End(model, model.trim_segments[segments[i]]);
     const Vec2 start = Start(model, model.trim_segments[segments[(i + 1) % segments.size()]]);
@@ -213,7 +213,8 @@ Violation CheckFace(const Model& model, std::size_t index) {
   return {};
 }
 
-// Parts own consecutive faces and solids, and together all of them; placed-face ids are dense.
+// Checks that parts own consecutive faces and solids, that every face and solid has an owner, and that
+// placed-face ids are dense.
 Violation CheckStructure(const Model& model) {
   std::uint64_t next_face = 0, next_solid = 0;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {

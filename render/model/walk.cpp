@@ -17,13 +17,13 @@ double PolygonLength(const Model& model, const Edge& edge) {
 }
 
 EdgeUses::EdgeUses(const Model& model) : first_(model.edges.size() + 1, 0) {
-  // Count the uses of each edge, one place further on, and add the counts up: that is where each edge's uses
-  // begin.
+  // Count the uses of each edge, at the position after the edge. The prefix sums of the counts are then the
+  // positions where the uses of each edge begin.
   for (const Face& face : model.faces)
     for (const Coedge& coedge : CoedgesOf(model, face))
       if (coedge.edge != kNoIndex) ++first_[coedge.edge + 1];
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
-  // Put each use at the next free place of its edge.
+  // Store each use at the next free position of its edge.
   uses_.resize(first_.back());
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
   for (std::uint32_t f = 0; f < model.faces.size(); ++f)

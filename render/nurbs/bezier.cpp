@@ -33,17 +33,17 @@ void Extend(BezierNet* net, NetComponent c, Direction direction, double low, dou
             lines = along_u ? net->stride() : net->degree_u + 1;
   const int step = kNetComponents * (along_u ? net->stride() : 1),
             next_line = kNetComponents * (along_u ? 1 : net->stride());
-  // The far end first: over [0, 1 + high] the near end lies at −near.
+  // Extend the far end first. With respect to [0, 1 + high], the new near end is at −near.
   const double near = low / (1 + high);
   for (int line = 0; line < lines; ++line) {
     double* p = net->value + c + line * next_line;
-    // Blossoms at 1 + high from the end, then at −near from the beginning.
+    // Evaluate blossoms at 1 + high from the end, and then at −near from the beginning.
     for (int i = 1; high > 0 && i <= degree; ++i)
       for (int k = degree; k >= i; --k) p[k * step] += high * (p[k * step] - p[(k - 1) * step]);
     for (int i = 1; near > 0 && i <= degree; ++i)
       for (int k = 0; k <= degree - i; ++k) p[k * step] -= near * (p[(k + 1) * step] - p[k * step]);
   }
-  // Each of up to 2·degree steps magnifies what was there by 1 + 2·(low or high), and rounds three times.
+  // Each of up to 2·degree steps multiplies existing errors by 1 + 2·(low or high), and rounds three times.
   double growth = 1, largest = 0;
   for (int i = 0; i < degree; ++i) growth *= (1 + 2 * high) * (1 + 2 * near);
   for (int i = 0; i < net->points(); ++i) {

@@ -6,8 +6,8 @@
 namespace facetless {
 namespace {
 
-// Dividing by the weight, the difference to a point and the product with the normal: rounding of the
-// coordinates.
+// Rounding of the coordinates by the division by the weight, the difference from a point and the product with
+// the normal.
 constexpr double kRounding = 8 * 0x1p-53;
 
 }  // namespace
@@ -22,7 +22,7 @@ LineImage FitLine(const BezierNet& net) {
     if (!(net.at(i, kW) > net.error[kW])) return {.is_line = true, .half_width = INFINITY};
   const auto image_x = [&](int i) { return net.at(i, kX) / net.at(i, kW); };
   const auto image_y = [&](int i) { return net.at(i, kY) / net.at(i, kW); };
-  // Take the farthest control point from the first, and what the points are off by.
+  // Find the control point farthest from the first one, and the errors of the points.
   line.x = image_x(0);
   line.y = image_y(0);
   double along_x = 0, along_y = 0, length = 0, error = 0, ends = 0;
@@ -42,9 +42,9 @@ LineImage FitLine(const BezierNet& net) {
   if (!(length > 0)) return line;
   line.normal_x = -along_y / length;
   line.normal_y = along_x / length;
-  // The control points hold the patch between two parallels. Both ends of the line are off, and so is each
-  // point. Each by its own: the image of a point with next to no weight may be off by anything, and pulls no
-  // surface with it.
+  // The control points enclose the patch between two parallel lines. Both ends of the line have errors, and
+  // so has each point. Each point is judged by its own error, because the image of a point with a tiny weight
+  // may be arbitrarily wrong without affecting the surface.
   double farthest = 0;
   line.is_line = true;
   for (int i = 0; i < net.points(); ++i) {

@@ -33,7 +33,7 @@ Vec2 PointOfCoedge(const Model& model, const Coedge& coedge, double parameter) {
   Vec2 point;
   for (const TrimSegment& segment : SegmentsOf(model, coedge)) {
     if (!(best > 0)) break;
-    // Real p-curves have segments of no length, which stand for their own parameter only.
+    // P-curves of real files have segments of zero length, which correspond to a single parameter.
     const double width = segment.edge_end - segment.edge_begin;
     const double inside = width != 0 ? std::clamp((parameter - segment.edge_begin) / width, 0.0, 1.0) : 0.5;
     const double off = std::fabs(parameter - (segment.edge_begin + inside * width));

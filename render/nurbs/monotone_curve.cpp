@@ -10,8 +10,8 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// A derivative's root is found to this much of the curve's parameter; a shorter stretch is beyond what its
-// coefficients can tell.
+// The precision of a root of a derivative, in the parameter of the curve. The coefficients are not accurate
+// enough for a shorter interval.
 constexpr double kRootWidth = 0x1p-48;
 
 // Horner's scheme in Bernstein form. `point(i)` is coefficient i of `degree`.
@@ -57,7 +57,7 @@ struct Polynomial {
   }
 };
 
-// de Casteljau at 1/2: `p` keeps the left half, the right half is returned.
+// De Casteljau's algorithm at 1/2. The left half replaces `p`, and the right half is returned.
 Polynomial SplitInHalf(Polynomial& p) {
   Polynomial right = p;
   auto& c = p.coefficients;
@@ -69,11 +69,11 @@ Polynomial SplitInHalf(Polynomial& p) {
   return right;
 }
 
-// Roots in (a, b), the domain that [0,1] of `p` stands for.
+// Appends the roots in (a, b), the interval that corresponds to [0,1] of `p`.
 void AppendRoots(Polynomial p, double a, double b, std::vector<double>& roots) {
   const int variations = p.Variations();
   if (variations == 0) {
-    // A multiple root: a stretch of nothing but noise between two that may differ in sign.
+    // A multiple root: an interval in which the polynomial does not exceed its noise.
     if (b - a < 1 && p.IsNoise()) roots.push_back(0.5 * (a + b));
     return;
   }
@@ -90,7 +90,7 @@ void AppendRoots(Polynomial p, double a, double b, std::vector<double>& roots) {
     return;
   }
   Polynomial right = SplitInHalf(p);
-  // A root on the cut itself belongs to neither half.
+  // Neither half contains a root exactly at the middle.
   if (right.Sign(0) == 0) roots.push_back(middle);
   AppendRoots(std::move(p), a, middle, roots);
   AppendRoots(std::move(right), middle, b, roots);
@@ -105,8 +105,8 @@ bool Polynomially(const PlaneCurve& curve) {
                      [&](const Vec3& p) { return p.z == curve.points[0].z; });
 }
 
-// The numerator of the derivative of coordinate `axis`: X' if all weights are equal, else X'·W − X·W', with X
-// taken relative to the first point.
+// The numerator of the derivative of coordinate `axis`: X' if all weights are equal, and X'·W − X·W'
+// otherwise, with X relative to the first point.
 Polynomial DerivativeNumerator(const PlaneCurve& curve, int axis) {
   const int n = curve.degree;
   const double origin = Coordinate(curve.points[0], axis) / curve.points[0].z;
@@ -170,8 +170,8 @@ Vec2 EvaluationError(const PlaneCurve& curve) {
     const Vec3& p = curve.points[i];
     size = {std::max(size.x, std::fabs(p.x / p.z)), std::max(size.y, std::fabs(p.y / p.z))};
   }
-  // Four roundings per step for the numerator and four for the weight, then the quotient; the terms are all
-  // of one sign.
+  // There are four roundings per step for the numerator, four for the weight, and one for the quotient. All
+  // terms have the same sign.
   return (8 * curve.degree + 4) * 0.5 * kEpsilon * size;
 }
 
@@ -183,7 +183,7 @@ void AppendTurns(const PlaneCurve& curve, std::vector<double>& parameters) {
 void StretchHull(const PlaneCurve& curve, double t0, double t1, std::vector<Vec2>& hull) {
   const int n = curve.degree;
   std::vector<Vec3> p(curve.points, curve.points + n + 1);
-  // Keep [0, t1], then [t0 / t1, 1] of that.
+  // Restrict the curve to [0, t1], and then to [t0 / t1, 1] of that.
   for (int i = 1; i <= n; ++i)
     for (int k = n; k >= i; --k) p[k] = (1 - t1) * p[k - 1] + t1 * p[k];
   const double s = t0 / t1;
@@ -194,7 +194,7 @@ void StretchHull(const PlaneCurve& curve, double t0, double t1, std::vector<Vec2
 }
 
 CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
-  // Mirror u where the piece falls, so that both coordinates increase from a to b.
+  // Mirror u if the piece falls, so that both coordinates increase from a to b.
   const double mirror = piece.high.x >= piece.low.x ? 1 : -1;
   const Vec2 span = piece.high - piece.low;
   const double scale_u = span.x != 0 ? mirror / span.x : 0, scale_v = span.y != 0 ? 1 / span.y : 0;
@@ -203,16 +203,16 @@ CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
   double fa = mirror * (piece.low.x - q.x) * scale_u + (piece.low.y - q.y) * scale_v;
   double fb = mirror * (piece.high.x - q.x) * scale_u + (piece.high.y - q.y) * scale_v;
 
-  // Along the piece, f = Δu/|span u| + Δv/|span v| to q increases; where it vanishes the curve passes q on
-  // one side.
+  // Along the piece, f = Δu/|span u| + Δv/|span v|, relative to q, increases. At its root, the curve passes q
+  // on one side.
   for (int step = 0; step < kMostBracketSteps; ++step) {
     double t = step % 3 == 2 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
     if (!((t > a && t < b) || (t < a && t > b))) t = 0.5 * (a + b);
     if (t == a || t == b) break;
     const Vec2 c = PointOn(piece.curve, t);
     const double x = mirror * (c.x - q.x), y = c.y - q.y;
-    // The curve runs through c with both coordinates increasing: q is up and to the left of c, or down and to
-    // the right.
+    // The curve passes through c with both coordinates increasing, so q is decided if it lies above and to
+    // the left of c, or below and to the right.
     if (x > piece.error.x && y < -piece.error.y) return static_cast<CurveSide>(above);
     if (x < -piece.error.x && y > piece.error.y) return static_cast<CurveSide>(-above);
     if (std::fabs(x) <= piece.error.x && std::fabs(y) <= piece.error.y) break;
@@ -242,7 +242,7 @@ double NearestParameter(const MonotonePiece& piece, Vec2 q, Vec2 scale) {
 
   const auto distance = [&](double at) { return Length(scaled(PointOn(piece.curve, at) - q)); };
   double best = distance(t);
-  constexpr int kSteps = 12;  // quadratic near the curve, where this is asked
+  constexpr int kSteps = 12;  // convergence is quadratic near the curve, where queries lie
   for (int step = 0; step < kSteps; ++step) {
     const Vec2 d = scaled(PointOn(piece.curve, t) - q), tangent = scaled(TangentOn(piece.curve, t));
     const double speed = Dot(tangent, tangent);

@@ -12,7 +12,7 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
-// Points per segment of a p-curve among which the widest place is sought.
+// The number of points per segment of a p-curve among which the widest gap is searched.
 constexpr int kPlaces = 10;
 
 Vec3 PointOf(const Model& model, const EdgeSegment& segment, double t) {
@@ -28,7 +28,7 @@ Vec3 MiddleOf(const Model& model, const Edge& edge) {
   return PointOf(model, segments[segments.size() / 2], segments.size() % 2 ? 0.5 : 0);
 }
 
-// Of the points of the coedge's p-curve, on its surface, the one farthest from the edge near its parameter.
+// The point of the coedge's p-curve, on the surface, that is farthest from the edge near the same parameter.
 Vec3 WidestPlace(const Model& model, const EdgeUse& use) {
   const Coedge& coedge = model.coedges[use.coedge];
   const Edge& edge = model.edges[coedge.edge];
@@ -40,13 +40,13 @@ Vec3 WidestPlace(const Model& model, const EdgeUse& use) {
       const double t = double(i) / kPlaces;
       const Vec2 uv = PointOn({PointsOf(model, segment).data(), segment.degree}, t);
       const Vec3 point = surface.Position(uv.x, uv.y);
-      // The nearest of the places around the same parameter.
+      // Take the nearest of the points around the same parameter.
       const double parameter = segment.edge_begin + t * (segment.edge_end - segment.edge_begin);
       double nearest = INFINITY;
       for (const EdgeSegment& stretch : SegmentsOf(model, edge)) {
         const double at = std::clamp((parameter - stretch.begin) / (stretch.end - stretch.begin), 0.0, 1.0);
         const Vec3 there = PointOf(model, stretch, at);
-        // Across the edge's direction: parameters of p-curve and edge need not run alike.
+        // Measure perpendicular to the edge, because the parametrisations of p-curve and edge may differ.
         constexpr double kStep = 1e-4;
         const double other = at < 0.5 ? at + kStep : at - kStep;
         const Vec3 along = Normalized(PointOf(model, stretch, other) - there), offset = point - there;
@@ -96,7 +96,7 @@ std::vector<OpenEdge> FindOpenEdges(const Model& model) {
       if (!widest || coedge.gap_mm > found.gap_mm) widest = &use, found.gap_mm = coedge.gap_mm;
     }
     found.faces.erase(std::unique(found.faces.begin(), found.faces.end()), found.faces.end());
-    // Solids that share an edge use it twice each.
+    // If several solids share an edge, each uses it twice.
     const bool paired = along == against;
     if (of_solid && !paired) {
       found.cause = along + against == 1   ? OpenCause::kUsedOnce

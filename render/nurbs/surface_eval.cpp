@@ -16,14 +16,14 @@ struct Basis {
   std::array<double, kMaxPoints> value, first, second;
 };
 
-// One step of the triangle: degree d − 1 in `b` becomes degree d.
+// Raises the degree of the Bernstein polynomials in `b` from d − 1 to d.
 void Raise(std::array<double, kMaxPoints>& b, int d, double t) {
   b[d] = t * b[d - 1];
   for (int i = d - 1; i > 0; --i) b[i] = (1 - t) * b[i] + t * b[i - 1];
   b[0] *= 1 - t;
 }
 
-// derivative of degree d from the values of degree d − 1: B' = d·(b[i−1] − b[i]).
+// Computes the derivatives of degree d from the values of degree d − 1: B' = d·(b[i−1] − b[i]).
 void Differentiate(const std::array<double, kMaxPoints>& lower, int d, std::array<double, kMaxPoints>& out) {
   for (int i = 0; i <= d; ++i) out[i] = d * ((i > 0 ? lower[i - 1] : 0) - (i < d ? lower[i] : 0));
 }
@@ -33,7 +33,7 @@ void EvaluateBasis(int degree, double t, int order, Basis& basis) {
   b[0] = 1;
   for (int d = 1; d <= degree; ++d) {
     if (order >= 2 && d == degree - 1) {
-      // The derivatives of degree − 1, differentiated once more.
+      // Differentiate the derivatives of degree − 1 once more.
       std::array<double, kMaxPoints> slope;
       Differentiate(b, d, slope);
       Differentiate(slope, degree, basis.second);
@@ -61,7 +61,7 @@ std::vector<SpanParameter> Maps(const Model& model, Range spans) {
   return maps;
 }
 
-// The span that holds x; the first or the last one for x outside.
+// The span that contains x; the first or the last span for x outside the grid.
 std::size_t SpanOf(const std::vector<double>& knots, double x) {
   return static_cast<std::size_t>(std::upper_bound(knots.begin() + 1, knots.end() - 1, x) - knots.begin()) -
          1;

@@ -14,11 +14,12 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kPieceBit = 0x80000000u;
-// Eight-fold nodes split by halves are at most 32 deep for 2^32 pieces, and at most seven siblings wait at
-// each depth.
+// The tree has at most 32 levels for 2^32 pieces, because nodes are split by halving, and at most seven
+// siblings wait on the stack at each level.
 constexpr int kStackSize = 7 * 32 + 1;
 
-// cross(chord, q − low) with a bound of its rounding: each product has three roundings, the difference one.
+// cross(chord, q − low) with a bound of its rounding error: each product has three roundings, the difference
+// has one.
 struct Offset {
   double value, error;
 };
@@ -28,8 +29,8 @@ Offset OffsetFromChord(const TrimPiece& piece, Vec2 q) {
   return {a - b, 3 * kEpsilon * (std::fabs(a) + std::fabs(b))};
 }
 
-// Two lanes in the compiler's own vectors (GCC, Clang): comparisons only, so the answer doesn't depend on how
-// they are built.
+// Two lanes of the compiler's vector extension (GCC, Clang). They are only compared, so the answer does not
+// depend on the instructions used.
 using Lanes2 = double __attribute__((vector_size(16)));
 using Bits2 = std::int64_t __attribute__((vector_size(16)));
 Lanes2 Two(const double* lanes, int pair) {
@@ -37,18 +38,18 @@ Lanes2 Two(const double* lanes, int pair) {
   std::memcpy(&two, lanes + 2 * pair, sizeof two);
   return two;
 }
-// Where a node keeps child i: children i and i + 4 share a pair of lanes.
+// The lane of child i in a node. Children i and i + 4 share a pair of lanes.
 std::uint32_t LaneOf(std::uint32_t i) {
   return 2 * (i % 4) + i / 4;
 }
 
-// 1 where the comparison holds.
+// 1 in the lanes where the comparison holds, and 0 elsewhere.
 Bits2 One(Bits2 comparison) {
   return comparison ? Bits2{1, 1} : Bits2{0, 0};
 }
 
-// A corner is near if it lies within this many bands. The neighbour's band may be narrower, and the bands are
-// boxes, whose corners are 1.5 times as far as their sides.
+// A corner counts as near within this many band widths. The neighbour's band may be narrower, and bands are
+// boxes, whose corners are 1.5 times as far away as their sides.
 constexpr double kCornerReach = 2;
 
 bool Spans(const TrimPiece& piece, double v) {
@@ -87,7 +88,7 @@ struct FaceTrim::Builder {
     return group;
   }
 
-  // In two: a chain in its middle, a group of loops along the longer side of its centres' box.
+  // Halves a chain in its middle, and a group of loops along the longer side of the box of their centres.
   std::array<Stretch, 2> Halve(const Stretch& s) {
     const std::uint32_t middle = s.first + (s.end - s.first) / 2;
     if (s.chain)

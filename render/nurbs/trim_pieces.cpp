@@ -12,19 +12,19 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// A hit of the tracer is off by about this many units in the last place of the surface's largest coordinate
-// plus the model's diagonal: the eye is about a diagonal away.
+// The error of a hit of the tracer is about this many units in the last place of the surface's largest
+// coordinate plus the model's diagonal, because the eye is about a diagonal away.
 constexpr double kPointUlps = 16;
-// The metric is sampled at the ends and the middle of a piece; it may exceed the samples in between, and the
-// p-curve lies up to one gap away from the edge itself.
+// A safety factor: the metric is sampled only at the ends and the middle of a piece and may be larger in
+// between, and the p-curve lies up to one gap away from the edge.
 constexpr double kBandSafety = 2;
-// A piece is cut while its strip takes more than this share of its box …
+// A piece is divided while its strip takes more than this share of its box …
 constexpr double kStripShare = 0.5;
-// … but next to an extremum the share stays the same however short the piece: stop after this many cuts.
+// … but next to an extremum the share does not decrease with the length of the piece, so there is a limit.
 constexpr int kStripCuts = 2;
-// A piece is cut while the band at its widest is over kBandRatio times that at its narrowest and over
-// kBandShare of the grid: at kBandCut of its length from the widest end. Towards a pole the band grows like
-// one over the distance, which takes a cut per decade.
+// A piece is divided while its widest band exceeds both kBandRatio times its narrowest band and kBandShare of
+// the grid. It is divided at kBandCut of its length from the widest end: towards a pole, the band grows like
+// one over the distance, so one division per decade is needed.
 constexpr double kBandRatio = 2, kBandShare = 1.0 / 64, kBandCut = 0.1;
 constexpr int kBandCuts = 20;
 
@@ -62,7 +62,7 @@ class Maker {
   }
 
  private:
-  struct Source {  // what the pieces being made belong to
+  struct Source {  // the coedge to which the current pieces belong
     std::uint32_t coedge = kNoIndex;
     double gap_mm = 0;
     bool slit = false;
@@ -72,7 +72,7 @@ class Maker {
     return {PointsOf(model_, segment).data(), segment.degree};
   }
 
-  // The point of a coedge's p-curve at half of its edge's parameters.
+  // The point of a coedge's p-curve at the middle of its edge parameters.
   Vec2 MiddleOf(const Coedge& coedge) const {
     const std::span<const TrimSegment> segments = SegmentsOf(model_, coedge);
     const double middle = 0.5 * (segments.front().edge_begin + segments.back().edge_end);
@@ -84,7 +84,8 @@ class Maker {
     return PointOn(CurveOf(segments.front()), 0.5);
   }
 
-  // Law 3: opposite coedges of one edge whose begin, end and middle coincide on the surface's parameters.
+  // Finds slits (law 3): opposite coedges of one edge whose begins, ends and middles coincide in surface
+  // parameters.
   void FindSlits(const Face& face) {
     std::unordered_map<std::uint32_t, std::uint32_t> first_use;
     for (const Coedge& coedge : CoedgesOf(model_, face)) {
@@ -135,13 +136,13 @@ class Maker {
       const TrimSegment& segment = model_.trim_segments[s];
       AddCurve(CurveOf(segment), source, segment.edge_begin, segment.edge_end,
                last_of_loop && s + 1 == coedge.segments.end());
-      // The joining piece, if one was needed, belongs to the coedge before.
+      // A joining piece, if one was needed, belongs to the previous coedge.
       if (slit && s == coedge.segments.first) made_[c].first = curve_first_;
     }
     if (slit) made_[c].count = static_cast<std::uint32_t>(out_.pieces.size()) - made_[c].first;
   }
 
-  // The second side of a slit.
+  // Adds the second side of a slit.
   void AddReversed(Range pieces) {
     for (std::uint32_t i = pieces.end(); i-- > pieces.first;) {
       TrimPiece piece = out_.pieces[i];
@@ -163,8 +164,8 @@ class Maker {
     for (int i = 0; i < 4; ++i) AddCurve({corners + i, 1}, {}, 0, 0, i == 3);
   }
 
-  // A straight piece from where the loop has got to, if that isn't `point` already. It belongs to the coedge
-  // before.
+  // Adds a straight piece from the current end of the loop to `point`, if they differ. It belongs to the
+  // previous coedge.
   void JoinTo(Vec2 point) {
     if (!started_) {
       started_ = true;
@@ -201,8 +202,8 @@ class Maker {
 
   void AddCurve(const PlaneCurve& curve, const Source& source, double edge_begin, double edge_end,
                 bool last_of_loop) {
-    // Begin where the loop has got to: to the bit if rounding explains the difference, else along a straight
-    // piece.
+    // Begin at the current end of the loop: with identical bits if rounding explains the difference, and
+    // otherwise with a straight piece in between.
     const Vec2 error = EvaluationError(curve);
     const Vec2 tolerance = 2 * error;
     Vec2 begin = PointOn(curve, 0), end = PointOn(curve, 1);
@@ -212,7 +213,7 @@ class Maker {
     curve_first_ = static_cast<std::uint32_t>(out_.pieces.size());
     curve_ = NewCurve(curve, source, edge_begin, edge_end);
 
-    // Cut where u or v turns.
+    // Divide at the extrema of u and v.
     std::vector<double> cuts;
     AppendTurns(curve, cuts);
     std::sort(cuts.begin(), cuts.end());
@@ -227,7 +228,7 @@ class Maker {
     end_ = end;
   }
 
-  // An end of a stretch, with the band's half-widths there.
+  // An end of a monotone interval, with the half-widths of the band there.
   struct End {
     double t = 0;
     Vec2 point, band;
@@ -241,7 +242,7 @@ class Maker {
     return {out_.points.data() + curve_.first_point, static_cast<int>(curve_.degree)};
   }
 
-  // The point of curve_ at t between two ends of a monotone stretch: kept in their box, whatever the
+  // The point of curve_ at t between two ends of a monotone interval, clamped to their box in spite of
   // rounding.
   End Between(const End& a, const End& b, double t) const {
     const Vec2 p = PointOn(Current(), t);
@@ -249,7 +250,7 @@ class Maker {
                      std::clamp(p.y, std::min(a.point.y, b.point.y), std::max(a.point.y, b.point.y))});
   }
 
-  // One monotone stretch of curve_, cut until it hugs its chord.
+  // Divides a monotone interval of curve_ until it is close to its chord.
   void Split(const End& begin, const End& end, int cuts) {
     const End middle = Between(begin, end, 0.5 * (begin.t + end.t));
     if (cuts < kStripCuts && middle.t > begin.t && middle.t < end.t) {
@@ -264,7 +265,7 @@ class Maker {
     SplitForBand(begin, middle, end, 0);
   }
 
-  // Cut until the band is about constant.
+  // Divides until the band is approximately constant.
   void SplitForBand(const End& begin, const End& middle, const End& end, int cuts) {
     const auto uneven = [](double a, double b, double c, double grid) {
       const double widest = std::max({a, b, c});
@@ -286,7 +287,7 @@ class Maker {
     AddPiece(begin, middle, end);
   }
 
-  // cross(chord from begin to end, c − begin) for the hull of the stretch, the ends included.
+  // The range of cross(chord from begin to end, c − begin) over the hull of the interval, its ends included.
   std::pair<double, double> Strip(const End& begin, const End& end) {
     const Vec2 chord = end.point - begin.point;
     double low = 0, high = 0;
@@ -312,8 +313,8 @@ class Maker {
     piece.forward = upwards;
     piece.coedge = source_.coedge;
     piece.slit = source_.slit;
-    // The strip, with what rounding and snapped ends may add. Turned round, the chord's other end is as good
-    // an origin.
+    // Widen the strip by the effect of rounding and of snapped ends. For a reversed piece, the other end of
+    // the chord serves equally well as the origin.
     const Vec2 chord = high.point - low.point;
     const double slack = 4 * (std::fabs(chord.x) * curve_.error.y + std::fabs(chord.y) * curve_.error.x);
     const auto [least, most] = Strip(begin, end);
@@ -327,7 +328,7 @@ class Maker {
     out_.curves.push_back(curve_);
   }
 
-  // How far u and v may move while the surface point moves by `reach_mm`; at most the whole grid.
+  // The largest change of u and v while the surface point moves by `reach_mm`; at most the whole grid.
   Vec2 HalfWidths(Vec2 at, double reach_mm) const {
     const SurfacePoint point = surface_.First(at.x, at.y);
     const double su = Length(point.du), sv = Length(point.dv), area = Length(Cross(point.du, point.dv));

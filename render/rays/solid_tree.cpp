@@ -10,27 +10,27 @@
 namespace facetless {
 namespace {
 
-// A piece is flat enough when its control points lie within this share of its diagonal of a bilinear patch:
-// an arc of 11 degrees. From the middle of such a piece Newton has to go less than a width and meets a
-// Jacobian that turns by as much.
+// A piece is flat enough if its control points lie within this share of its diagonal from a bilinear patch,
+// as for an arc of 11 degrees. Newton's method from the middle of such a piece then moves by less than a
+// width, and the Jacobian turns by no more than that angle.
 constexpr double kFlatness = 0.05;
 constexpr int kMostHalvings = 12;  // of one patch, in both directions together
-// Roots within this share of a piece's width beyond its border count: neighbours overlap, so none falls
-// between them.
+// A piece accepts roots up to this share of its width beyond its border. Neighbours overlap, so no root is
+// lost between them.
 constexpr double kOverlap = 0x1p-20;
-// Newton may leave its piece by this many widths on the way.
+// The number of widths by which the iterates of Newton's method may leave the piece.
 constexpr double kStray = 1.5;
 constexpr int kMostSteps = 12;
-// A piece turns by less than 17 degrees from its middle to a corner: seen from its middle at a larger sine it
-// has no fold.
+// A piece turns by less than 17 degrees from its middle to a corner. If the sine of the viewing angle at its
+// middle is larger than this, the piece has no fold.
 constexpr double kGrazing = 0.3;
-constexpr int kStarts = 4;  // in each direction, where it may have one
-// A root is one when what is left is within this of the coordinates' size: 2^-52, times the operations of an
-// evaluation.
+constexpr int kStarts = 4;  // starting points in each direction, for a piece that may have a fold
+// A root is accepted if the residual is within this share of the size of the coordinates: 2^-52, times the
+// number of operations of an evaluation.
 constexpr double kResidual = 0x1p-46;
 constexpr std::uint32_t kPiecesPerLeaf = 4;
-// Nodes on the way that are still to be visited: one per level of a tree that halves fewer than 2^32 pieces,
-// and two.
+// The largest number of nodes on the stack: one per level of a tree that halves fewer than 2^32 pieces, plus
+// two and a reserve.
 constexpr int kDeepest = 40;
 
 // A patch's net over a part of its Bézier square.
@@ -46,7 +46,7 @@ struct Net {
   }
 };
 
-// De Casteljau in one direction: the lower half comes back, the upper one stays.
+// De Casteljau's algorithm in one direction. The lower half is returned, and the upper half replaces `net`.
 Net SplitLower(Net& net, bool along_u) {
   Net lower = net;
   const int degree = along_u ? net.p : net.q, rows = along_u ? net.q : net.p;
@@ -57,15 +57,15 @@ Net SplitLower(Net& net, bool along_u) {
       for (int i = 0; i < degree - n; ++i) point(net, i) = 0.5 * (point(net, i) + point(net, i + 1));
     }
   }
-  // What is left in `net` is the upper half, in order.
+  // `net` now holds the upper half, in order.
   double& low = along_u ? net.s0 : net.t0;
   double& high = along_u ? lower.s1 : lower.t1;
   high = low = 0.5 * (low + (along_u ? net.s1 : net.t1));
   return lower;
 }
 
-// How far the control points are from the bilinear patch of the corners along each direction, as a share of
-// the diagonal.
+// The distances of the control points from the bilinear patch of the corners, along each direction, as a
+// share of the diagonal.
 struct Bend {
   double u = 0, v = 0;
 };
@@ -90,7 +90,7 @@ Bend BendOf(const Net& net) {
 bool Meets(const Box3& box, Vec3 origin, Vec3 inverse, double low, double high) {
   const auto slab = [&](double a, double b, double o, double i) {
     const double t0 = (a - o) * i, t1 = (b - o) * i;
-    // fmin and fmax drop the NaN of 0·∞: a ray within the plane of a side.
+    // fmin and fmax ignore the NaN of 0·∞, which occurs if the ray lies in the plane of a side.
     low = std::fmax(low, std::fmin(t0, t1));
     high = std::fmin(high, std::fmax(t0, t1));
   };
@@ -102,7 +102,7 @@ bool Meets(const Box3& box, Vec3 origin, Vec3 inverse, double low, double high) 
 
 }  // namespace
 
-// A ray with what every piece needs of it.
+// A ray with precomputed data for all pieces.
 struct SolidTree::Probe {
   Vec3 origin, direction, inverse, unit, across, above;  // unit: along the direction; the others across it
   double t_least;
@@ -157,7 +157,8 @@ void SolidTree::AddFace(std::uint32_t face) {
 }
 
 void SolidTree::Build() {
-  // Halve by number along the longest side of the centres: the depth is that of a balanced tree.
+  // Halve the number of pieces along the longest side of the box of their centres, so that the tree is
+  // balanced.
   nodes_.push_back({{}, 0, static_cast<std::uint32_t>(pieces_.size())});
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     Box3 box, centers;
@@ -186,7 +187,8 @@ void SolidTree::Build() {
 }
 
 void SolidTree::Solve(const Piece& piece, const Probe& probe, std::optional<SolidHit>& nearest) const {
-  // Seen steeply, a piece has at most one root, and Newton goes there from the middle.
+  // If the ray meets the piece steeply, there is at most one root, and Newton's method finds it from the
+  // middle.
   const SurfaceEval& surface = surfaces_[piece.face];
   const SurfacePoint middle = surface.First(0.5 * (piece.u0 + piece.u1), 0.5 * (piece.v0 + piece.v1));
   const Vec3 normal = Cross(middle.du, middle.dv);
@@ -194,13 +196,15 @@ void SolidTree::Solve(const Piece& piece, const Probe& probe, std::optional<Soli
     SolveFrom(piece, probe, {0.5, 0.5}, nearest);
     return;
   }
-  // Along a fold, or at a pole, it may have two, and Newton leaps from between them: begin in many places.
+  // Along a fold, or at a pole, there may be two roots, between which Newton's method is unstable: start from
+  // many points.
   for (int i = 0; i < kStarts; ++i)
     for (int j = 0; j < kStarts; ++j)
       SolveFrom(piece, probe, {(i + 0.5) / kStarts, (j + 0.5) / kStarts}, nearest);
 }
 
-// Newton from a point of the piece, in shares of its widths; keeps the root if it counts and is the nearest.
+// Runs Newton's method from a point of the piece, given in shares of its widths. Stores the root if it is
+// accepted and is the nearest so far.
 void SolidTree::SolveFrom(const Piece& piece, const Probe& probe, Vec2 start,
                           std::optional<SolidHit>& nearest) const {
   const SurfaceEval& surface = surfaces_[piece.face];
@@ -219,14 +223,14 @@ void SolidTree::SolveFrom(const Piece& piece, const Probe& probe, Vec2 start,
     const double determinant = xu * yv - xv * yu;
     u += (fy * xv - fx * yv) / determinant;
     v += (fx * yu - fy * xu) / determinant;
-    // In this form a step that is no number ends the search, too.
+    // Written in this form, the condition also ends the search if the step is NaN.
     if (!(u > piece.u0 - kStray * width_u && u < piece.u1 + kStray * width_u &&
           v > piece.v0 - kStray * width_v && v < piece.v1 + kStray * width_v))
       return;
   }
   if (!solved) return;
 
-  // The root counts in its own piece, ahead of the start, and inside the trimming.
+  // Accept the root only in its own piece, beyond t_least, and inside the trimmed face.
   const double slop_u = kOverlap * width_u, slop_v = kOverlap * width_v;
   if (!(u >= piece.u0 - slop_u && u <= piece.u1 + slop_u && v >= piece.v0 - slop_v && v <= piece.v1 + slop_v))
     return;
@@ -268,7 +272,7 @@ std::optional<SolidHit> SolidTree::Nearest(Vec3 origin, Vec3 direction, double t
           Solve(pieces_[i], probe, nearest);
       continue;
     }
-    // The child whose middle comes first goes on top.
+    // Put the child whose middle comes first on top of the stack.
     const bool swap =
         Dot(nodes_[node.first].box.center() - nodes_[node.first + 1].box.center(), direction) > 0;
     stack[top++] = swap ? node.first : node.first + 1;

@@ -43,7 +43,7 @@ std::vector<AuditHit> Collect(const Scene::Data& scene, const PreparedView& view
   return hits;
 }
 
-// Samples at which some placed closed solid is crossed an odd number of times.
+// The samples whose rays cross some placed closed solid an odd number of times.
 std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<AuditHit>& hits) {
   std::vector<std::uint32_t> odd;
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
@@ -81,7 +81,7 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
   result.crossings = forward.size();
   result.odd_samples = OddSamples(model, forward);
 
-  // The same lines from behind: columns run the other way; orthographic depths too.
+  // Trace the same lines from behind. Columns run in the opposite direction, and so do orthographic depths.
   CameraFrame behind = frame;
   behind.right = -frame.right;
   const bool orthographic = frame.projection == Projection::kOrthographic;
@@ -95,7 +95,7 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
     if (orthographic) hit.root.depth = -hit.root.depth;
   }
 
-  // Compare sample by sample: the depths, sorted, must agree one by one.
+  // Compare sample by sample: the sorted depths must agree one by one.
   const auto by_depth = [](const AuditHit& a, const AuditHit& b) {
     return std::tie(a.sample, a.root.depth) < std::tie(b.sample, b.root.depth);
   };
@@ -119,7 +119,7 @@ Result<AuditResult> Audit(const Scene::Data& scene, const PreparedView& view, co
     if (!same) result.mismatched_samples.push_back(sample);
   }
 
-  // Keep the crossings of the samples in question.
+  // Keep only the crossings of odd and mismatched samples.
   const auto in_question = [&](const AuditHit& hit) {
     const auto among = [&](const std::vector<std::uint32_t>& samples) {
       return std::binary_search(samples.begin(), samples.end(), hit.sample);

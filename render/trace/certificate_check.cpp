@@ -11,20 +11,24 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = 0x1p-53;
-// Units of rounding of a point that is placed and projected: a few sums of three products each.
+// The rounding of a placed and projected point, in units of roundoff: it takes a few sums of three products
+// each.
 constexpr double kPlacingUnits = 32;
-// Derivatives at the stated root stand for those within its error; there they vary by less than this factor.
+// The derivatives at the stated root are used for all points within its error, where they vary by less than
+// this factor.
 constexpr double kDerivativeSlack = 2;
 // Pieces narrower than this many pixels are left to Newton's method.
 constexpr double kNewtonPixels = 1.0 / 4;
 constexpr int kNewtonSteps = 12;
 constexpr int kMostHalvings = 96;
-// What makes a hit certain: the area that the tangents span on the screen, as a share of what they could, the
-// distance to the border of the patch in Bézier parameters, and the residual in pixels.
+// The conditions for a certain hit: the least area that the tangents span on the screen, as a share of the
+// largest possible area; the least distance from the border of the patch, in Bézier parameters; the largest
+// residual, in pixels.
 constexpr double kLeastSine = 1e-2, kBorderShare = 1e-6, kResidualPixels = 1e-7;
-// A hit counts as nearer than another by more than this share of the model's diagonal, besides all errors.
+// A hit counts as nearer than another only if, after all errors, it is nearer by this share of the model's
+// diagonal.
 constexpr double kDepthShare = 1e-9;
-// The widest band around an edge: its gap as a grazing ray sees it.
+// The widest band around an edge, in gaps, for grazing rays.
 constexpr double kBandScale = 64;
 
 // Values and first derivatives of the Bernstein polynomials of one degree.
@@ -33,7 +37,7 @@ struct Basis {
 };
 
 void Evaluate(int degree, double t, Basis* basis) {
-  // Raise the degree one by one; the last step but one has the derivatives.
+  // Raise the degree one by one; the step before the last gives the derivatives.
   std::array<double, kMaxDegree + 1>& b = basis->value;
   b[0] = 1;
   for (int n = 1; n <= degree; ++n) {
@@ -48,7 +52,7 @@ void Evaluate(int degree, double t, Basis* basis) {
   }
 }
 
-// A point of a patch and its derivatives by the Bézier parameters, mm, in part coordinates.
+// A point of a patch and its derivatives with respect to the Bézier parameters, mm, in part coordinates.
 struct CheckedPoint {
   Vec3 point, du, dv;
 };
@@ -85,13 +89,14 @@ Vec3 TranslationOf(const Placement& placement) {
   return {placement.m[0][3], placement.m[1][3], placement.m[2][3]};
 }
 
-// The longest that a placement makes a unit vector along an axis, times √3: what it makes of any.
+// The length of the longest image of an axis unit vector under the placement, times √3. This bounds the image
+// of any unit vector.
 double ScaleOf(const Placement& placement) {
   return std::sqrt(3.0) * std::max({Length(placement.Vector({1, 0, 0})), Length(placement.Vector({0, 1, 0})),
                                     Length(placement.Vector({0, 0, 1}))});
 }
 
-// The rounding of a point of a patch that is placed and seen from the eye, mm.
+// The rounding error of a placed point of a patch, relative to the eye, mm.
 double RoundingOf(const Surface& surface, double face_size, const Placement& placement,
                   const CameraFrame& frame) {
   const double scale = ScaleOf(placement);
@@ -139,7 +144,7 @@ CertificateCheck::FaceBox CertificateCheck::BoxOf(const Box3& box, const Placeme
     image.y_high = std::max(image.y_high, p.y);
     image.near_depth = std::min(image.near_depth, p.depth);
   }
-  // A box that crosses the eye plane may be seen anywhere.
+  // The image of a box that crosses the eye plane may be anywhere.
   return in_front ? image : FaceBox{-INFINITY, INFINITY, -INFINITY, INFINITY, -INFINITY};
 }
 
@@ -159,14 +164,15 @@ bool CertificateCheck::RootHolds(const StatedRoot& root) const {
   const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, root.patch).data(), root.u, root.v);
   const PixelPoint seen = Project(frame_, placement.Point(at.point));
 
-  // How far the surface moves within the root's own error, and the rounding of what was just computed.
+  // Bound how far the surface point moves within the error of the root, and add the rounding of this
+  // computation.
   const double error_u = root.error_u + 4 * kEpsilon, error_v = root.error_v + 4 * kEpsilon;
   const double moved = kDerivativeSlack * (Length(placement.Vector(at.du)) * error_u +
                                            Length(placement.Vector(at.dv)) * error_v);
   const double reach = moved + RoundingOf(surface, face_sizes_[root.face], placement, frame_);
   const bool perspective = frame_.projection == Projection::kPerspective;
   const double mm_per_px = std::min(frame_.pixel_x, frame_.pixel_y) * (perspective ? seen.depth : 1);
-  // In perspective a pixel moves with the depth, too.
+  // In perspective views, the pixel coordinates also change with the depth.
   const double off_axis = perspective ? 1 + std::hypot((seen.x - frame_.center_x) * frame_.pixel_x,
                                                        (seen.y - frame_.center_y) * frame_.pixel_y)
                                       : 1;
@@ -206,8 +212,8 @@ RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double dep
   return RayCheck::kClear;
 }
 
-// Whether the ray certainly hits the patch nearer than `limit`: halves the patch, seen from the ray's two
-// planes.
+// Whether the ray certainly hits the patch at a smaller depth than `limit`. The patch is halved repeatedly,
+// in coordinates relative to two planes through the ray.
 bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face, std::uint32_t patch,
                                      double x, double y, double limit, Budget* budget) const {
   const Model& model = *scene_.model;
@@ -217,8 +223,8 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
   const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
   const std::size_t n = surface.PointsPerPatch();
 
-  // A control point as the ray sees it: its distances to the two planes, times its weight on the screen; that
-  // weight; and its depth times the weight of the surface.
+  // A control point relative to the ray: its distances from the two planes, times its weight on the screen;
+  // that weight; and its depth times the weight of the surface.
   struct Seen {
     double across, down, scale, depth, weight;
   };
@@ -248,7 +254,7 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
     open.pop_back();
     if (--budget->pieces <= 0) return false;
 
-    // Leave out what lies on one side of a plane, behind the hit, or behind the eye.
+    // Skip a piece that lies on one side of a plane, behind the hit, or behind the eye.
     double across_low = INFINITY, across_high = -INFINITY, down_low = INFINITY, down_high = -INFINITY;
     double least_scale = INFINITY, largest_scale = 0;
     bool farther = true, behind = perspective;
@@ -264,7 +270,7 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
     }
     if (across_low > 0 || across_high < 0 || down_low > 0 || down_high < 0 || farther || behind) continue;
 
-    // A narrow piece has one root at most, for all that concerns this check.
+    // For this check, a narrow piece is assumed to have at most one root.
     const double width = std::max(across_high - across_low, down_high - down_low);
     if (least_scale > 0 && width <= kNewtonPixels * least_scale) {
       if (IsCertainHit(instance, face, patch, piece.u + 0.5 * piece.size_u, piece.v + 0.5 * piece.size_v, x,
@@ -320,13 +326,13 @@ bool CertificateCheck::IsCertainHit(std::uint32_t instance, std::uint32_t face, 
   const Surface& surface = model.surfaces[model.faces[face].surface];
   const Placement& placement = model.instances[instance].placement;
   const bool perspective = frame_.projection == Projection::kPerspective;
-  // One step more after the residual is small: what is left then is rounding.
+  // Take one more step after the residual is small; the remaining residual is then rounding.
   bool converged = false;
   for (int step = 0; step < kNewtonSteps; ++step) {
     const CheckedPoint at = Evaluate(surface, PatchPoints(model, surface, patch).data(), u, v);
     const PixelPoint seen = Project(frame_, placement.Point(at.point));
     if (perspective && !(seen.depth > frame_.near_mm)) return false;
-    // The images of the tangents, in pixels.
+    // Compute the images of the tangents, in pixels.
     const double scale = perspective ? seen.depth : 1;
     const auto image = [&](Vec3 tangent) {
       const Vec3 d = placement.Vector(tangent);
@@ -336,13 +342,13 @@ bool CertificateCheck::IsCertainHit(std::uint32_t instance, std::uint32_t face, 
     };
     const Vec2 du = image(at.du), dv = image(at.dv), off{x - seen.x, y - seen.y};
     const double determinant = Cross(du, dv);
-    // Neither seen at grazing incidence nor along tangents that nearly coincide.
+    // The hit is not certain at grazing incidence, or if the tangents are nearly parallel.
     const double area = std::fabs(determinant) * frame_.pixel_x * frame_.pixel_y * scale * scale;
     if (!(area > kLeastSine * Length(placement.Vector(at.du)) * Length(placement.Vector(at.dv))))
       return false;
     if (converged) {
       if (!(seen.depth < limit)) return false;
-      // Away from the patch's border and from every edge.
+      // The hit must be away from the border of the patch and from every edge.
       if (!(u > kBorderShare && u < 1 - kBorderShare && v > kBorderShare && v < 1 - kBorderShare))
         return false;
       const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;

@@ -49,8 +49,8 @@ class ShownLeaf {
   Face face_;
 };
 
-// Asks the independent check about the root of sample `k` of a tile, if it is certified and one of the share
-// that is checked. Roots of hard leaves have been asked about.
+// Verifies the root of sample `k` of a tile with the independent check, if it is certified and belongs to the
+// share that is checked. Roots of hard leaves have already been verified.
 std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
                          ShownLeaf* shown, CheckStats* stats) {
   if (!shared.check || !shared.IsRootChecked(column, row) || tile.doubt[k] != 0 || tile.leaf[k] == kNoIndex)
@@ -63,12 +63,12 @@ std::uint8_t CheckSample(const TraceShared& shared, const TileTracer& tile, int 
                           tile.depth[k], tile.error[k], stats);
 }
 
-// Asks the independent check whether the rays of some samples of a tile, hits and misses, are clear up to the
-// stated depth, and puts those in doubt that are not.
+// Verifies with the independent check that the rays of some samples of a tile, hits and misses, are clear up
+// to the stated depth. Samples whose rays are not clear get the doubt kDoubtContradicted.
 void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   if (!shared.check) return;
-  // So many rays of every tile, or one ray of every so many tiles, at places that are the same on every
-  // machine.
+  // Check a fixed number of rays of every tile, or one ray of every n-th tile, at positions that are the same
+  // on every machine.
   const int rays = std::max(1, TileTracer::kSamples / shared.rays_per_checked_ray);
   const std::uint32_t tiles =
       static_cast<std::uint32_t>(std::max(1, shared.rays_per_checked_ray / TileTracer::kSamples));
@@ -101,7 +101,7 @@ void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
-  // All misses first: most tiles are of one kind or the other.
+  // Initialise all samples as misses first, because most tiles consist of hits only or of misses only.
   for (int i = 0; i < tile.rows(); ++i) {
     const std::size_t first = std::size_t(tile.row() + i) * samples->width + tile.column();
     std::fill_n(samples->depth.begin() + first, tile.columns(), INFINITY);
@@ -116,7 +116,8 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
   }
   if (tile.empty()) {
     tally->certified += std::uint64_t(tile.rows()) * tile.columns();
-    CheckRays(shared, tile, samples, tally);  // that no leaf is seen here is a claim, too
+    CheckRays(shared, tile, samples,
+              tally);  // the statement that no leaf is visible here must be verified, too
     return;
   }
   ShownLeaf shown(shared);
@@ -166,7 +167,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 }
 
 CheckLevel LevelOf(const DirectOptions& options) {
-  if (options.leave_out) return CheckLevel::kNone;  // the check knows of no face that is left out
+  if (options.leave_out) return CheckLevel::kNone;  // the check cannot ignore faces
   if (options.check != CheckLevel::kAuto) return options.check;
   if (options.audit) return CheckLevel::kAll;
   return options.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;
@@ -231,7 +232,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   if (options.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
   result.stats.trace_ms = tracing.Milliseconds();
 
-  // Add up.
+  // Add up the counters of all threads.
   DirectStats& stats = result.stats;
   stats.rays = samples.size();
   for (const Tally& tally : tallies) {
@@ -260,7 +261,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   stats.scene_bytes = view.bytes() + stats.bmssm_bytes + scene.data().bytes();
   stats.unseen_faces = view.unseen_faces;
 
-  // Count every crossing, where asked to.
+  // Count all crossings, if an audit is requested.
   if (options.audit) {
     Result<AuditResult> audit = Audit(scene.data(), view, camera, result.frame, kernel, options);
     if (!audit.ok()) return audit.error();

@@ -8,7 +8,8 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
-// Halvings until a stretch counts by its ends alone: it is shorter than the rounding of its points.
+// The largest number of halvings. After that, a piece is shorter than the rounding of its points, and its
+// ends alone decide.
 constexpr int kMaxHalvings = 52;
 
 // A projected Bézier segment relative to the pixel, (x·W, y·W, W) with W > 0: the signs of x and y are those
@@ -24,7 +25,7 @@ bool CrossesOdd(Vec3* p, int degree, int halvings) {
   const bool rises = first.y < 0, ends_differ = rises != (last.y < 0);
   if (right) return ends_differ;
   if (degree == 1 || halvings == kMaxHalvings) {
-    // Where the chord passes y = 0.
+    // Find the side on which the chord crosses y = 0.
     const double side = first.x * last.y - last.x * first.y;
     return ends_differ && (rises ? side : -side) > 0;
   }
@@ -62,7 +63,7 @@ std::optional<bool> CrossesHalfLine(const ProjectedEdges& edges, std::uint32_t i
     in_front = at.z > 0;
   }
 
-  // From vertex to vertex; joints of segments may differ by a rounding.
+  // Follow the edge from vertex to vertex; the ends of successive segments may differ by rounding.
   bool first = true;
   for (const EdgeSegment& segment : SegmentsOf(model, edge)) {
     const std::span<const Vec4> points = PointsOf(model, segment);

@@ -16,8 +16,8 @@ FallbackSolver::~FallbackSolver() = default;
 
 namespace {
 
-// The range of the depth over a piece, the net's error included. Requires W, in perspective Q, beyond its
-// error; infinite otherwise.
+// The range of the depth over a piece, including the error of the net. It is infinite unless W (Q in
+// perspective views) exceeds its error.
 struct DepthRange {
   double near = INFINITY, far = -INFINITY;
 };
@@ -80,7 +80,7 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
     if (residual.empty) continue;
     if (limit < INFINITY && MeasureDepth(net, rule).near > limit) continue;
 
-    // Solve it if it is easy by now. The whole leaf is not.
+    // Solve the piece if it can be certified now. The whole leaf cannot.
     CertifiedLeaf piece;
     double monomials[kNetComponents * kMaxNetPoints];
     if (pieces > 1 && nets_.certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {

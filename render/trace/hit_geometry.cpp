@@ -9,7 +9,7 @@ struct Jet {
   double f = 0, ds = 0, dt = 0;
 };
 
-// Horner with both first derivatives, for centred monomials.
+// Evaluates centred monomials by Horner's rule, with both first derivatives.
 template <typename Real>
 Jet Monomial(const Real* c, int degree_u, int degree_v, double s, double t) {
   Jet jet;
@@ -27,7 +27,8 @@ Jet Monomial(const Real* c, int degree_u, int degree_v, double s, double t) {
   return jet;
 }
 
-// The same by de Casteljau, for one component of a net over s, t ∈ [−1,1].
+// Evaluates one component of a net over s, t ∈ [−1,1] by de Casteljau's algorithm, with both first
+// derivatives.
 Jet Bernstein(const double* net, NetComponent c, int degree_u, int degree_v, double s, double t) {
   const double u = 0.5 * (1 + s), v = 0.5 * (1 + t);
   double value[kMaxDegree + 1], slope[kMaxDegree + 1], row[kMaxDegree + 1];
@@ -54,8 +55,8 @@ struct Tangents {
   double depth;
 };
 
-// What Tangents needs of a certified leaf: derivatives of G and the jets of W and Q. `q` stays as it is where
-// the leaf has no plane for it.
+// The values that Tangents needs from a certified leaf: the derivatives of G and the jets of W and Q. `q` is
+// unchanged if the leaf has no plane for it.
 struct LeafJets {
   Jet g1, g2, w{1, 0, 0}, q;
 };
@@ -132,8 +133,8 @@ Tangents TangentsOf(const RootJets& jets, DepthUnits units, bool perspective, do
           depth};
 }
 
-// Below this sine of the angle between the tangents, or ratio of their lengths, ds × dt is mostly rounding:
-// half the digits are gone.
+// If the sine of the angle between the tangents, or the ratio of their lengths, is below this value, ds × dt
+// has lost half of its digits to rounding.
 constexpr double kSingular = 0x1p-26;
 
 bool IsSingular(const Tangents& tangents, Vec3 normal) {
@@ -152,7 +153,7 @@ HitGeometry Geometry(const TangentsAt& tangents_at, double s, double t, bool per
   hit.depth = tangents.depth;
   Vec3 normal = Cross(tangents.ds, tangents.dt);
   hit.singular = IsSingular(tangents, normal);
-  // At a pole step back towards the middle, where the tangents span a plane again.
+  // At a pole, step back towards the middle until the tangents span a plane.
   for (double back = 0x1p-16; back <= 1 && IsSingular(tangents, normal); back *= 16) {
     tangents = tangents_at(s - back * s, t - back * t);
     normal = Cross(tangents.ds, tangents.dt);

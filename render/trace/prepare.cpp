@@ -13,16 +13,16 @@
 namespace facetless {
 namespace {
 
-// From this many patches on, a face's patches are shared out among the threads.
+// The patches of a face are distributed over the threads if there are at least this many.
 constexpr std::uint32_t kParallelPatches = 16;
 
-// What one thread splits into.
+// The results of one thread.
 struct Worker {
   Worker(const SplitWindow& window, SplitBudget* budget) : splitter(window, budget) {}
   LeafSplitter splitter;
   CoefficientArena arena;
   LeafLists leaves;
-  std::vector<std::uint32_t> faces;  // placed faces that have some of them, not for seams
+  std::vector<std::uint32_t> faces;  // placed faces with leaves in this result, without seam leaves
 };
 
 class Preparation {
@@ -112,7 +112,7 @@ class Preparation {
     }
   }
 
-  // False if the box's image lies outside the window or between the sample centres; conservative.
+  // Whether the box may be visible. Returns false only if its image is proven to lie outside the window.
   bool BoxCanBeSeen(const Box3& box, const ViewProjection& projection) const {
     bool left = true, right = true, above = true, below = true, behind = window_.perspective;
     double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
@@ -120,7 +120,7 @@ class Preparation {
     for (int corner = 0; corner < 8; ++corner) {
       const auto p = projection({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                  corner & 4 ? box.high.z : box.low.z, 1});
-      // One sample of slack on every side: rounding is far smaller.
+      // Allow one sample of slack on every side; rounding is far smaller.
       const double limit_x = (window_.half_width + 1) * p.w, limit_y = (window_.half_height + 1) * p.w;
       left = left && p.x < -limit_x;
       right = right && p.x > limit_x;
@@ -146,7 +146,7 @@ class Preparation {
     const Surface& surface = model_.surfaces[model_.faces[face].surface];
     const FaceData& data = scene_.faces[face];
     const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
-    // Leave out what the loops cut away before projecting anything.
+    // Skip patches outside the loops before projecting anything.
     if (data.patches[patch] == RectClass::kOutside) return;
     SplitPatch split;
     split.trim_class = data.patches[patch];
@@ -175,9 +175,10 @@ class Preparation {
       weight_varies = weight_varies || p.w != net.at(0, kW);
       depth_varies = depth_varies || p.q != net.at(0, kQ);
     }
-    // Polynomial kernels want W = 1, not merely constant: exact for a weight that is constant.
+    // The polynomial kernels require W = 1. A constant weight other than 1 is treated as a varying weight,
+    // which is exact.
     if (!weight_varies && net.at(0, kW) != 1 && net.at(0, kW) > 0) weight_varies = true;
-    // An orthographic depth is Q/W.
+    // In orthographic views the depth is Q/W, so it varies if W does.
     if (!window_.perspective && weight_varies && net.at(0, kQ) != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
     split.bounds = BoundsOf(data, surface, i, j);
@@ -188,7 +189,8 @@ class Preparation {
     if (worker.faces.empty() || worker.faces.back() != placed_face) worker.faces.push_back(placed_face);
   }
 
-  // A leaf of one sample for every seam sample: front to back it takes its turn among the others.
+  // Adds a leaf with a single sample for every seam sample, so that it is processed front to back with the
+  // others.
   void VisitSeams() {
     if (budget_.Stopped()) return;
     const std::vector<SeamSample> samples = FindSeamSamples(model_, scene_.seams, camera_, frame_, &budget_);
@@ -203,7 +205,7 @@ class Preparation {
       SeamLeaf leaf;
       leaf.degree_u = surface.degree_u;
       leaf.degree_v = surface.degree_v;
-      // Samples of one patch follow each other, and share its net.
+      // Consecutive samples of one patch share its net.
       if (!before || before->instance != sample.instance || before->face != sample.face ||
           before->patch != sample.patch) {
         const ViewProjection projection(frame_, instance.placement);
@@ -232,11 +234,11 @@ class Preparation {
     }
   }
 
-  // Where the face ends with its patch grid, continues the projected net past it: the neighbour's edge may
-  // lie there, and the rays between the two are ours.
+  // Continues the projected net beyond the grid where the face ends with its grid. The edge of the neighbour
+  // may lie there, and the rays between the two belong to this face.
   static void ContinuePastBorder(const SplitPatch& split, BezierNet& net) {
     const PatchBounds& bounds = split.bounds;
-    // Components that are constant stay so to the bit.
+    // Constant components must stay exactly constant.
     for (const NetComponent c : {kX, kY, kW, kQ}) {
       if ((c == kW && !split.rule.weight_varies) || (c == kQ && !split.rule.depth_varies)) continue;
       if (bounds.u_low < 0 || bounds.u_high > 1)
@@ -253,7 +255,7 @@ class Preparation {
   SplitWindow window_;
   SplitBudget budget_;
   const std::vector<bool>* leave_out_ = nullptr;
-  std::int64_t max_bytes_ = 0;  // of all leaves
+  std::int64_t max_bytes_ = 0;  // memory limit of all leaves
   PerThread<Worker> workers_;
 };
 

@@ -10,18 +10,19 @@ namespace {
 
 constexpr double kEpsilon = 0x1p-53;
 constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
-// The nearest point's place within its segment is rounded to multiples of this. Iterations that start in
-// different places agree to about 1e-14; on an edge of 1000 pixels the foot moves by 1e-7 pixels and the side
-// of the curve by the square of that.
+// The parameter of the nearest point within its segment is rounded to multiples of this. Iterations from
+// different starts agree to about 1e-14. On an edge of 1000 pixels, rounding moves the foot by 1e-7 pixels,
+// and the curve perpendicular to itself by the square of that.
 constexpr double kParameterGrid = 0x1p-32;
-// Gauss–Newton converges like the distance over the radius of curvature, which is far below one in an edge's
-// band.
+// The convergence rate of Gauss–Newton is the distance over the radius of curvature, which is far below one
+// in the band of an edge.
 constexpr int kMaxSteps = 40;
 constexpr int kMaxHalvings = 8;
 
 }  // namespace
 
-// One segment of an edge, projected, relative to a pixel: evaluating it doesn't subtract large numbers.
+// One projected segment of an edge, relative to a pixel, so that its evaluation does not subtract large
+// numbers.
 class ProjectedEdges::Segment {
  public:
   Segment(const ProjectedEdges& edges, Range segments, double x, double y)
@@ -42,15 +43,16 @@ class ProjectedEdges::Segment {
       size = std::max(size, std::fabs(points_[i].x) + std::fabs(points_[i].y) + (x + y) * points_[i].z);
       nearest = std::min(nearest, points_[i].z);
     }
-    // Making the point relative rounds twice, and each step of de Casteljau three times.
+    // Subtracting the pixel rounds twice, and each step of de Casteljau's algorithm rounds three times.
     error_px_ = nearest > 0 ? (error + kEpsilon * (2 + 3 * degree_) * size) / nearest : INFINITY;
   }
   double error_px() const { return error_px_; }
   std::uint32_t index() const { return index_; }
 
-  // The point relative to the pixel and the tangent by t, in pixels. False behind the eye.
+  // The point relative to the pixel, and the derivative with respect to t, in pixels. Returns false behind
+  // the eye.
   bool At(double t, Vec2& point, Vec2& tangent) const {
-    // de Casteljau down to the last two points.
+    // Apply de Casteljau's algorithm down to the last two points.
     Vec3 p[kMaxPoints];
     std::copy_n(points_, degree_ + 1, p);
     for (int last = degree_; last > 1; --last)
@@ -82,22 +84,22 @@ Vec3 ProjectedEdges::Relative(const Vec4& p, double x, double y) const {
 
 namespace {
 
-// The side of the pixel, at the origin, of the line through `point` along `tangent`. On the line itself it is
-// kNegative, for whoever asks.
+// The side of the line through `point` along `tangent` on which the pixel, at the origin, lies. On the line
+// itself, the answer is kNegative for both faces.
 Side SideOfLine(Vec2 point, Vec2 tangent) {
   if (!(Dot(tangent, tangent) > 0)) return Side::kUnknown;
   return Cross(point, tangent) > 0 ? Side::kPositive : Side::kNegative;  // = cross(tangent, −point)
 }
 
-// Both lines at a kink: the positive side is the intersection of two half planes where the curve turns
-// towards it, else their union.
+// The side at a kink, from both tangent lines. The positive side is the intersection of two half planes if
+// the curve turns towards it, and their union otherwise.
 Side SideOfKink(Side in, Side out, double turn) {
   if (in == Side::kUnknown || out == Side::kUnknown) return in == Side::kUnknown ? out : in;
   if (turn > 0) return std::min(in, out);
   return std::max(in, out);
 }
 
-// The segment that holds `parameter`; at a joint the later one.
+// The segment that contains `parameter`; at a joint, the later one.
 std::uint32_t SegmentOf(std::span<const EdgeSegment> segments, double parameter) {
   std::uint32_t low = 0, high = static_cast<std::uint32_t>(segments.size()) - 1;
   while (low < high) {
@@ -129,12 +131,12 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   Vec2 point, tangent;
   if (!segment.At(t, point, tangent)) return result;
 
-  // Gauss–Newton towards the foot, each step halved until it comes nearer.
+  // Iterate by Gauss–Newton towards the foot. Each step is halved until it reduces the distance.
   for (int step = 0; step < kMaxSteps; ++step) {
     const double speed = Dot(tangent, tangent);
     if (!(speed > 0)) return result;
     double move = -Dot(point, tangent) / speed;
-    // At a joint, go on along the neighbour if that comes nearer.
+    // At a joint, continue along the neighbouring segment if that reduces the distance.
     const bool forwards = move > 0, at_end = forwards ? t == 1 : t == 0;
     if (at_end) {
       const std::uint32_t k = segment.index();
@@ -164,7 +166,7 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   result.error_px = segment.error_px();
   const std::uint32_t k = segment.index();
   const bool joins_next = t == 1 && (closed || k + 1 < count), joins_previous = t == 0 && (closed || k > 0);
-  // Inside the edge the distance is that of the tangent line, which the rounding of t doesn't touch.
+  // Inside the edge, use the distance from the tangent line, which the rounding of t does not affect.
   const bool clamped = (t == 0 || t == 1) && !joins_next && !joins_previous;
   result.distance_px = clamped ? Length(point) : std::fabs(Cross(point, tangent)) / Length(tangent);
   const EdgeSegment& last = spans[k];
@@ -172,7 +174,7 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
   result.parameter = t <= 0.5 ? last.begin + t * width : last.end - (1 - t) * width;
   result.tangent = (1 / width) * tangent;
 
-  // At a joint of two segments both tangents count.
+  // At a joint of two segments, use both tangents.
   if (joins_next || joins_previous) {
     segment.Select(joins_next ? (k + 1) % count : (k + count - 1) % count);
     Vec2 other_point, other;
@@ -200,17 +202,17 @@ Vec2 ProjectedEdges::TangentAt(std::uint32_t edge_index, double parameter, bool 
 }
 
 bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive) {
-  // Left of the p-curve in (u,v) is the positive side of its image if the map keeps the orientation; the edge
-  // may run against it.
+  // The left side of the p-curve in (u,v) is the positive side of its image if the map preserves the
+  // orientation. The edge may run in the opposite direction.
   const bool material_positive = (material_left == jacobian_positive) != coedge.reversed;
   return (side == Side::kPositive) == material_positive;
 }
 
 namespace {
 
-// Whether the ray passes the edge too far off for the p-curve and the edge to disagree on it: they are a gap
-// apart at the most. Twice the gap allows for how it was measured, the rest for the rounding of a projected
-// edge, in samples.
+// Whether the ray passes the edge so far away that the p-curve and the edge cannot disagree, because they are
+// at most a gap apart. Twice the gap allows for the way in which it was measured; the rest, in samples,
+// allows for the rounding of a projected edge.
 bool OutOfReach(const Coedge& coedge, const EdgeSide& side, double mm_per_px) {
   constexpr double kRoundingPx = 0x1p-20;
   return side.distance_px > 2 * coedge.gap_mm / mm_per_px + std::max(kRoundingPx, side.error_px);
@@ -224,24 +226,25 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   const Coedge& one = model.coedges[answer.coedge];
   const EdgeSide side = edges.SideOf(one.edge, answer.edge_parameter, x, y);
   if (side.side == Side::kUnknown) return {};
-  // At grazing incidence the band in (u,v) is wide, and so may the error box be; seen along the ray neither
-  // is. What lies farther off is another stretch of the edge: its side says nothing of this hit.
+  // At grazing incidence, the band in (u,v) and the error box may be wide, although neither is wide as seen
+  // along the ray. If the edge is farther away on the screen, the side of the edge is irrelevant for this
+  // hit.
   if (OutOfReach(one, side, mm_per_px)) return {};
   const bool keeps = EdgeKeeps(one, answer.material_left, side.side, jacobian_positive);
   EdgeDecision decision{keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop, side.distance_px > side.error_px};
   if (answer.other_coedge == kNoIndex || answer.other_material_left != answer.material_left) return decision;
 
-  // The other coedge of the corner.
+  // Ask the other coedge of the corner.
   const Coedge& two = model.coedges[answer.other_coedge];
   const EdgeSide other = edges.SideOf(two.edge, answer.other_edge_parameter, x, y);
   if (other.side == Side::kUnknown) return decision;
   decision.proven = decision.proven && other.distance_px > other.error_px;
   const bool other_keeps = EdgeKeeps(two, answer.other_material_left, other.side, jacobian_positive);
   if (other_keeps == keeps) return decision;
-  // A seam that ends in a pole: the face lies all around.
+  // A seam that ends in a pole: the face surrounds the corner.
   if (one.edge == two.edge) return {EdgeVerdict::kKeep, decision.proven};
 
-  // Which way the loop turns there, in the image.
+  // Find the direction in which the loop turns there, in the image.
   const Coedge& in = answer.other_is_next ? one : two;
   const Coedge& out = answer.other_is_next ? two : one;
   const double in_end = SegmentsOf(model, in).back().edge_end;
@@ -249,7 +252,7 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   const Vec2 arriving = (in.reversed ? -1.0 : 1.0) * edges.TangentAt(in.edge, in_end, !in.reversed);
   const Vec2 leaving = (out.reversed ? -1.0 : 1.0) * edges.TangentAt(out.edge, out_begin, out.reversed);
   const double turn = Cross(arriving, leaving);
-  if (turn == 0) return decision;  // smooth, a cusp, or not known
+  if (turn == 0) return decision;  // smooth, a cusp, or unknown
   const bool convex = (turn > 0) == (answer.material_left == jacobian_positive);
   const bool both = convex ? keeps && other_keeps : keeps || other_keeps;
   decision.verdict = both ? EdgeVerdict::kKeep : EdgeVerdict::kDrop;

@@ -9,10 +9,11 @@
 namespace facetless {
 namespace {
 
-// A ray that passes an edge within its gap meets the surface within gap/cosine of it. Continuing by this many
-// gaps serves all rays but the most grazing ones.
+// Patches are continued by this many gaps. A ray that passes an edge within its gap meets the surface within
+// gap/cosine of it, so this is sufficient for all rays except the most grazing ones.
 constexpr double kContinueGaps = 8;
-// … and no patch is continued by more than this share of its Bézier parameter, where extrapolation is tame.
+// No patch is continued by more than this share of its Bézier parameter, within which extrapolation is
+// stable.
 constexpr double kMaxContinued = 1.0 / 8;
 
 Vec3 Cartesian(const Vec4& p) {
@@ -23,8 +24,9 @@ struct Border {
   bool across_u, high;
 };
 
-// How far in Bézier parameters the patches at a border are to be continued past it: from the slowest speed
-// across it, by the first differences of control points there. A collapsed border has nothing beyond.
+// The amount, in Bézier parameters, by which the patches at a border are continued beyond it. It follows from
+// the lowest speed across the border, given by the first differences of control points. A collapsed border is
+// not continued.
 double ContinueBy(const Model& model, const Surface& surface, Border border, double reach_mm) {
   const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
   const std::uint32_t nu = surface.u_spans.count, nv = surface.v_spans.count;
@@ -44,7 +46,8 @@ double ContinueBy(const Model& model, const Surface& surface, Border border, dou
       for (std::uint32_t k = 0; k < i; ++k)
         ratio = std::max({ratio, points[i].w / points[k].w, points[k].w / points[i].w});
   }
-  // Weights stay positive: extrapolation by e changes them by less than (1 + 2e)^degree − 1 of the largest.
+  // Keep the weights positive: extrapolation by e changes them by less than (1 + 2e)^degree − 1 of the
+  // largest.
   const double tame = std::min(kMaxContinued, 1 / (4 * degree * ratio));
   return slowest > 0 ? std::min(tame, reach_mm / slowest) : 0;
 }
@@ -55,7 +58,7 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
   FaceData data{FaceTrim::Build(model, index), {}, {}, {}};
   for (const Vec4& p : PointsOf(model, surface)) data.bounds.Add(Cartesian(p));
 
-  // Continue the grid where the face ends with it.
+  // Continue the grid on the sides where the face ends with it.
   const Span &u_first = model.spans[surface.u_spans.first], &u_last = model.spans[surface.u_spans.end() - 1];
   const Span &v_first = model.spans[surface.v_spans.first], &v_last = model.spans[surface.v_spans.end() - 1];
   double u_low = u_first.begin, u_high = u_last.end, v_low = v_first.begin, v_high = v_last.end;
@@ -75,7 +78,7 @@ FaceData MakeFaceData(const Model& model, std::uint32_t index) {
     data.u_high_continued = u_high > u_last.end;
     data.v_low_continued = v_low < v_first.begin;
     data.v_high_continued = v_high > v_last.end;
-    // Twice the distance bounds the continuation, which bends little.
+    // Twice the distance bounds the continuation, because it is only slightly curved.
     const Vec3 margin{2 * reach_mm, 2 * reach_mm, 2 * reach_mm};
     data.bounds = {data.bounds.low - margin, data.bounds.high + margin};
   }

@@ -17,16 +17,17 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
-// The gap is measured at some points of a p-curve; in between it may be twice as large.
+// The gap is measured at discrete points of a p-curve, and may be twice as large between them.
 constexpr double kReachSafety = 2;
-// Reaches below this, in samples, are the rounding of a projected edge: what projected_edges.cpp allows for.
+// A reach below this, in samples, is within the rounding of a projected edge, which projected_edges.cpp
+// allows for.
 constexpr double kRoundingPx = 0x1p-20;
-// A stretch of edge is walked along its chord once it bends by no more than this, in samples.
+// A piece of an edge is replaced by its chord if it deviates from it by no more than this, in samples.
 constexpr double kFlatPx = 1.0 / 64;
 constexpr int kMaxHalvings = 40;
-// Where a face misses its edge by more than this share of the edge's length, one of the two is wrong (the
-// importer warns from 1 % on). A gap of that kind that is wider than so many samples in the picture is seen
-// as what it is: asking all the samples in it took a minute and a half for three faces.
+// If the distance between a face and its edge exceeds this share of the edge's length, one of the two must be
+// wrong (the importer warns from 1 % on). Such a gap is left visible if it is wider than kMostReachPx
+// samples, because treating all its samples took a minute and a half for three faces.
 constexpr double kOffSurface = 2e-3;
 constexpr double kMostReachPx = 8;
 
@@ -37,13 +38,13 @@ Vec3 EndOf(const Model& model, const Edge& edge, bool last) {
   return {p.x / p.w, p.y / p.w, p.z / p.w};
 }
 
-// Edges that the face uses an odd number of times; none if they don't bound it (law 4).
+// The edges that the face uses an odd number of times; empty if the face is not treated (law 4).
 std::vector<std::uint32_t> BorderOf(const Model& model, const Face& face) {
   const bool closed_solid = face.solid != kNoIndex && model.solids[face.solid].closed;
   std::map<std::uint32_t, int> edges, ends;
   for (const Coedge& coedge : CoedgesOf(model, face)) {
     const std::uint32_t edge = coedge.edge;
-    // In a closed solid what has no edge is a cut that runs to and fro.
+    // In a closed solid, a coedge without an edge belongs to a cut that is traversed in both directions.
     if (edge == kNoIndex && !closed_solid) return {};
     if (edge == kNoIndex || model.edges[edge].segments.count == 0) continue;
     ++edges[edge];
@@ -72,10 +73,11 @@ SeamTable::SeamTable(const Model& model) {
   }
 
   for (const Part& part : model.parts) {
-    // Who uses what, and by how much it is missed.
+    // Collect the uses of each edge and vertex, and the distances by which faces miss them.
     struct Missed {
       double reach_mm = 0;
-      double most_mm = 0;  // a gap wider than the edge is long says nothing about where the faces meet
+      double most_mm =
+          0;  // limit of the reach: a gap wider than the length of the edge carries no information
       std::vector<Use> uses;
     };
     std::map<std::uint32_t, Missed> at_edge, at_vertex;
@@ -153,7 +155,7 @@ class Finder {
     } else {
       for (const EdgeSegment& segment : SegmentsOf(model_, model_.edges[source.edge])) VisitSegment(segment);
     }
-    // A sample that two stretches of one edge pass is one sample.
+    // Merge samples that two pieces of one edge found.
     std::sort(candidates_.begin(), candidates_.end());
     candidates_.erase(std::unique(candidates_.begin(), candidates_.end(),
                                   [](const Candidate& a, const Candidate& b) {
@@ -176,14 +178,14 @@ class Finder {
     }
   };
 
-  // In samples, at the depth of a point with weight w.
+  // The reach in samples, at the depth of a point with weight w.
   double ReachPx(double w) const {
     return source_->reach_mm / (std::min(frame_.pixel_x, frame_.pixel_y) * (perspective_ ? w : 1));
   }
 
   bool IsSeen(double reach) const { return source_->off_surface && reach > kMostReachPx; }
 
-  // Samples from low to high, those outside the image left out.
+  // A range of samples, clipped to the image.
   struct Samples {
     int begin, end;
   };
@@ -213,7 +215,7 @@ class Finder {
     Walk(p, segment.degree, segment.begin, segment.end, 0);
   }
 
-  // The stretch [begin, end] of the edge.
+  // Finds the samples near the part [begin, end] of the edge.
   void Walk(Vec3* p, int degree, double begin, double end, int halvings) {
     Vec2 low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
     double weight = INFINITY, bend = 0;
@@ -225,7 +227,7 @@ class Finder {
       low = {std::min(low.x, at.x), std::min(low.y, at.y)};
       high = {std::max(high.x, at.x), std::max(high.y, at.y)};
       weight = std::min(weight, p[i].z);
-      // Off the chord's line, or past its ends.
+      // Skip a sample that is too far from the line of the chord or from its ends.
       const Vec2 away = at - first;
       const double along = length > 0 ? std::clamp(Dot(away, chord) / (length * length), 0.0, 1.0) : 0;
       bend = std::max(bend, Length(away - along * chord));
@@ -249,7 +251,8 @@ class Finder {
       return;
     }
 
-    // Along the chord, by rows or by columns, whichever it crosses more of: at most √2 times as far across.
+    // Walk along the chord by rows or by columns, whichever it crosses more of. The distance across is then
+    // at most √2 times the distance from the chord.
     const bool by_rows = std::fabs(chord.y) >= std::fabs(chord.x);
     const double across = 1.5 * (reach + bend);
     const Samples steps = by_rows ? rows : columns;
@@ -267,7 +270,7 @@ class Finder {
   void Ask(int row, int column, double guess, double reach) {
     const EdgeSide side = edges_.SideOf(source_->edge, guess, column + 0.5, row + 0.5);
     if (side.side == Side::kUnknown) {
-      // Its image is a point: as far off as the stretch's box.
+      // The image of this piece is a point; use the reach as its distance.
       candidates_.push_back({row, column, reach, guess});
     } else if (side.distance_px <= reach) {
       candidates_.push_back({row, column, side.distance_px, side.parameter});
@@ -277,7 +280,7 @@ class Finder {
   void AddUses(const Candidate& candidate) {
     std::uint32_t before = kNoIndex;
     for (const SeamTable::Use& use : Elements(table_.uses, source_->uses)) {
-      // A face that comes twice, at a seam or a vertex, owes once.
+      // Add a face that occurs twice, at a seam or a vertex, only once.
       if (use.face == before) continue;
       before = use.face;
       const std::optional<bool> odd = Winds(use.face, candidate.column + 0.5, candidate.row + 0.5);
@@ -285,7 +288,7 @@ class Finder {
     }
   }
 
-  // Law 1.
+  // Whether the border of the face winds around the pixel an odd number of times (law 1).
   std::optional<bool> Winds(std::uint32_t face, double x, double y) const {
     const Range border = table_.border_of[face];
     if (border.count == 0) return std::nullopt;
@@ -322,8 +325,9 @@ class Finder {
     budget_->bytes_left.fetch_sub(static_cast<std::int64_t>(sizeof(SeamLeaf)), std::memory_order_relaxed);
   }
 
-  // The parameter, rounded as far as the point's image allows: where an edge runs along the ray, its nearest
-  // point is known to half the digits only, and rays there and back are to meet the same one.
+  // The parameter, rounded as coarsely as the image of the point allows. If an edge runs along the ray, only
+  // half of the digits of its nearest point are known, and the rays of the opposite view must find the same
+  // point.
   double Settled(const Edge& edge, double parameter) const {
     const EdgeSegment& segment = SegmentAt(model_, edge, parameter);
     double length = 0, weight = INFINITY;
@@ -337,7 +341,7 @@ class Finder {
       first = false;
       weight = std::min(weight, h.z);
     }
-    constexpr double kShare = 1.0 / 16;  // of the reach, that a point may move
+    constexpr double kShare = 1.0 / 16;  // share of the reach by which a point may move
     const double most = kShare * std::min(1.0, ReachPx(weight) / length);
     const double grid = std::ldexp(1, std::ilogb(std::clamp(most, 0x1p-40, kShare)));
     const double width = segment.end - segment.begin;
@@ -384,7 +388,8 @@ std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& tab
   std::vector<SeamSample> all;
   for (const std::vector<SeamSample>& some : found) all.insert(all.end(), some.begin(), some.end());
 
-  // A face owes each ray once: on the nearest of the edges that the ray passes, whichever way it goes.
+  // Keep one sample per face and ray: the one at the nearest of the edges that the ray passes. The choice
+  // must be the same for the opposite direction of the ray.
   ParallelSort(all.begin(), all.end(), [](const SeamSample& a, const SeamSample& b) {
     return std::tie(a.instance, a.face, a.row, a.column, a.distance_px, a.source) <
            std::tie(b.instance, b.face, b.row, b.column, b.distance_px, b.source);

@@ -16,54 +16,57 @@
 namespace facetless {
 namespace {
 
-// Blocks of the first pass, and pieces that a block is divided into.
+// The number of blocks of the first pass, and the number of pieces into which a block is divided.
 constexpr int kFirstBlocks = 128, kPieces = 8;
-// A block is good when it disagrees with its halves by less than this share of the area; a thousand such
-// blocks stay three digits below the millionth that a section's area is asked to.
+// A block is accepted if it disagrees with its halves by less than this share of the area. The sum over a
+// thousand such blocks is three digits below 1e-6, the accuracy required of a section's area.
 constexpr double kBlockTolerance = 1e-12;
-// Divisions by eight of a block of 1/128 of the extent: 2^-31 of it, where chords that end like a square root
-// are known to 2^-46.
+// The largest number of divisions by eight of a block, which is 1/128 of the extent. The result is 2^-31 of
+// the extent, where chords that end like a square root are known to 2^-46.
 constexpr int kMostLevels = 8;
-constexpr std::size_t kMostDivided = 4096;  // blocks, in all levels together: a quarter of a million rows
-// Faces thinner than this share of the extent have no room for an area that anybody could ask for.
+constexpr std::size_t kMostDivided =
+    4096;  // blocks on all levels together, which is a quarter of a million rows
+// Faces thinner than this share of the extent cannot contain an area that is significant at the required
+// accuracy.
 constexpr double kThinnestFace = 1e-6;
-// A face lies in the plane if its control points do, to the rounding of a model whose numbers went through a
-// text file and a few placements: 2^-36 of the size. The plane is moved by four times that.
+// A face lies in the plane if all its control points do, within 2^-36 of the size. This tolerance is for the
+// rounding of numbers that were written to a text file and placed a few times. The plane is moved by four
+// times the tolerance.
 constexpr double kCoincident = 0x1p-36, kMoves = 4;
-// Where the plane is tangent at its new place, too, it goes on, twice as far each time.
+// If the plane is tangent at its new position, too, it is moved again, twice as far each time.
 constexpr int kMostMoves = 4;
-// Pieces of surfaces that one look at a plane may divide: a tenth of a second.
+// The number of pieces of surfaces that may be divided for one plane, which takes a tenth of a second.
 constexpr std::size_t kMostPieces = 1 << 16;
-// Below this height, as a share of the size, a surface's own rounding hides what is above the plane and what
-// is below.
+// Below this height, as a share of the size, the rounding of a surface hides which parts are above the plane
+// and which are below.
 constexpr double kFinestHeight = 0x1p-48;
-// Rows that may come out undecided, each after the fallback solver's full budget of some milliseconds; then
-// blocks that hold such rows are left as they are.
+// The largest number of undecided rows, each of which uses up the work limit of the fallback solver, some
+// milliseconds. After that, blocks that contain such rows are not divided.
 constexpr std::uint64_t kMostUndecidedRows = 1024;
-// Roundings of a chord's two ends, of the model's size, for each of the rows of a block.
+// The rounding of the two ends of a chord, as a share of the model's size, for each row of a block.
 constexpr double kChordRounding = 0x1p-48;
 
-// Weights of the open formulas of four and eight equidistant midpoints, by row: exact to degree three and
-// seven.
+// The weights of the open formulas for four and eight equidistant midpoints, which are exact to degree three
+// and seven.
 constexpr std::array<double, 4> kFour = {13.0 / 48, 11.0 / 48, 11.0 / 48, 13.0 / 48};
 constexpr std::array<double, kBlockRows> kEight = {295627.0 / 1935360, 71329.0 / 1935360,  471771.0 / 1935360,
                                                    128953.0 / 1935360, 128953.0 / 1935360, 471771.0 / 1935360,
                                                    71329.0 / 1935360,  295627.0 / 1935360};
 
-// What is left of a block when it has been measured.
+// The result of measuring a block.
 struct Block {
-  double begin = 0, end = 0, error = 0, odd = 0;  // odd: of the rows' own errors and doubts
+  double begin = 0, end = 0, error = 0, odd = 0;  // odd: errors and doubts of the rows themselves
   std::vector<SectionArea::OfSolid> solids;
   double area = 0;
-  bool forced = false;     // to be divided, whatever its error
-  bool undecided = false;  // some row of it came out without an answer
+  bool forced = false;     // the block must be divided, whatever its error
+  bool undecided = false;  // a row of the block is undecided
 };
 
 double Difference(double a, double b) {
   return std::fabs(a - b);
 }
 
-// What the six rows from `rows` on, in steps of `step`, make one expect of the next.
+// Extrapolates the length of the next row from six rows, which start at `rows` and are `step` apart.
 double Continued(const SectionRow* rows, int step) {
   constexpr double kExtrapolate[] = {-1, 6, -15, 20, -15, 6};
   double sum = 0;
@@ -71,7 +74,7 @@ double Continued(const SectionRow* rows, int step) {
   return sum;
 }
 
-// rows[−1] and rows[kBlockRows] are those of the neighbours.
+// Integrates a block. rows[−1] and rows[kBlockRows] are the adjacent rows of the neighbouring blocks.
 Block Integrate(double begin, double end, const SectionRow* rows) {
   Block block;
   block.begin = begin;
@@ -89,8 +92,8 @@ Block Integrate(double begin, double end, const SectionRow* rows) {
       sum->area_mm2 += width * kEight[i] * chord.area_mm2;
     }
   }
-  // What happens between the last row and the neighbour's shows in neither formula, but in the neighbour's
-  // row.
+  // Neither formula shows changes between the last row and the row of the neighbour, but the row of the
+  // neighbour does.
   const double before = Difference(Continued(rows + 5, -1), rows[-1].length),
                after = Difference(Continued(rows + 2, 1), rows[kBlockRows].length);
   block.area = width * eight;
@@ -99,7 +102,7 @@ Block Integrate(double begin, double end, const SectionRow* rows) {
   return block;
 }
 
-// The stretches of the scan axis that faces cover which are thinner than a block of the first pass.
+// The intervals of the scan axis covered by faces that are thinner than a block of the first pass.
 std::vector<std::pair<double, double>> ThinFaces(const Scene::Data& scene, const SectionScan& scan) {
   std::vector<std::pair<double, double>> thin;
   const double extent = scan.end - scan.begin;
@@ -123,7 +126,7 @@ bool HoldsThinFace(const std::vector<std::pair<double, double>>& thin, double be
   return false;
 }
 
-// Placed faces whose every control point lies in the plane.
+// The placed faces all of whose control points lie in the plane.
 std::vector<std::uint32_t> FacesIn(const Model& model, const SectionPlane& plane, double tolerance) {
   std::vector<std::uint32_t> found;
   for (const Instance& instance : model.instances) {
@@ -139,10 +142,10 @@ std::vector<std::uint32_t> FacesIn(const Model& model, const SectionPlane& plane
   return found;
 }
 
-// Where the plane is measured, and why not where it was asked for.
+// The position at which the cut is measured, and the faces that made a displacement necessary.
 struct Place {
-  double offset = 0;  // along the normal
-  double error = 0;   // what the surfaces between cover
+  double offset = 0;  // displacement along the normal, mm
+  double error = 0;   // area that the surfaces in between cover, mm²
   std::vector<std::uint32_t> coincident, touching;
 };
 
@@ -162,7 +165,8 @@ Place PlaceOf(const Scene::Data& scene, const SectionPlane& plane, const Section
   place.touching = touching(0);
   if (place.coincident.empty() && place.touching.empty()) return place;
 
-  // Leave the plane of a face for the kept side, and a tangent's for the side where less changes.
+  // Move away from a face in the plane to the kept side, and from a tangent surface to the side where less
+  // changes.
   place.error = INFINITY;
   double move = kMoves * thickness;
   for (int k = 0; k < kMostMoves; ++k, move *= 2) {
@@ -208,7 +212,7 @@ class Measurement {
     if (auto measured = Measure({{scan.begin, scan.end}}, kFirstBlocks, &blocks); !measured.ok())
       return measured.error();
 
-    // Divide the worst, level by level.
+    // Divide the worst blocks, level by level.
     std::vector<Block> good;
     std::size_t divided = 0;
     for (int level = 0; level < kMostLevels; ++level) {
@@ -221,7 +225,7 @@ class Measurement {
       std::uint64_t risked = 0;
       for (Block& block : blocks) {
         const bool worth = block.forced || block.error + block.odd > kBlockTolerance * area;
-        // Its rows may all come out undecided again.
+        // All rows of an undecided block may be undecided again.
         const std::uint64_t risk = block.undecided ? kPieces * kBlockRows + 2 : 0;
         if (worth && (risk == 0 || area_.undecided_rows + risked + risk <= kMostUndecidedRows) &&
             divided + again.size() < kMostDivided) {
@@ -255,12 +259,12 @@ class Measurement {
   }
 
  private:
-  // Measures each stretch in `pieces` blocks, and appends them.
+  // Measures each interval in `pieces` blocks, and appends the blocks.
   Result<void> Measure(const std::vector<std::pair<double, double>>& stretches, int pieces,
                        std::vector<Block>* blocks) {
     std::vector<Result<SectionRows::Answer>> answers(stretches.size(), SectionRows::Answer{});
     ParallelFor(std::size_t{0}, stretches.size(), [&](std::size_t i) {
-      // One row more on either side.
+      // Trace one additional row on either side.
       const auto [begin, end] = stretches[i];
       const double row = (end - begin) / (pieces * kBlockRows);
       answers[i] = rows_.Trace(begin - row, end + row, pieces * kBlockRows + 2);

@@ -14,39 +14,40 @@
 namespace facetless {
 namespace {
 
-// What the components of a net stand for here, each times the weight: height above the plane, place along the
-// scan's axis, place along its rays.
+// The meaning of the components of a net in this file, each multiplied by the weight: height above the plane,
+// position along the axis of the scan, and position along its rays.
 constexpr NetComponent kHeight = kX, kAxis = kY, kWeight = kW, kAlong = kQ;
-// Roundings of a placed control point's height: three products and three sums, twice.
+// The rounding of the height of a placed control point: three products and three sums, twice.
 constexpr double kHeightRounding = 16 * std::numeric_limits<double>::epsilon();
-// A monotone piece is divided no more if the slab takes less than this share of its parameter's range.
+// A monotone piece is not divided further if the slab covers less than this share of its parameter range.
 constexpr double kNarrow = 0.125;
-// The derivative along the monotone parameter may vary that much within one piece.
+// The largest ratio by which the derivative along the monotone parameter may vary within one piece.
 constexpr double kSteady = 8;
 
-// A piece of this share of the cut's extent is not divided for being larger than its arc.
+// A piece smaller than this share of the cut's extent is not divided only because it is larger than its arc.
 constexpr double kTiny = 0x1p-21;
 
-// What the budget leaves undivided touches the plane if it is nearly as flat as asked for.
+// A piece that the work limit leaves undivided counts as touching the plane if its height range is within
+// this factor of the finest one.
 constexpr double kNearlyFinest = 16;
 
-// A net being divided, with what is left of its face's parameters.
+// A net that is being divided, with its part of the face's parameters.
 struct Cell {
   OwnedNet net;
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
   std::uint32_t source = 0;
-  double area = 0;  // that the slab's part covers at most
-  double key = 0;   // what is divided first
+  double area = 0;  // upper bound of the area that its part in the slab covers
+  double key = 0;   // priority: the cell with the largest key is divided first
 };
 
-// The patch that cells are pieces of.
+// The patch to which cells belong.
 struct Source {
   const FaceData* data;
   const SpanParameter* u_map;
   const SpanParameter* v_map;
   std::uint32_t face, placed_face;
   bool mixed;   // some of the patch lies outside the face
-  bool counts;  // of a closed solid, and not left out
+  bool counts;  // the face belongs to a closed solid, and is not left out
 };
 
 struct Interval {
@@ -58,10 +59,10 @@ struct Interval {
 // Bounds over one cell.
 struct CellBounds {
   Interval height, axis, along, weight;
-  bool above = true, below = true;  // wholly of the slab
+  bool above = true, below = true;  // the whole cell lies above, or below, the slab
   Interval rise[2];  // of height − level·weight along u and v, over all levels of the slab, rounding included
   double speed[2] = {0, 0};  // of the projection along u and v
-  double tilt[2] = {0, 0};   // how much the heights vary along u and v
+  double tilt[2] = {0, 0};   // variation of the height along u and v
 };
 
 CellBounds Measure(const BezierNet& net, double low, double high) {
@@ -103,7 +104,8 @@ CellBounds Measure(const BezierNet& net, double low, double high) {
   return bounds;
 }
 
-// The derivative's bounds if it keeps its sign: least and largest size. {0, _}: it doesn't.
+// The least and the largest magnitude of a derivative that keeps its sign. The least is 0 if it may change
+// its sign.
 std::pair<double, double> SizeOf(const Interval& rise) {
   if (rise.low > 0) return {rise.low, rise.high};
   if (rise.high < 0) return {-rise.high, -rise.low};
@@ -131,7 +133,7 @@ class Subdivision {
     for (std::size_t f = 0; f < model_.faces.size(); ++f) gaps_[f] = LargestGap(model_, model_.faces[f]);
     for (const Instance& instance : model_.instances)
       for (const PlacedFace face : PlacedFacesOf(model_, instance)) Add(instance, face);
-    // The largest first: that is what the budget is best spent on.
+    // Divide the largest cell first, which is the best use of the limited work.
     for (std::size_t count = 0; !open_.empty(); ++count) {
       std::pop_heap(open_.begin(), open_.end(), Later);
       std::unique_ptr<Cell> cell = std::move(open_.back());
@@ -204,13 +206,13 @@ class Subdivision {
     return heights.low <= high_ + error && heights.high >= low_ - error;
   }
 
-  // The projection of all of the cell.
+  // An upper bound of the area of the whole cell's projection.
   static double BoxArea(const CellBounds& bounds) {
     return std::min(bounds.axis.width() * bounds.along.width(), bounds.speed[0] * bounds.speed[1]);
   }
 
-  // A sliver along the cut is long, and as flat as it is narrow: only what is wide both ways touches the
-  // plane.
+  // A sliver along the cut is long, and as flat as it is narrow. Only a piece that is wide in both directions
+  // touches the plane.
   static double Wide(const CellBounds& bounds) { return std::min(bounds.speed[0], bounds.speed[1]); }
 
   void Push(std::unique_ptr<Cell> cell, const CellBounds& bounds) {
@@ -240,12 +242,13 @@ class Subdivision {
                                    source.v_map->ToNative(cell->v_high)) == RectClass::kOutside)
       return;
 
-    // Wholly within the slab: all of it counts.
+    // A cell entirely within the slab counts completely.
     if (bounds.height.low >= low_ && bounds.height.high <= high_ && high_ - low_ > finest_) {
       Finish(*cell, bounds, bounds.speed[0] + bounds.speed[1]);
       return;
     }
-    // One arc: along the steeper parameter the slab takes a share of it that the derivative bounds.
+    // If the cut is a single arc, the derivative along the steeper parameter bounds the share that the slab
+    // covers.
     int best = -1;
     double share = 1;
     for (int direction = 0; direction < 2; ++direction) {
@@ -259,7 +262,7 @@ class Subdivision {
     }
     const bool tiny = std::max(bounds.speed[0], bounds.speed[1]) <= tiny_;
     if (best >= 0 && share <= kNarrow) {
-      // Where the arc does not run from end to end, the piece may be much larger than the arc.
+      // If the arc does not run from end to end, the piece may be much larger than the arc.
       if (tiny || Crosses(net, best)) {
         cell->area = std::min(cell->area, bounds.speed[0] * bounds.speed[1] * share);
         const double slope = SizeOf(bounds.rise[1 - best]).second / SizeOf(bounds.rise[best]).first;
@@ -279,8 +282,8 @@ class Subdivision {
           bounds.tilt[0] * net.degree_u >= bounds.tilt[1] * net.degree_v ? Direction::kU : Direction::kV);
   }
 
-  // Whether the height, monotone along `direction`, comes from one side of the slab and leaves on the other
-  // on every line of that direction, or ends within it: as it does where the cut runs along a border of
+  // Whether the height, which is monotone along `direction`, passes from one side of the slab to the other on
+  // every line of that direction, or ends within the slab, as it does if the cut runs along a border of
   // patches.
   bool Crosses(const BezierNet& net, int direction) const {
     bool rising = true, falling = true;
@@ -288,7 +291,7 @@ class Subdivision {
     for (int k = 0; k <= count; ++k) {
       const int first = direction == 0 ? k : k * net.stride();
       const int last = direction == 0 ? net.degree_u * net.stride() + k : first + net.degree_v;
-      // Below finest_ no height is told from another.
+      // Heights that differ by less than finest_ cannot be distinguished.
       const auto over = [&](int i, double level, double sign) {
         const double w = net.at(i, kWeight);
         return sign * (net.at(i, kHeight) - level * w) <= net.error[kHeight] + finest_ * w;
@@ -330,7 +333,7 @@ class Subdivision {
   const std::size_t most_pieces_;
   const std::span<const std::uint32_t> leave_out_;
   const NetOperations& nets_;
-  std::vector<double> gaps_;  // of each face's edges
+  std::vector<double> gaps_;  // largest gap of each face's edges, mm
   std::vector<Source> sources_;
   std::vector<std::unique_ptr<Cell>> open_;  // a heap
   OwnedNet halves_[2];
@@ -346,7 +349,7 @@ SlabMeeting MeetSlab(const Scene::Data& scene, const SectionScan& scan, const Se
 }
 
 std::vector<SlabComponent> ThinComponents(std::span<const SlabPiece> pieces, double width, double margin) {
-  // Sweep along the axis, and unite the pieces whose boxes meet.
+  // Sweep along the axis, and merge pieces whose boxes overlap.
   std::vector<std::uint32_t> order(pieces.size()), parent(pieces.size()), active;
   std::iota(order.begin(), order.end(), 0u);
   std::iota(parent.begin(), parent.end(), 0u);

@@ -9,11 +9,13 @@
 namespace facetless {
 namespace {
 
-// Slope of the rays against the axes of the plane that the model's axes give: of the golden ratio, which no
-// drawing has by chance. A face at a right angle to the plane is then hardly ever parallel to them.
+// The slope of the rays relative to the axes of the plane that follow from the model's axes. It is derived
+// from the golden ratio, which real models hardly ever contain, so a face perpendicular to the plane is
+// hardly ever parallel to the rays.
 constexpr double kSlope = 0.38196601125010515;
 
-// The plane's own axis that is farthest from its normal, turned.
+// The direction of the rays: the model axis that is farthest from the normal, projected onto the plane and
+// rotated.
 Vec3 DirectionIn(Vec3 normal) {
   const Vec3 size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
   Vec3 axis{1, 0, 0};
@@ -28,10 +30,10 @@ Vec3 DirectionIn(Vec3 normal) {
 SectionScan::SectionScan(const SectionPlane& section, const Box3& bounds) : plane(section) {
   along = DirectionIn(plane.normal);
   axis = Normalized(Cross(along, plane.normal));
-  // The origin is the foot of the model's centre: coordinates stay small.
+  // The origin is the foot of the model's centre, so that coordinates stay small.
   origin = bounds.center() - Dot(bounds.center() - plane.point, plane.normal) * plane.normal;
   if (const auto range = bounds.empty() ? std::nullopt : RangeOf(bounds, {})) {
-    // A plane that touches the bounds' face must not lose its ends to rounding.
+    // Rounding must not remove the ends of a plane that touches a side of the bounds.
     const double margin = 1e-6 * bounds.diagonal();
     begin = range->first - margin;
     end = range->second + margin;
@@ -49,7 +51,7 @@ std::optional<std::pair<double, double>> SectionScan::RangeOf(const Box3& box,
         {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z});
     corners[i] = {Dot(plane.normal, p - plane.point), Dot(axis, p - origin)};
   }
-  // Where its edges meet the plane.
+  // Find the points where the edges of the box meet the plane.
   double low = INFINITY, high = -INFINITY;
   const auto add = [&](double place) { low = std::min(low, place), high = std::max(high, place); };
   for (int i = 0; i < 8; ++i) {
@@ -81,7 +83,8 @@ SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> c
   const auto clipped = [&](double depth) { return std::clamp(depth, kept.begin, kept.end); };
   if (!(kept.begin < kept.end)) return row;
 
-  // Walk along the row; `entered` holds where each solid that the row is inside of was entered.
+  // Walk along the row. `entered` holds the solids that the row is currently inside of, and the depths at
+  // which it entered them.
   std::vector<SectionArea::OfSolid> entered;
   double since = 0;  // where the row entered the first of them
   for (const SolidCrossing& crossing : crossings) {
@@ -124,8 +127,8 @@ double SectionRows::WayThroughModel(const Ray& ray) const {
 }
 
 Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int count) const {
-  // A view along the plane, one pixel wide: its right is the normal, its column of pixel centres the scan
-  // axis.
+  // Make a view along the plane that is one pixel wide. Its right axis is the normal, and its column of pixel
+  // centres lies on the scan axis.
   Camera camera;
   camera.name = "section";
   camera.width_px = 1;

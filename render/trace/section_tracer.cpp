@@ -42,7 +42,7 @@ SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Cr
     found.normal = shared_.Placed(placed_face).outward *
                    shared_.HitAt(nearest.leaf, nearest.hit.s, nearest.hit.t, x, y).normal;
     found.crossing = &nearest;
-    // What else lies within the error of the depth may be the nearest.
+    // Another crossing within the error of the depth may be the nearest one.
     for (const Crossing& other : crossings.subspan(answer.index + 1)) {
       const double least = other.hit.depth - ErrorOf(other);
       if (least > nearest.hit.depth + ErrorOf(nearest)) continue;
@@ -58,7 +58,7 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
   tracer->Trace(index, &crossings_);
   PutInOrder(shared_.view, &crossings_);
 
-  // Samples of the tile do not follow each other in the image: find each one's run.
+  // The samples of a tile are not consecutive in the image, so find the crossings of each sample.
   const auto run_of = [&](std::uint32_t sample) -> std::span<const Crossing> {
     const auto begin = std::lower_bound(crossings_.begin(), crossings_.end(), sample,
                                         [](const Crossing& c, std::uint32_t s) { return c.sample < s; });
@@ -72,8 +72,8 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       const std::size_t out = std::size_t(row) * samples->width + column;
       const std::uint8_t doubt = tracer->empty() ? 0 : tracer->doubt[i * kTileSize + j];
       Found found = Look(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
-      // Roots of hard leaves have been asked about. Whether the ray is clear depends on what the planes
-      // remove: it is not asked.
+      // Roots of hard leaves have already been verified. Rays are not verified here, because whether a ray is
+      // clear depends on what the planes remove.
       if (shared_.check && found.crossing && found.doubt == 0) {
         const std::uint32_t leaf = found.crossing->leaf;
         const TileHit& hit = found.crossing->hit;

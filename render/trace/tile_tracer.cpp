@@ -6,8 +6,8 @@
 namespace facetless {
 namespace {
 
-// A gap seen at grazing incidence covers gap/cosine of the surface; beyond this factor the band would swallow
-// the face.
+// The largest band_scale. A gap seen at grazing incidence covers gap/cosine of the surface; with a larger
+// factor, the band would cover the whole face.
 constexpr double kMaxBandScale = 64;
 
 // A border of a patch in one of its parameters.
@@ -15,7 +15,8 @@ struct PatchBorder {
   bool across_u, high;
 };
 
-// Which border a root lies on or beyond, within its error. None at a corner: there it has three neighbours.
+// The border on which a root lies, or beyond which it lies, within its error. Nothing at a corner, where
+// there are three neighbours.
 std::optional<PatchBorder> BorderOf(double u, double error_u, double v, double error_v) {
   const bool low_u = u<error_u, high_u = u> 1 - error_u, low_v = v<error_v, high_v = v> 1 - error_v;
   if (low_u + high_u + low_v + high_v != 1) return {};
@@ -106,7 +107,7 @@ TileTracer::Root TileTracer::RootOf(const FallbackRoot& root) {
 }
 
 TrimAnswer TileTracer::QueryTrim(const LeafSite& site, const Root& root, double cosine) const {
-  // Map the hit to native parameters: the hit, never the curve.
+  // Map the hit to native parameters. The curve is never mapped.
   const double u = site.U(root.s), v = site.V(root.t);
   return shared_.scene.faces[site.placed.face].trim.Query(
       site.u_map->ToNative(u), site.v_map->ToNative(v), root.error_s * site.rect.u_half / site.u_map->Rate(u),
@@ -122,7 +123,7 @@ bool TileTracer::IsInsideFace(const LeafSite& site, const Root& root, double x, 
   const HitGeometry geometry = shared_.HitAt(site.leaf, root.s, root.t, x, y);
   const TrimAnswer answer = QueryTrim(site, root, geometry.cosine);
 
-  // In an edge's band, both faces ask the edge itself.
+  // In the band of an edge, the edge itself decides for both faces.
   if (answer.coedge != kNoIndex && root.jacobian_sign != 0) {
     const double mm_per_px = std::max(shared_.frame.pixel_x, shared_.frame.pixel_y) *
                              (shared_.frame.projection == Projection::kPerspective ? geometry.depth : 1);
@@ -135,7 +136,7 @@ bool TileTracer::IsInsideFace(const LeafSite& site, const Root& root, double x, 
     }
   }
   if (answer.certain) return answer.inside;
-  // A whole surface that closes goes on across its border.
+  // A closed surface without trimming continues across its border.
   if (shared_.scene.faces[placed.face].trim.whole() &&
       NeighbourOf(site, root, {geometry.depth, root.s, root.t, DepthErrorOf(job_.leaves, site.leaf)}, x, y))
     return true;
@@ -149,7 +150,7 @@ bool TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const 
   RayWork& work = work_[sample];
   const std::uint64_t* rows = bitmaps_.Row(sample / kTileSize);
   const std::uint64_t* columns = bitmaps_.Column(sample % kTileSize);
-  // A seam leaf asks all leaves of its ray, so that many seams on one ray ask many times as many.
+  // A seam leaf examines all leaves of its ray, so many seams on one ray multiply the work.
   work.Spend(job_.words);
   for (int word = 0; word < job_.words; ++word) {
     for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
@@ -180,7 +181,7 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own
                                                      own.rect.V(root.t), root.error_t * own.rect.v_half);
   if (!border || root.jacobian_sign == 0) return {};
 
-  // The patch across it; on a closed surface, that at the other end.
+  // Find the patch across the border; on a closed surface, this may be the patch at the other end.
   const Model& model = *shared_.scene.model;
   const Surface& surface = model.surfaces[model.faces[own.placed.face].surface];
   const std::uint32_t nu = surface.u_spans.count, nv = surface.v_spans.count;
@@ -190,7 +191,8 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own
   across = border->high ? (across + 1) % count : (across + count - 1) % count;
   const std::uint32_t patch = i * nv + j;
 
-  // How far apart the two may be along the border and off it: what neighbours overlap, in native parameters.
+  // The two roots may differ along the border and across it by the overlap of neighbours, in native
+  // parameters.
   const auto native = [&](const LeafSite& site, const Root& at) {
     struct Native {
       double along, reach_along, reach_off, rate_off;
@@ -203,8 +205,8 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own
                             : Native{site.u_map->ToNative(u), reach_u, reach_v, rate_v};
   };
   const auto here = native(own, root);
-  // And in depth, which changes by its error where the root moves by its own. The ends of a surface that does
-  // not close may lie behind each other.
+  // The depths must agree, too: the depth changes by its error if the root moves by its own. (The ends of a
+  // surface that is not closed may lie behind each other.)
   const auto depth_reach = [](const Root& at, double error) {
     return error * (4 + kBorderOverlap / std::min(at.error_s, at.error_t));
   };
@@ -213,7 +215,7 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own
   const auto consider = [&](const LeafSite& site, const Root& other, const TileHit& hit) {
     const auto there = native(site, other);
     const double beyond_low = border->across_u ? site.rect.U(other.s) : site.rect.V(other.t);
-    const double inside = border->high ? beyond_low : 1 - beyond_low;  // of the opposite border
+    const double inside = border->high ? beyond_low : 1 - beyond_low;  // position of the opposite border
     const double error =
         border->across_u ? other.error_s * site.rect.u_half : other.error_t * site.rect.v_half;
     if (other.jacobian_sign * root.jacobian_sign <= 0 ||
@@ -234,9 +236,9 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own
 
 bool TileTracer::OnSeam(const LeafSite& own, const Root& root, const TrimAnswer& answer, double depth,
                         double x, double y) {
-  // The face goes on there: whichever coedge the edge gives the ray to, the ray has its hit.
+  // The face continues there: whichever coedge gets the ray, there is a hit.
   const Model& model = *shared_.scene.model;
-  // At a corner another edge has a say.
+  // At a corner, another edge takes part in the decision.
   if (answer.other_coedge != kNoIndex &&
       model.coedges[answer.other_coedge].edge != model.coedges[answer.coedge].edge)
     return false;
@@ -255,14 +257,14 @@ bool TileTracer::OnSeam(const LeafSite& own, const Root& root, const TrimAnswer&
 
 bool TileTracer::OwnsBorderRoot(const LeafSite& site, const Root& root, double x, double y, TileHit* hit,
                                 std::uint8_t* hit_doubt) {
-  // Where both patches have the root and turn the same way, the border runs between their images: one of them
-  // has the ray, and the surface there is seen by it once.
+  // If both patches have the root with the same orientation, the border runs between their images. Exactly
+  // one of them contains the ray, and the ray meets the surface once.
   const std::optional<Neighbour> neighbour = NeighbourOf(site, root, *hit, x, y);
   if (!neighbour || !neighbour->within) {
     *hit_doubt |= kDoubtTwoRoots;
     return true;
   }
-  // A root beyond the border is the neighbour's, unless there is an edge to decide that.
+  // A root beyond the border belongs to the neighbour, unless there is an edge, which then decides.
   const double u = site.rect.U(root.s), v = site.rect.V(root.t);
   const double error_u = root.error_s * site.rect.u_half, error_v = root.error_t * site.rect.v_half;
   const bool beyond = u < -error_u || u > 1 + error_u || v < -error_v || v > 1 + error_v;
@@ -276,7 +278,7 @@ bool TileTracer::IsTrimmed(std::uint32_t id) const {
 }
 
 std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, RootSink* roots) {
-  // Every root of the face on this ray, with the trimming's answer.
+  // Find every root of the face on this ray that lies inside the trimming.
   seam_roots_.clear();
   const bool complete =
       EveryRoot(seam.placed_face, x, y, [&](std::uint32_t id, const Root& root, const TileHit& hit) {
@@ -287,7 +289,7 @@ std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, Roo
       });
   if (!complete) return kDoubtLimit;
 
-  // One more where they don't come out odd, or even, as the border says.
+  // Add one crossing if the parity of the roots differs from the parity that the border requires.
   std::sort(seam_roots_.begin(), seam_roots_.end(),
             [](const RootTwin& a, const RootTwin& b) { return a.depth < b.depth; });
   const auto end = std::unique(seam_roots_.begin(), seam_roots_.end(),
@@ -324,14 +326,15 @@ std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, 
   return result;
 }
 
-// Why a root of the fallback solver is not certified.
+// The reasons why a root of the fallback solver is not certified.
 std::uint8_t TileTracer::DoubtOf(std::uint32_t id, const FallbackRoot& root, double x, double y) const {
   std::uint8_t result = 0;
   if (!root.proven) {
     const bool singular = shared_.HitAt(id, root.hit.s, root.hit.t, x, y).singular;
     result |= singular ? kDoubtPole : kDoubtSilhouette;
   }
-  // Another root of the same leaf, not the same one found again at the border of two pieces.
+  // Look for another root of the same leaf, which is not the same root found again at the border of two
+  // pieces.
   const auto apart = [](double a, double b, double errors) {
     return std::fabs(a - b) > errors + 2 * kBorderOverlap;
   };

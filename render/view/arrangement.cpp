@@ -10,7 +10,7 @@
 namespace facetless {
 namespace {
 
-// What an error message lists of the names that there are.
+// The number of names, and of bytes per name, that an error message lists.
 constexpr std::size_t kMostNames = 12, kMostNameBytes = 60;
 
 std::string Lowered(std::string text) {
@@ -19,11 +19,12 @@ std::string Lowered(std::string text) {
   return text;
 }
 
-bool Continues(char c) {  // a character of UTF-8 that began before
+// Whether the byte continues a UTF-8 character.
+bool Continues(char c) {
   return (static_cast<unsigned char>(c) & 0xc0) == 0x80;
 }
 
-// Whether the whole of `name` is as the pattern says: back to the last star as often as it takes.
+// Whether the pattern matches the whole of `name`. On a mismatch, the match resumes at the last star.
 bool Globs(const std::string& pattern, const std::string& name) {
   std::size_t p = 0, n = 0, star = std::string::npos, after_star = 0;
   while (n < name.size()) {
@@ -48,7 +49,7 @@ bool Globs(const std::string& pattern, const std::string& name) {
                      [](char c) { return c == '*'; });
 }
 
-// The end of a path says more than its beginning.
+// Shortens a name from the front, because the end of a path is more informative than its beginning.
 std::string Shortened(const std::string& name) {
   if (name.size() <= kMostNameBytes) return name;
   std::size_t begin = name.size() - kMostNameBytes;
@@ -70,7 +71,7 @@ Error NoSuchPart(const std::string& option, const std::string& pattern,
                                     (different.size() == 1 ? "is " : "are ") + list};
 }
 
-// Marks what one of the patterns matches.
+// Marks the names that at least one of the patterns matches.
 Result<std::vector<bool>> Matched(const char* option, const std::vector<std::string>& patterns,
                                   const std::vector<std::string>& names) {
   std::vector<bool> matched(names.size(), false);
@@ -122,7 +123,7 @@ Result<Arrangement> Arrange(const Model& model, const ArrangementRequest& reques
   if (!hidden) return hidden.error();
 
   Arrangement arrangement;
-  std::size_t left_out = 0;  // by the file itself
+  std::size_t left_out = 0;  // number of instances that the file hides
   std::vector<Box3> boxes = InstanceBounds(model, NativeToBezier);
   for (std::uint32_t i = 0; i < names.size(); ++i) {
     if ((!request.parts.empty() && !wanted.value()[i]) || hidden.value()[i]) continue;
@@ -171,7 +172,7 @@ Result<Mesh> Arranged(const Mesh& mesh, const Model& model, const Arrangement& a
         ErrorCode::kBadUsage,
         "--parts, --hide and --explode need a mesh of our own: nobody knows what the parts of another "
         "program's are"};
-  // Where each instance went.
+  // The new index of each instance.
   std::vector<std::uint32_t> place(model.instances.size(), kNoIndex);
   std::vector<std::uint32_t> first_placed_face;
   std::uint32_t next_placed_face = 0;
@@ -183,7 +184,8 @@ Result<Mesh> Arranged(const Mesh& mesh, const Model& model, const Arrangement& a
   Mesh arranged = mesh;
   arranged.nodes.clear();
   for (MeshNode node : mesh.nodes) {
-    if (node.first_placed_face >= model.PlacedFaceCount()) continue;  // of an instance without faces
+    if (node.first_placed_face >= model.PlacedFaceCount())
+      continue;  // the node belongs to an instance without faces
     const std::uint32_t to = place[model.InstanceOf(node.first_placed_face)];
     if (to == kNoIndex) continue;
     node.placement = Moved(node.placement, arrangement.shifts[to]);

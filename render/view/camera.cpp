@@ -11,21 +11,21 @@ namespace facetless {
 namespace {
 
 constexpr int kMaxPixels = 65536;
-// The least sine of the angle between `up` and the view direction. Rounding turns the image by about 1e-16 /
-// sine radians: at this value by 1e-10, a hundred-thousandth of a pixel at the largest size.
+// The least sine of the angle between `up` and the view direction. Rounding rotates the image by about 1e-16
+// / sine radians, which at this value is 1e-10, or a hundred-thousandth of a pixel at the largest size.
 constexpr double kMinUpSine = 1e-6;
-// Lengths, mm, between which products of four of them, and of what leaves divide them into, stay far inside
-// the range of a double, and a length inside that of a float.
+// The range of lengths, mm. Within it, products of four lengths, also of the small lengths of leaves, stay
+// well inside the range of a double, and lengths stay inside the range of a float.
 constexpr double kLeastLength = 1e-30, kGreatestLength = 1e30;
-// nearest depth that a perspective view shows, of the model's diagonal
+// The least depth that a perspective view shows, as a share of the model's diagonal.
 constexpr double kNearShare = 1e-9;
 constexpr double kNamedFovDeg = 40;
 // A named perspective view keeps this share of the model's diagonal between the eye and the nearest corner of
 // the box.
 constexpr double kStandOff = 0.1;
 
-// tan of half the field of view, the same on every processor: two doublings of the tangent of an eighth,
-// which keep PolyTan in the range where it is best.
+// The tangent of half the field of view, the same on every processor. It is computed by doubling the tangent
+// of an eighth twice, which keeps PolyTan in its most accurate range.
 double TanOfHalf(double fov_deg) {
   double tangent = PolyTan(fov_deg * (std::numbers::pi / 1440));
   for (int doubling = 0; doubling < 2; ++doubling) tangent = 2 * tangent / std::fma(-tangent, tangent, 1.0);
@@ -93,7 +93,7 @@ Camera Camera::Supersampled(int kx, int ky) const {
 }
 
 Result<CameraFrame> MakeFrame(const Camera& camera, double diagonal_mm) {
-  // Check every number before using it, in the form that NaN fails.
+  // Check every number before it is used, in a form that rejects NaN.
   if (!ValidName(camera.name)) return Bad(camera, "a name consists of letters, digits, '_' and '-'");
   if (!Finite(camera.eye) || !Finite(camera.target) || !Finite(camera.up))
     return Bad(camera, "eye, target and up must be finite numbers");
@@ -122,7 +122,7 @@ Result<CameraFrame> MakeFrame(const Camera& camera, double diagonal_mm) {
   frame.right = Normalized(right);
   frame.down = Cross(frame.forward, frame.right);
 
-  // Size the samples: pixels are square, samples need not be.
+  // Compute the size of samples. Pixels are square; samples need not be.
   const double window = orthographic ? camera.height : 2 * TanOfHalf(camera.fov_y_deg);
   const double sample_y = window / camera.height_px;
   frame.pixel_y = sample_y;
@@ -176,7 +176,7 @@ Result<BoxFit> FitBox(const Camera& camera, const Box3& bounds, double margin) {
   const Result<CameraFrame> frame = MakeFrame(camera, size);
   if (!frame.ok()) return frame.error();
 
-  // Fit the corners of the box into the window, less its margin.
+  // Fit the corners of the box into the window inside the margin.
   const double used = 1 - 2 * margin;
   const double aspect = static_cast<double>(camera.width_px) / camera.height_px;
   const double tan_y = TanOfHalf(camera.fov_y_deg) * used;

@@ -6,12 +6,13 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = 0x1p-53;
-// Units of rounding: an axis is a normalised cross product, pulled back by the placement and divided by the
-// pixel size, and its dot product adds three products; placing the eye subtracts a translation and adds three
-// products.
+// Rounding in units of roundoff. An axis is a normalised cross product, transformed by the placement and
+// divided by the pixel size, and its dot product adds three products. Placing the eye subtracts a translation
+// and adds three products.
 constexpr double kAxisUnits = 16, kPlacingUnits = 8;
 
-// The placement's linear part, transposed, applied to a camera axis: the axis in part coordinates.
+// Applies the transposed linear part of the placement to a camera axis, which gives the axis in part
+// coordinates.
 Vec3 Pull(const Placement& placement, Vec3 axis) {
   const auto& m = placement.m;
   return {m[0][0] * axis.x + m[1][0] * axis.y + m[2][0] * axis.z,
@@ -26,8 +27,8 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
       down_((1 / frame.pixel_y) * Pull(placement, frame.down)),
       forward_(Pull(placement, frame.forward)),
       perspective_(frame.projection == Projection::kPerspective) {
-  // The eye in part coordinates (exactly so for a rigid placement), and what that leaves over. Both are
-  // relative to where the part is placed: a part far from the origin loses no digits, if the eye is near it.
+  // Compute the eye in part coordinates (exact for a rigid placement), and the remainder. Both are relative
+  // to the position of the part, so a part far from the origin loses no precision if the eye is near it.
   const Vec3 translation{placement.m[0][3], placement.m[1][3], placement.m[2][3]};
   const Vec3 eye = frame.eye - translation;
   origin_ = Pull(placement, eye);
@@ -36,7 +37,7 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
   y_ = Dot(rest, frame.down) / frame.pixel_y;
   z_ = Dot(rest, frame.forward);
 
-  // What a placement rounds; one that moves nothing rounds nothing.
+  // Bound the rounding of the placement; the identity does not round.
   const auto size = [](Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); };
   origin_size_ = size(origin_);
   if (size(rest) > 0 || size(translation) > 0)
@@ -47,7 +48,7 @@ ViewProjection::ViewProjection(const CameraFrame& frame, const Placement& placem
 ViewProjection::Point ViewProjection::Error(Vec4 p) const {
   const double d =
       std::fabs(p.x - p.w * origin_.x) + std::fabs(p.y - p.w * origin_.y) + std::fabs(p.z - p.w * origin_.z);
-  // p.w·origin is exact where p.w is 1.
+  // p.w·origin is exact if p.w is 1.
   const double error =
       kEpsilon * (kAxisUnits * d + (p.w == 1 ? 0 : p.w * origin_size_)) + p.w * placed_error_;
   const double x = scale_.x * error, y = scale_.y * error, z = scale_.z * error;

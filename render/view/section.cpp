@@ -11,9 +11,9 @@
 namespace facetless {
 namespace {
 
-// Roundings on the way to a plane's depth: two differences, two dot products of three terms, one quotient.
+// The rounding of a plane's depth: two differences, two dot products of three terms, and one quotient.
 constexpr double kPlaneRounding = 8 * std::numeric_limits<double>::epsilon();
-// How far a unit vector's square may be from 1 after its own roundings.
+// The largest difference between 1 and the square of a unit vector, due to rounding.
 constexpr double kUnitRounding = 1e-9;
 
 }  // namespace
@@ -86,7 +86,7 @@ KeptInterval KeptOf(const Ray& ray, std::span<const SectionPlane> planes, double
     const double height = Dot(plane.normal, ray.origin - plane.point);
     const double rate = Dot(plane.normal, ray.direction);
     if (rate == 0) {
-      // A ray in the plane itself meets what law 4 calls the removed side.
+      // A ray in the plane itself belongs to the removed side (law 4).
       if (height >= 0) return {INFINITY, -INFINITY, 0, 0, -1};
       continue;
     }
@@ -110,7 +110,7 @@ SectionAnswer SectionDecision::Decide(std::span<const SolidCrossing> crossings, 
   SectionAnswer answer;
   if (!(kept.begin < kept.end)) return answer;
 
-  // Count for each solid: all crossings, and those beyond the beginning.
+  // For each solid, count all crossings and those beyond the beginning of the interval.
   counts_.clear();
   std::uint32_t first = kNoIndex;
   for (std::uint32_t i = 0; i < crossings.size(); ++i) {
@@ -129,7 +129,7 @@ SectionAnswer SectionDecision::Decide(std::span<const SolidCrossing> crossings, 
     count->odd_beyond = count->odd_beyond != beyond;
   }
 
-  // The cap comes before everything that is kept.
+  // If there is a cap, it is nearer than every kept crossing.
   std::uint32_t inside = kNoIndex;
   for (const Count& count : counts_) {
     answer.odd |= count.odd;

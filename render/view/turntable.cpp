@@ -1,4 +1,4 @@
-// TurntableCameras of camera.h.
+// Implements TurntableCameras of camera.h.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,8 +10,9 @@
 namespace facetless {
 namespace {
 
-// Cosine and sine of step/count of a turn, the same on every processor: by the rational form in the tangent
-// of half the angle, within an eighth of a turn of the nearest axis. Quarters of a turn are exact.
+// The cosine and the sine of step/count of a turn, the same on every processor. They are computed by the
+// rational form in the tangent of half the angle, relative to the nearest axis, and are exact for quarters of
+// a turn.
 Vec2 OnTurn(int step, int count) {
   const int quarter = (8 * step + count) / (2 * count);                         // the nearest, rounded up
   const double rest = static_cast<double>(4 * step - quarter * count) / count;  // in quarters, ±1/2
@@ -21,7 +22,7 @@ Vec2 OnTurn(int step, int count) {
   return p;
 }
 
-// `v` turned about the unit vector `axis`.
+// Rotates `v` about the unit vector `axis`.
 Vec3 Turned(Vec3 v, Vec3 axis, Vec2 turn) {
   const Vec3 along = Dot(v, axis) * axis, across = v - along;
   return along + turn.x * across + turn.y * Cross(axis, across);
@@ -56,7 +57,7 @@ Result<std::vector<Camera>> TurntableCameras(const Camera& first, UpAxis up, int
   }
   if (fit == nullptr) return cameras;
 
-  // One window for all, so that nothing pulses while it turns.
+  // Use the same window for all frames, so that the size of the model does not change during the turn.
   for (Camera& camera : cameras) {
     if (camera.projection == Projection::kPerspective) {
       camera.eye = camera.target + needed.distance_mm * Normalized(camera.eye - camera.target);
