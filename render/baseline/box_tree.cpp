@@ -22,12 +22,12 @@ struct BoxTree::Data {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<ScreenBox> boxes;  // until the tree is built
-  double nearest = 0;            // of all boxes: depths are counted from here
+  double nearest = 0;            // nearest depth of all boxes; Embree's depths are relative to it
 };
 
 namespace {
 
-// Rays begin this far before the nearest box.
+// The distance of the start of a ray from the nearest box.
 constexpr float kLeadIn = 1;
 
 float RoundedDown(double x) {
@@ -46,13 +46,13 @@ void BoundsOf(const BoxTree::Data& data, unsigned index, RTCBounds& bounds) {
   bounds.upper_x = static_cast<float>(box.col_end);
   bounds.lower_y = static_cast<float>(box.row_begin);
   bounds.upper_y = static_cast<float>(box.row_end);
-  // What lies behind its beginning makes no difference to who is met and when.
+  // Only the beginning of a box affects which boxes a ray visits, and in which order.
   bounds.lower_z = bounds.upper_z = RoundedDown(box.near_depth - data.nearest);
 }
 
-// What a ray brings along: Embree hands the context back.
+// The data of a ray. Embree passes the context back to the callback.
 struct Query {
-  RTCIntersectContext context;  // first, so that a pointer to it is one to the query
+  RTCIntersectContext context;  // must be the first member, so that a pointer to it is a pointer to the query
   BoxTree::Meet meet;
   void* caller;
   double nearest;
@@ -87,7 +87,7 @@ Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
   rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
   const RTCGeometry geometry = rtcNewGeometry(data->device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes.size()));
-  // Embree asks on oneTBB's threads.
+  // Embree calls this function on oneTBB's threads.
   const auto bounds = [&data](unsigned index, RTCBounds* out) { BoundsOf(*data, index, *out); };
   using BoundsWork = SharedWork<decltype(bounds)>;
   std::optional<BoundsWork> work(bounds);

@@ -1,5 +1,5 @@
-// glTF 2.0 binary through tinygltf. That library is trusted to parse JSON and to copy chunks; everything it
-// hands over is checked here.
+// Reads glTF 2.0 binary with tinygltf. The library is trusted to parse JSON and to copy chunks. Everything
+// that it returns is checked here.
 #include <tiny_gltf.h>
 
 #include <cmath>
@@ -17,14 +17,14 @@
 namespace facetless {
 namespace {
 
-// tinygltf walks `extras` and extensions recursively; a few hundred bytes of stack per level are safe at
-// this depth.
+// tinygltf processes `extras` and extensions recursively, with a few hundred bytes of stack per level. This
+// depth is safe.
 constexpr int kMaxJsonDepth = 100;
-// A parsed JSON document takes some twenty times its text.
+// A parsed JSON document takes about twenty times the memory of its text.
 constexpr std::size_t kMaxJsonBytes = std::size_t{256} << 20;
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
-// What |n|² of a unit normal in float32 may be off by: three squares, each rounded, and their coordinates'
-// own rounding.
+// The tolerance of |n|² for a unit normal in float32: three rounded squares, and the rounding of the
+// coordinates.
 constexpr double kUnitSlack = 8 * 1.2e-7;
 
 std::uint32_t ReadU32(const unsigned char* p) {
@@ -33,7 +33,7 @@ std::uint32_t ReadU32(const unsigned char* p) {
   return value;
 }
 
-// The deepest nesting of a JSON text's brackets, strings skipped.
+// The deepest nesting of brackets in a JSON text, outside of strings.
 int JsonDepth(Bytes text) {
   int depth = 0, deepest = 0;
   bool in_string = false;
@@ -70,7 +70,8 @@ class GlbReader {
     return {ErrorCode::kLimitExceeded, name_ + ": the triangles take more memory than " +
                                            std::to_string(options_.max_memory_bytes) + " bytes"};
   }
-  // Adds to what the mesh takes. Primitives may share data, so a small file can describe a large mesh.
+  // Counts memory of the mesh, and returns whether the limit is kept. Primitives may share data, so a small
+  // file can describe a large mesh.
   bool Charge(std::uint64_t bytes) { return (memory_ += bytes) <= options_.max_memory_bytes; }
   Result<void> CheckChunks(Bytes bytes) const;
   Result<void> Parse(Bytes bytes);
@@ -92,7 +93,7 @@ class GlbReader {
   tinygltf::Model gltf_;
   std::map<std::pair<int, int>, std::uint32_t>
       vertex_blocks_;         // (position, normal accessors) → first vertex in the part
-  std::uint64_t memory_ = 0;  // that the mesh takes
+  std::uint64_t memory_ = 0;  // memory of the mesh so far, bytes
 };
 
 Result<void> GlbReader::CheckChunks(Bytes bytes) const {
@@ -120,7 +121,7 @@ Result<void> GlbReader::CheckChunks(Bytes bytes) const {
 
 Result<void> GlbReader::Parse(Bytes bytes) {
   tinygltf::TinyGLTF loader;
-  // Images are of no interest, and other files are not this file's business.
+  // Do not load images, and do not read other files.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
                            const unsigned char*, int, void*) { return true; },
                         nullptr);
@@ -149,8 +150,8 @@ Result<void> GlbReader::Parse(Bytes bytes) {
 }
 
 Result<void> GlbReader::CheckExtensions() const {
-  // What changes positions or primitives is not read; what only changes materials, lights or images doesn't
-  // matter here.
+  // Extensions that change positions or primitives are refused. Extensions that only change materials, lights
+  // or images can be ignored.
   static const std::set<std::string> harmless = {
       "KHR_materials_unlit",        "KHR_texture_transform", "KHR_lights_punctual",
       "KHR_materials_variants",     "KHR_texture_basisu",    "EXT_texture_webp",
@@ -203,7 +204,7 @@ Result<GlbReader::View> GlbReader::Elements(int index, int type, int component_t
     return Broken(where + " lies in a buffer that does not exist");
   const std::vector<unsigned char>& buffer = gltf_.buffers[view.buffer].data;
 
-  // Everything in the form that cannot overflow: what is left after each step.
+  // Check everything in a form that cannot overflow, by the number of bytes that remain after each step.
   const std::size_t element = static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(component_type)) *
                               static_cast<std::size_t>(tinygltf::GetNumComponentsInType(type));
   const std::size_t stride = view.byteStride == 0 ? element : view.byteStride;
@@ -248,8 +249,8 @@ Result<std::vector<std::uint32_t>> GlbReader::ReadIndices(int index) const {
   return indices;
 }
 
-// Appends the primitive's vertices, unless another primitive of the part brought the same ones; returns the
-// first one's index.
+// Appends the vertices of the primitive, unless another primitive of the part has added the same ones.
+// Returns the index of the first vertex.
 Result<std::uint32_t> GlbReader::AddVertices(const tinygltf::Primitive& primitive, MeshPart& part,
                                              bool& normals_missing) {
   const auto position = primitive.attributes.find("POSITION");
@@ -285,7 +286,7 @@ Result<std::uint32_t> GlbReader::AddVertices(const tinygltf::Primitive& primitiv
 
 Result<void> GlbReader::AddTriangles(const tinygltf::Primitive& primitive, std::uint32_t base,
                                      std::uint32_t face, MeshPart& part) {
-  // The vertices that this primitive may name: those of its own accessor.
+  // The primitive may refer only to the vertices of its own accessor.
   const std::size_t vertices = gltf_.accessors[primitive.attributes.at("POSITION")].count;
   std::vector<std::uint32_t> indices;
   if (primitive.indices >= 0) {
@@ -300,7 +301,7 @@ Result<void> GlbReader::AddTriangles(const tinygltf::Primitive& primitive, std::
     if (index >= vertices)
       return Broken("a triangle names vertex " + std::to_string(index) + " of " + std::to_string(vertices));
 
-  // Lists, strips (every second one turned) and fans.
+  // Convert lists, strips (in which every second triangle is reversed) and fans.
   const bool list = primitive.mode == TINYGLTF_MODE_TRIANGLES,
              strip = primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
   const std::size_t count = list ? indices.size() / 3 : indices.size() < 3 ? 0 : indices.size() - 2;
@@ -322,7 +323,7 @@ Result<MeshPart> GlbReader::ReadPart(const tinygltf::Mesh& mesh, bool& faces_nam
   vertex_blocks_.clear();
   bool normals_missing = false;
   for (const tinygltf::Primitive& primitive : mesh.primitives) {
-    // Points and lines show nothing.
+    // Skip points and lines.
     if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN)
       continue;
@@ -340,15 +341,14 @@ Result<MeshPart> GlbReader::ReadPart(const tinygltf::Mesh& mesh, bool& faces_nam
 Result<Placement> GlbReader::LocalPlacement(const tinygltf::Node& node) const {
   Placement local;
   if (!node.matrix.empty()) {
-    // Columns first; the last row says nothing new.
+    // The matrix is column-major. Its last row must be (0, 0, 0, 1).
     const std::vector<double>& m = node.matrix;
     if (m.size() != 16 || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
       return Broken("node '" + node.name + "' has a matrix that is no placement");
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column) local.m[row][column] = m[4 * column + row];
   } else {
-    // Rotate after scaling, then move; a quaternion is (x, y, z, w) and need not be normalised to the last
-    // bit.
+    // Scale, rotate and then translate. The quaternion is (x, y, z, w) and may not be exactly normalised.
     const Vec3 t = node.translation.size() == 3
                        ? Vec3{node.translation[0], node.translation[1], node.translation[2]}
                        : Vec3{};
@@ -376,7 +376,7 @@ Result<Placement> GlbReader::LocalPlacement(const tinygltf::Node& node) const {
 }
 
 Result<void> GlbReader::ReadNodes(const Placement& root, Mesh& mesh) {
-  // Start from the default scene, else the first, else every node that no other node holds.
+  // Start from the default scene, or else from the first scene, or else from all nodes without a parent.
   std::vector<int> roots;
   if (!gltf_.scenes.empty()) {
     const std::size_t scene = gltf_.defaultScene < 0 ? 0 : static_cast<std::size_t>(gltf_.defaultScene);
@@ -391,7 +391,7 @@ Result<void> GlbReader::ReadNodes(const Placement& root, Mesh& mesh) {
       if (!held[i]) roots.push_back(static_cast<int>(i));
   }
 
-  // Walk the tree, parents first, in the file's order.
+  // Walk the tree in the order of the file, parents first.
   struct Visit {
     int node;
     Placement parent;
@@ -449,7 +449,7 @@ Result<Mesh> GlbReader::Read(Bytes bytes, FileAxes axes) {
   if (Result<void> placed = ReadNodes(FileToModel(axes), mesh); !placed.ok()) return placed.error();
   if (PlacedTriangleCount(mesh) == 0)
     return Error{ErrorCode::kNothingUsable, name_ + ": the mesh has no visible triangle"};
-  // A mesh that names no faces is one face.
+  // A mesh without face ids counts as a single face.
   if (!mesh.from_model) {
     for (MeshPart& part : mesh.parts) part.face_of_triangle.assign(part.triangles.size(), 0);
     for (MeshNode& node : mesh.nodes) node.first_placed_face = 0;

@@ -1,6 +1,6 @@
-// glTF 2.0 binary through tinygltf, in the layout of the importer's own files: a node for each placement
-// under a root that turns millimetres, Z up, into metres, Y up; a mesh for each part, and a primitive for
-// each face of it, which has the number of its face in `extras`.
+// Writes glTF 2.0 binary with tinygltf, in the layout of the importer's files. There is a node for each
+// placement, below a root node that converts millimetres with Z up to metres with Y up. There is a mesh for
+// each part, and a primitive for each of its faces, with the index of the face in `extras`.
 #include <tiny_gltf.h>
 
 #include <cmath>
@@ -14,12 +14,12 @@
 namespace facetless {
 namespace {
 
-// glTF binary has 32 bits for the length of a file.
+// glTF binary stores the length of a file in 32 bits.
 constexpr std::uint64_t kMaxBytes = std::uint64_t{0xffffffff};
-// Materials as plastics: neither metal nor mirror.
+// All materials look like plastic, neither metallic nor mirror-like.
 constexpr double kRoughness = 0.6;
 
-// The inverse of the transfer curve of sRGB: glTF's factors are linear.
+// Converts an sRGB byte to linear light, because colour factors in glTF are linear.
 double Linear(std::uint8_t byte) {
   const double x = byte / 255.0;
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
@@ -55,7 +55,7 @@ class GlbWriter {
   }
 
  private:
-  // A face's accessors: one set for all placements, whatever their colours.
+  // The accessors of a face, shared by all placements whatever their colours.
   struct FaceData {
     std::uint32_t face = 0;
     int positions = 0, normals = 0, indices = 0;
@@ -105,7 +105,7 @@ class GlbWriter {
     for (std::size_t begin = 0, end = 0; begin < part.triangles.size(); begin = end) {
       const std::uint32_t face = part.face_of_triangle[begin];
       while (end < part.triangles.size() && part.face_of_triangle[end] == face) ++end;
-      // The vertices of the face, in the order of its triangles.
+      // Collect the vertices of the face, in the order of its triangles.
       std::vector<std::uint32_t> vertices, corners;
       for (std::size_t t = begin; t < end; ++t)
         for (std::uint32_t vertex : part.triangles[t]) {
@@ -174,15 +174,15 @@ class GlbWriter {
       if (color[3] < 255) material.alphaMode = "BLEND";
       material.pbrMetallicRoughness.metallicFactor = 0;
       material.pbrMetallicRoughness.roughnessFactor = kRoughness;
-      // Open shells are seen from both sides.
+      // Open shells are visible from both sides.
       material.doubleSided = true;
       gltf_.materials.push_back(std::move(material));
     }
     return place->second;
   }
 
-  // The root turns millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a column-major
-  // matrix.
+  // Sets the column-major matrix of the root, which converts millimetres with Z up to metres with Y up: (x,
+  // y, z) -> (x, z, -y) / 1000.
   void FinishRoot() {
     tinygltf::Node& root = gltf_.nodes.front();
     root.name = Printable(model_.info.file);
@@ -203,7 +203,8 @@ class GlbWriter {
                                           {"from_model", tinygltf::Value(true)}});
   }
 
-  // One buffer, one view each: positions and normals, indices. Without a triangle there is none.
+  // Makes one buffer with two views, for positions and normals and for indices. There is none without
+  // triangles.
   void JoinBuffers() {
     if (indices_.empty()) {
       gltf_.bufferViews.clear();

@@ -16,10 +16,9 @@
 namespace facetless {
 namespace {
 
-// By how much a mesh's size is off when its unit was misread: products of 10, of millimetres, inches, feet
-// and metres.
+// The size ratios that wrong units cause: powers of 10, and ratios of millimetres, inches, feet and metres.
 constexpr double kUnitSlips[] = {10, 12, 25.4, 1000 / 25.4, 100, 304.8, 1000};
-constexpr double kSlipTolerance = 0.05;  // tessellation, missing parts and loose boxes change a size by less
+constexpr double kSlipTolerance = 0.05;  // tessellation, missing parts and loose boxes change sizes by less
 
 struct Unit {
   const char* name;
@@ -31,7 +30,7 @@ bool About(double a, double b) {
   return std::fabs(a - b) <= kSlipTolerance * b;
 }
 
-// The file's axes and unit: the options', else the format's own. kBadUsage.
+// The axes and the unit of the file, from the options or else from the format. Error: kBadUsage.
 Result<FileAxes> ResolveAxes(const MeshLoadOptions& options, FileAxes own) {
   if (!options.unit.empty()) {
     const auto unit = std::find_if(std::begin(kUnits), std::end(kUnits),
@@ -73,7 +72,7 @@ std::string Times(double ratio) {
   return text;
 }
 
-// The row sums of squares of a placement's linear part: √3 × the scale of a similarity.
+// The Frobenius norm of the linear part of a placement, which is √3 × the scale of a similarity.
 double FrobeniusNorm(const Placement& placement) {
   double sum = 0;
   for (const auto& row : placement.m)
@@ -156,7 +155,7 @@ double PositionNoise(const Mesh& mesh) {
 Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model) {
   if (mesh.empty() || model.empty() || !(model.diagonal() > 0) || !(mesh.diagonal() > 0)) return {};
 
-  // A size that a wrong unit explains.
+  // Look for a size ratio that a wrong unit explains.
   const double ratio = mesh.diagonal() / model.diagonal();
   const auto slipped = std::find_if(std::begin(kUnitSlips), std::end(kUnitSlips), [&](double slip) {
     return About(ratio, slip) || About(1 / ratio, slip);
@@ -171,7 +170,7 @@ Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model) 
                                                  : "; try --mesh-unit " + std::string(remedy->name))};
   }
 
-  // Extents that fit only with Y and Z exchanged.
+  // Check for extents that match only with Y and Z exchanged.
   const Vec3 a = mesh.high - mesh.low, b = model.high - model.low;
   const double slack = kSlipTolerance * model.diagonal();
   const auto near = [&](double x, double y) { return std::fabs(x - y) <= slack; };

@@ -3,22 +3,22 @@
 namespace facetless {
 namespace {
 
-// Twice the signed area that the segment in which the plane meets the triangle spans with `origin`; 0 if they
-// do not meet.
+// Twice the signed area of the triangle of `origin` and the segment in which the plane cuts the triangle; 0
+// if there is no such segment.
 double Swept(const Vec3 (&corners)[3], double side, const SectionPlane& plane, Vec3 origin) {
   double height[3];
   for (int k = 0; k < 3; ++k) height[k] = Dot(plane.normal, corners[k] - plane.point);
-  // On the plane is above it: a corner that neighbours share counts for all alike.
+  // Count a corner on the plane as above it, so that all triangles that share the corner agree.
   Vec3 ends[2];
   int count = 0;
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
     if ((height[k] < 0) == (height[next] < 0)) continue;
-    // From the lower end on, so that both triangles of an edge find the same point.
+    // Interpolate from the lower end, so that both triangles of an edge compute the same point.
     const int low = height[k] < 0 ? k : next, high = height[k] < 0 ? next : k;
     const double share = height[low] / (height[low] - height[high]);
-    // The edge that rises comes last: with the triangle seen from outside, the solid then lies on the
-    // segment's left.
+    // The point on the rising edge comes second. If the triangle is seen from outside, the solid then lies to
+    // the left of the segment.
     ends[height[k] < 0 ? 1 : 0] = corners[low] + share * (corners[high] - corners[low]) - origin;
     ++count;
   }

@@ -10,7 +10,7 @@
 namespace facetless {
 namespace {
 
-// A position of a solid; −0 and +0 are one.
+// A position of a solid. −0 and +0 are the same.
 struct Place {
   std::array<std::uint32_t, 3> bits;
   std::uint32_t solid;
@@ -20,7 +20,7 @@ struct Place {
 
 struct PlaceHash {
   std::size_t operator()(const Place& place) const {
-    // Multiplication by odd constants spreads neighbouring bit patterns.
+    // Multiply by an odd constant to spread similar bit patterns.
     std::uint64_t hash = place.solid;
     for (std::uint32_t word : place.bits) hash = (hash ^ word) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
     return hash;

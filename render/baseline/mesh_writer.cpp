@@ -62,7 +62,7 @@ void AppendNumber(std::string& text, float number) {
 }
 
 Vec3 PlacedNormal(const Placement& placement, Vec3 normal) {
-  // The inverse transpose, times the determinant's size: the cofactors.
+  // Multiply by the cofactors, which are the inverse transpose times the magnitude of the determinant.
   const auto& m = placement.m;
   const Vec3 rows[3] = {
       {m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};

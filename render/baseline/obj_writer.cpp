@@ -1,4 +1,4 @@
-// Wavefront OBJ, and the file of its materials.
+// Writes Wavefront OBJ files and their material files.
 #include <map>
 
 #include "render/base/utf8.h"
@@ -8,7 +8,7 @@
 namespace facetless {
 namespace {
 
-// A name as one word of a line: OBJ ends names at a space.
+// Converts a name to a single word, because names in OBJ end at a space.
 std::string Word(const std::string& name, const std::string& otherwise) {
   std::string word = Printable(name);
   for (char& c : word)
@@ -52,7 +52,7 @@ class ObjWriter {
       text_ += 'f';
       for (int k = 0; k < 3; ++k) {
         const int corner = mirrored ? 2 - k : k;
-        // Both are counted from 1.
+        // Both indices are counted from 1.
         text_ += ' ' + std::to_string(vertices_ + welded.triangles[t][corner] + 1) + "//" +
                  std::to_string(normals_ + part.triangles[source][corner] + 1);
       }
@@ -86,7 +86,7 @@ class ObjWriter {
   const Model& model_;
   std::string text_;
   std::map<Rgba, std::string> materials_;
-  std::uint64_t vertices_ = 0, normals_ = 0;  // of earlier placements
+  std::uint64_t vertices_ = 0, normals_ = 0;  // numbers of vertices and normals of earlier placements
 };
 
 }  // namespace

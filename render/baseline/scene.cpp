@@ -15,7 +15,7 @@ namespace facetless {
 bool CountBytes(void* user, ssize_t bytes, bool post) {
   EmbreeMemory& memory = *static_cast<EmbreeMemory*>(user);
   const std::int64_t now = memory.now.fetch_add(bytes) + bytes;
-  // What is told only afterwards is there already, and is for the next one to be refused.
+  // An allocation that is reported afterwards cannot be refused; the next one will be.
   if (bytes > 0 && !post && memory.most > 0 && now > memory.most) {
     memory.now.fetch_sub(bytes);
     memory.refused = true;
@@ -40,15 +40,15 @@ Result<void> CheckEmbree(RTCDevice device) {
 
 namespace {
 
-// An entry of an instance's matrix. What is smaller than this share of the largest entry is less than
-// float32 resolves of the sums that it enters, and is set to 0: see kLeastCoordinate in tracer.cpp.
+// An entry of an instance's matrix that is smaller than this share of the largest entry is set to 0, because
+// it is below the float32 resolution of the sums in which it occurs. See kLeastCoordinate in tracer.cpp.
 constexpr double kLeastEntry = 1e-8;
 
-// Rays begin beside the mesh, and one that begins farther off than this many of its diagonals looks past it.
+// Rays start near the mesh. A ray whose start is farther away than this many diagonals misses the mesh.
 constexpr double kReachShare = 1e6;
-// Of an instance. From 1e13 on Embree finds nothing in it.
+// The largest scale of an instance. From 1e13 on, Embree finds no hits in an instance.
 constexpr double kGreatestScale = 1e9;
-// Triangles of parts that could not be instanced, all copies together.
+// The largest number of triangles of parts that cannot be instanced, in all copies together.
 constexpr std::uint64_t kMostCopied = 4'000'000;
 
 float Entry(double entry, double largest) {
@@ -56,7 +56,7 @@ float Entry(double entry, double largest) {
 }
 
 PlacedNode Place(const Placement& placement) {
-  // Normals are turned by the cofactors of the placement's linear part, which need no division.
+  // Transform normals by the cofactors of the placement's linear part, which need no division.
   const auto& m = placement.m;
   PlacedNode node;
   node.placement = placement;
@@ -73,8 +73,8 @@ float LargestCoordinate(const MeshPart& part) {
   return largest;
 }
 
-// Whether rays from within `reach` of the origin keep in range where the placement takes them back to: its
-// inverse is neither so steep that they leave it, nor so flat that nothing is left of them.
+// Whether the inverse of the placement keeps rays that start within `reach` of the origin in the valid range:
+// the inverse must not enlarge them beyond the range or reduce them to nothing.
 bool CanBeUndone(const Placement& placement, double reach) {
   const auto& m = placement.m;
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
@@ -88,7 +88,7 @@ bool CanBeUndone(const Placement& placement, double reach) {
   return entry <= kGreatestScale && farthest <= kGreatestCoordinate * std::fabs(placement.Determinant());
 }
 
-// A triangle geometry over the part; its vertices are `map` of the part's positions.
+// Makes a triangle geometry of the part. `map` is applied to its positions.
 template <typename Map>
 RTCGeometry MakeTriangles(RTCDevice device, const MeshPart& part, const Map& map) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -120,7 +120,7 @@ RTCScene NewScene(RTCDevice device, bool to_be_cut) {
   return scene;
 }
 
-// Attaches the geometry and drops our reference to it.
+// Attaches the geometry and releases the caller's reference to it.
 unsigned Attach(RTCScene scene, RTCGeometry geometry) {
   const unsigned id = rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -131,7 +131,8 @@ class Builder {
  public:
   explicit Builder(BaselineScene::Data& data) : data_(data), mesh_(*data.mesh) {}
 
-  // kLimitExceeded: too many triangles would have to be copied; else what Embree refused.
+  // Builds the trees. Errors: kLimitExceeded (too many triangles would have to be copied), and the errors of
+  // Embree.
   Result<void> Build() {
     std::vector<std::uint32_t> uses(mesh_.parts.size(), 0);
     for (const MeshNode& node : mesh_.nodes) ++uses[node.part];
@@ -291,8 +292,8 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
   data->reach = std::min(kReachShare * data->bounds.diagonal(), kGreatestCoordinate);
 
   const Stopwatch stopwatch;
-  // The threads are those of the arena that commits; a number given to the device would bind the whole
-  // process.
+  // Embree uses the threads of the arena that commits. A number of threads given to the device would apply to
+  // the whole process.
   data->device = rtcNewDevice(nullptr);
   if (data->device == nullptr) return CheckEmbree(nullptr).error();
   constexpr std::uint64_t kAny = std::numeric_limits<std::int64_t>::max();

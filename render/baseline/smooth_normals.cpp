@@ -52,7 +52,7 @@ class GroupNormals {
   GroupNormals(const Corners& corners, double cos_crease, std::vector<Vec3>& out)
       : corners_(corners), cos_crease_(cos_crease), out_(out) {}
 
-  // The corners at one position.
+  // Computes the normals of the corners at one position.
   void Solve(std::span<const std::uint32_t> group) {
     if (group.size() <= kPairwiseLimit) {
       for (std::uint32_t own : group) out_[own] = Normalized(SumAround(group, TriangleNormal(own)));
@@ -108,7 +108,7 @@ void MakeSmoothNormals(MeshPart& part, double crease_deg) {
     return corners.positions[a] != corners.positions[b] ? corners.positions[a] < corners.positions[b] : a < b;
   });
 
-  // Solve each run of equal positions, and number its different normals as vertices.
+  // Process each run of equal positions, and make a vertex for each distinct normal.
   std::vector<Vec3> normals(order.size());
   GroupNormals solver(corners, std::cos(crease_deg * (std::numbers::pi / 180)), normals);
   part.positions.clear();
@@ -121,7 +121,7 @@ void MakeSmoothNormals(MeshPart& part, double crease_deg) {
       const Vec3 n = normals[order[i]];
       const std::array<float, 3> normal = {static_cast<float>(n.x), static_cast<float>(n.y),
                                            static_cast<float>(n.z)};
-      // Vertices of one position are few; look among the latest kPairwiseLimit of them.
+      // Positions mostly have few vertices, so search only the latest kPairwiseLimit of them.
       const std::size_t look_from =
           std::max(first_vertex, part.normals.size() - std::min(part.normals.size(), kPairwiseLimit));
       const auto found = std::find(part.normals.begin() + look_from, part.normals.end(), normal);

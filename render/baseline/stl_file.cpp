@@ -1,4 +1,4 @@
-// STL, binary and ASCII.
+// Reads STL files, binary and ASCII.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,9 +13,9 @@ namespace facetless {
 namespace {
 
 constexpr std::size_t kBinaryHeader = 84, kBinaryRecord = 50;
-constexpr std::size_t kCornersInRecord = 12;  // behind the normal, which is not read: law 4 of mesh_file.h
+constexpr std::size_t kCornersInRecord = 12;  // after the normal, which is not used (mesh_file.h, law 4)
 
-// How long a binary file that claims this many triangles must be; 0 if `bytes` is shorter.
+// The length of a binary file with the stated number of triangles; 0 if `bytes` is shorter.
 std::size_t BinaryLength(Bytes bytes) {
   if (bytes.size() < kBinaryHeader) return 0;
   std::uint32_t triangles = 0;
@@ -24,7 +24,8 @@ std::size_t BinaryLength(Bytes bytes) {
   return length <= bytes.size() ? length : 0;
 }
 
-// "solid", and "facet" or "endsolid" soon after: the headers of many binary files begin with "solid" too.
+// Whether the file starts with "solid" and continues soon with "facet" or "endsolid". The second word is
+// needed because the headers of many binary files start with "solid", too.
 bool LooksLikeAscii(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                               std::min<std::size_t>(bytes.size(), 2048));
@@ -34,8 +35,7 @@ bool LooksLikeAscii(Bytes bytes) {
          (text.find("facet") != std::string_view::npos || text.find("endsolid") != std::string_view::npos);
 }
 
-// Triangles as they come; each has three vertices of its own, which MakeSmoothNormals joins where they
-// coincide.
+// Collects triangles. Each has three vertices of its own; MakeSmoothNormals merges those that coincide.
 class Triangles {
  public:
   Triangles(std::string name, std::uint64_t max_bytes) : name_(std::move(name)), max_bytes_(max_bytes) {
@@ -71,7 +71,7 @@ class Triangles {
   MeshPart part_;
 };
 
-// What follows the last record is not read: some programs leave a remark there.
+// Reads a binary file. Bytes after the last record are ignored, because some programs write remarks there.
 Result<MeshPart> ReadBinary(Bytes bytes, Triangles triangles) {
   const std::size_t end = BinaryLength(bytes);
   for (std::size_t record = kBinaryHeader; record < end; record += kBinaryRecord) {
@@ -82,7 +82,7 @@ Result<MeshPart> ReadBinary(Bytes bytes, Triangles triangles) {
   return std::move(triangles).Take();
 }
 
-// Words, whatever white space lies between them; keywords in any case.
+// Reads an ASCII file word by word, with any white space in between. Keywords may be in any case.
 class AsciiReader {
  public:
   AsciiReader(std::string_view text, const std::string& name) : text_(text), name_(name) {}
@@ -102,11 +102,11 @@ class AsciiReader {
   }
 
  private:
-  // From its first word, which is there already, to the last.
+  // Reads a facet, whose first word has already been read.
   Result<void> Facet(std::array<std::array<float, 3>, 3>& corners) {
     if (!Is("facet")) return Expected("'facet' or 'endsolid'");
     if (!Next("normal")) return Expected("'normal'");
-    for (int k = 0; k < 3; ++k) Word();  // whatever it says: some programs write 1.#QNAN
+    for (int k = 0; k < 3; ++k) Word();  // the normal is not parsed, because some programs write 1.#QNAN
     if (!Next("outer") || !Next("loop")) return Expected("'outer loop'");
     for (auto& corner : corners) {
       if (!Next("vertex")) return Expected("'vertex', three in each facet,");

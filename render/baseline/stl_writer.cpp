@@ -1,4 +1,4 @@
-// Binary STL: 80 bytes of header, a count, and fifty bytes for each triangle.
+// Writes binary STL: a header of 80 bytes, the number of triangles, and 50 bytes for each triangle.
 #include <cstring>
 #include <limits>
 
@@ -8,7 +8,7 @@
 namespace facetless {
 namespace {
 
-// Readers take a file whose first word is "solid" for text, so the header begins otherwise.
+// The header must not start with "solid", because readers would take the file for ASCII.
 constexpr std::string_view kHeader = "facetless: binary STL, millimetres, Z up";
 constexpr std::size_t kHeaderBytes = 80, kRecordBytes = 50;
 

@@ -1,4 +1,4 @@
-// 3MF, core specification 1.3: a zip archive of XML.
+// Writes 3MF (core specification 1.3), which is a zip archive of XML files.
 #include <zip.h>
 
 #include <map>
@@ -21,11 +21,12 @@ constexpr const char* kRelationships =
     R"(<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
 )";
-// The archive's dates are the earliest that zip knows, so that the same mesh gives the same bytes.
+// All dates in the archive are the earliest that zip can represent, so that the same mesh gives the same
+// bytes.
 constexpr std::uint16_t kDosDate = 1 << 5 | 1, kDosTime = 0;  // 1 January 1980, midnight
 constexpr std::uint32_t kMaterials = 1;  // the resource id of the list of colours; objects follow
 
-// A text between the quotes of an XML attribute.
+// Escapes a text for an XML attribute.
 std::string Attribute(const std::string& text) {
   std::string escaped;
   for (char c : Printable(text)) {
@@ -46,8 +47,8 @@ class ModelWriter {
   explicit ModelWriter(const Model& model) : model_(model) {}
 
   void Add(const MeshNode& node, const MeshPart& part) {
-    // Placements of one part that look alike share an object. 3MF leaves mirrored ones to the writer, so that
-    // they get one of their own.
+    // Placements of one part with the same colours share an object. 3MF does not allow mirroring placements,
+    // so mirrored placements share a separate, mirrored object.
     std::vector<Rgba> colors = ColorsOf(node, model_);
     const bool mirrored = node.placement.Determinant() < 0;
     const auto [object, fresh] =
@@ -83,7 +84,7 @@ class ModelWriter {
                       colors[part.face_of_triangle[welded.source.empty() ? 0 : welded.source[0]]])) +
                   "\" name=\"" + Attribute(part.name) + "\"><mesh><vertices>\n";
     for (const auto& p : welded.positions) {
-      // A mirrored object is mirrored in x, and so is its placement.
+      // Mirror the object in x; its placement is mirrored in x, too.
       const char* axis[3] = {"<vertex x=\"", "\" y=\"", "\" z=\""};
       for (int k = 0; k < 3; ++k) {
         resources_ += axis[k];
@@ -102,7 +103,8 @@ class ModelWriter {
     resources_ += "</triangles></mesh></object>\n";
   }
 
-  // The matrix acts on rows from the right, so that it is written column by column of ours.
+  // Adds a build item. A 3MF matrix multiplies row vectors from the right, so the columns of the placement
+  // are written one after another.
   void AddItem(std::uint32_t object, const Placement& placement, bool mirrored, const std::string& name) {
     items_ += "<item objectid=\"" + std::to_string(object) + "\" transform=\"";
     for (int column = 0; column < 4; ++column)
@@ -132,7 +134,7 @@ struct SourceRelease {
   void operator()(zip_source_t* source) const { zip_source_free(source); }
 };
 
-// Every failure of the archive in memory has one cause.
+// The error for any failure of the in-memory archive, which can only be lack of memory.
 Error NoMemory() {
   return {ErrorCode::kLimitExceeded, "the 3MF archive is too large for this machine's memory"};
 }
@@ -142,9 +144,9 @@ struct Entry {
   std::string_view text;
 };
 
-// A deflated archive of `entries`, in their order.
+// Makes a deflated archive of `entries`, in their order.
 Result<std::string> Zip(std::initializer_list<Entry> entries) {
-  // The buffer outlives the archive: one reference for each.
+  // The buffer must outlive the archive, so each holds a reference.
   const std::unique_ptr<zip_source_t, SourceRelease> buffer(zip_source_buffer_create(nullptr, 0, 0, nullptr));
   if (!buffer) return NoMemory();
   zip_source_keep(buffer.get());

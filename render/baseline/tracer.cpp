@@ -13,20 +13,21 @@
 namespace facetless {
 namespace {
 
-constexpr int kTile = 32;   // pixels on a side of what one task traces
-constexpr int kPacket = 4;  // pixels on a side of a packet of 16 rays
-// Rays start this share of the mesh's diagonal before its bounds, far above float32's rounding there.
+constexpr int kTile = 32;   // side of the tile that one task traces, pixels
+constexpr int kPacket = 4;  // side of a packet of 16 rays, pixels
+// Rays start before the bounds of the mesh by this share of its diagonal, which is far above the rounding of
+// float32.
 constexpr double kLeadIn = 1e-3;
 
-// Directions have a length of about 1. A coordinate below this is set to 0: it moves a ray by less than
-// float32 resolves. Embree 3.13 replaces a coordinate below 1e-18 by a positive one, but chooses the near
-// sides of boxes by its sign, so that its coherent packets lose hits where it is negative. Rays enter the
-// space of instances through kLeastEntry of scene.cpp, which together keeps every coordinate there away
-// from that number.
+// Directions have a length of about 1. A coordinate below this value is set to 0, because it moves a ray by
+// less than float32 resolves. Embree 3.13 replaces a coordinate below 1e-18 by a positive one, but chooses
+// the near sides of boxes by its original sign, so coherent packets lose hits if the coordinate is negative.
+// Together with kLeastEntry of scene.cpp, this limit keeps all coordinates in the space of instances away
+// from 1e-18.
 constexpr float kLeastCoordinate = 1e-9f;
 
-// Crossings of one ray that lie closer together than this share of the diagonal, and go the same way, are
-// those of triangles that share an edge: float32 tells no less, and no wall is thinner.
+// Crossings of one ray in the same direction that are closer than this share of the diagonal are assumed to
+// belong to triangles that share an edge. It is the resolution of float32, and no wall is thinner.
 constexpr double kSameCrossing = 1e-6;
 
 float Coordinate(double direction) {
@@ -39,9 +40,9 @@ struct HitPoint {
   Vec3 normal;
 };
 
-// The point of triangle `corners` that `ray` meets, in double: from signed volumes seen from a point of the
-// ray near the mesh. Outside the triangle by float32's error: the nearest border in barycentric
-// coordinates.
+// The point at which `ray` meets the triangle `corners`, in double, computed from signed volumes relative to
+// a point of the ray near the mesh. If the ray misses the triangle by an error of float32, the result is on
+// the nearest border in barycentric coordinates.
 HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Vec3 (&corners)[3],
                 const Vec3 (&normals)[3], double side) {
   const Vec3 origin = ray.origin + start * ray.direction;
@@ -54,7 +55,7 @@ HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Ve
   sum = 0;
   for (double& s : share) sum += s = std::max(sign * s, 0.0);
 
-  // Interpolate; a triangle seen exactly edge-on has no volume, and its middle must do.
+  // Interpolate. A triangle that is seen exactly edge-on has no volume; use its middle.
   HitPoint hit;
   hit.depth = 0;
   for (int k = 0; k < 3; ++k) {
@@ -63,7 +64,8 @@ HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Ve
     hit.normal = hit.normal + weight * normals[k];
   }
 
-  // Turn a normal that looks to the other side than its triangle does to the horizon (tracer.h, law 3).
+  // Rotate a normal that points to the other side than its triangle until it is perpendicular to the ray
+  // (tracer.h, law 3).
   Vec3 facing = side * Cross(corners[1] - corners[0], corners[2] - corners[0]);
   hit.normal = Normalized(hit.normal);
   if (!(Dot(hit.normal, hit.normal) > 0)) hit.normal = Normalized(facing);
@@ -78,12 +80,12 @@ HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Ve
 struct MetTriangle {
   std::uint32_t node, triangle;
   HitPoint hit;
-  bool leaving;  // the ray runs along the triangle's outward side
+  bool leaving;  // the ray leaves the solid through the triangle
 };
 
-// Collects every triangle of a ray, and lets the ray go on.
+// Collects all triangles on a ray: the filter stores each one and lets the ray continue.
 struct EveryTriangle {
-  RTCIntersectContext context;  // first: Embree hands it to the filter
+  RTCIntersectContext context;  // must be the first member, because Embree passes it to the filter
   const BaselineScene::Data* data;
   std::vector<MetTriangle>* found;
 
@@ -104,7 +106,7 @@ class TileTracer {
   TileTracer(const BaselineScene::Data& data, const CameraFrame& frame, SampleBuffer& out)
       : data_(data), frame_(frame), out_(out), start_(StartDepth(data, frame)) {}
 
-  // The same for a model that is cut; returns the number of hits.
+  // Traces the pixels [x0, x1) × [y0, y1) of a view with sections, and returns the number of hits.
   std::uint64_t TraceCut(int x0, int x1, int y0, int y1, const BaselineOptions& options) const {
     std::vector<MetTriangle> met;
     std::vector<SolidCrossing> crossings;
@@ -125,7 +127,7 @@ class TileTracer {
   }
 
  private:
-  // The depth at which rays begin: just before the mesh, whose coordinates float32 resolves best.
+  // The depth at which rays start. It is just before the mesh, where float32 has the best resolution.
   static double StartDepth(const BaselineScene::Data& data, const CameraFrame& frame) {
     double nearest = INFINITY;
     for (int i = 0; i < 8; ++i) {
@@ -138,7 +140,7 @@ class TileTracer {
     return frame.projection == Projection::kOrthographic ? nearest : std::max(nearest, frame.near_mm);
   }
 
-  // False for rays that miss the mesh by far, which Embree must not be asked (scene_data.h, law 3).
+  // Returns false for rays that miss the mesh by far, which Embree must not trace (scene_data.h, law 3).
   bool Reaches(Vec3 origin, Vec3 direction) const {
     const auto within = [](Vec3 v, double limit) {
       return std::fabs(v.x) <= limit && std::fabs(v.y) <= limit && std::fabs(v.z) <= limit;
@@ -200,7 +202,7 @@ class TileTracer {
         ray, options.sections, frame_.projection == Projection::kPerspective ? frame_.near_mm : -INFINITY);
     MeetAll(ray, met);
 
-    // Put them in order, those of one edge once.
+    // Sort the triangles by depth, and merge those that share an edge.
     const auto solid_of = [&](const MetTriangle& m) {
       if (!data_.mesh->from_model) return m.node;
       const MeshNode& node = data_.mesh->nodes[m.node];
@@ -240,7 +242,7 @@ class TileTracer {
     return true;
   }
 
-  // Every triangle that the ray meets, with its point.
+  // Finds all triangles that the ray meets, with their points.
   void MeetAll(const Ray& ray, std::vector<MetTriangle>* met) const {
     met->clear();
     EveryTriangle every;

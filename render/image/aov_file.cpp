@@ -1,4 +1,4 @@
-// AOVs in EXR, through OpenEXR.
+// Writes AOVs as EXR files with OpenEXR.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -36,7 +36,7 @@ class MemoryStream : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
-// The channels of one file. Values that have the file's type already are read where they lie.
+// The channels of one file. Values that already have the type of the file are not copied.
 class Channels {
  public:
   Channels(int width, int height) : header_(width, height), width_(static_cast<std::size_t>(width)) {
@@ -47,7 +47,7 @@ class Channels {
     Add(name, Imf::FLOAT, first, stride);
   }
   void Id(const char* name, const std::uint32_t* first) { Add(name, Imf::UINT, first, sizeof *first); }
-  // The same of values that must be converted, which `value(i)` gives.
+  // Adds a channel of values that must be converted; `value(i)` returns them.
   template <typename Value>
   void FloatOf(const char* name, std::size_t count, Value value) {
     std::vector<float>& floats = floats_.emplace_back(count);
@@ -71,7 +71,7 @@ class Channels {
  private:
   void Add(const char* name, Imf::PixelType type, const void* first, std::size_t stride) {
     header_.channels().insert(name, Imf::Channel(type));
-    // OpenEXR reads only, but takes a pointer to what may be written.
+    // OpenEXR only reads the values, although it takes a pointer to non-const data.
     frame_.insert(
         name, Imf::Slice(type, const_cast<char*>(static_cast<const char*>(first)), stride, stride * width_));
   }

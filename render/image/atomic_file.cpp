@@ -16,7 +16,7 @@ Error Failed(const std::string& path, int number) {
   return {ErrorCode::kWriteFailed, path + ": cannot be written: " + std::strerror(number)};
 }
 
-// 0, or the errno of what went wrong.
+// Writes all bytes. Returns 0, or errno if it fails.
 int WriteAll(int file, std::span<const unsigned char> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -30,7 +30,7 @@ int WriteAll(int file, std::span<const unsigned char> bytes) {
 }  // namespace
 
 Result<void> WriteAtomically(const std::string& path, std::span<const unsigned char> bytes) {
-  // A name that no other thread or process takes.
+  // Choose a name that no other thread or process uses.
   static std::atomic<std::uint64_t> counter{0};
   const std::string temporary =
       path + ".partial-" + std::to_string(::getpid()) + "-" + std::to_string(counter.fetch_add(1));

@@ -8,12 +8,12 @@
 namespace facetless {
 namespace {
 
-// The diverging map in Oklab: lightness in the middle and at the ends, chroma at the ends, and the direction
-// of both hues.
+// The diverging map in Oklab: lightness in the middle and at the ends, chroma at the ends, and the directions
+// of the two hues.
 constexpr double kMiddle = 0.975, kEnd = 0.46, kChroma = 0.165;
 constexpr double kBlue[2] = {-0.20, -0.98}, kRed[2] = {0.80, 0.60};
 
-// Oklab to linear sRGB, with Ottosson's matrices.
+// Converts Oklab to sRGB bytes, with Ottosson's matrices.
 std::array<std::uint8_t, 3> FromOklab(double lightness, double a, double b) {
   const double l = lightness + 0.3963377774 * a + 0.2158037573 * b;
   const double m = lightness - 0.1055613458 * a - 0.0638541728 * b;
@@ -24,7 +24,7 @@ std::array<std::uint8_t, 3> FromOklab(double lightness, double a, double b) {
           EncodeByte(static_cast<float>(-0.0041960863 * l3 - 0.7034186147 * m3 + 1.7076147010 * s3))};
 }
 
-// The sequential map: lightness from end to end, and a parabola through Oklab's hues.
+// The sequential map: lightness at both ends, and the control points of a parabola through the hues of Oklab.
 constexpr double kDarkest = 0.30, kLightest = 0.95;
 constexpr double kHues[3][2] = {{0.08, -0.13}, {-0.20, 0.00}, {-0.02, 0.17}};
 
@@ -47,11 +47,12 @@ std::array<std::uint8_t, 3> SequentialColor(double t) {
 }
 
 std::array<std::uint8_t, 3> CategoryColor(std::uint32_t number) {
-  // Steps of the golden section spread any run of numbers evenly round the circle; 32 bits of it, so that
-  // they wrap exactly.
+  // Steps of the golden section distribute consecutive numbers evenly around the circle. The step has 32
+  // bits, so that it wraps around exactly.
   constexpr std::uint32_t kGolden = 2654435769u;
   constexpr double kLightnesses[3] = {0.66, 0.82, 0.50}, kChromaOfCategories = 0.11;
-  const double turn = (number * kGolden) * 0x1p-30;  // 0 … 4: a side of the square round the circle each
+  const double turn =
+      (number * kGolden) * 0x1p-30;  // 0 … 4: one unit for each side of the square around the circle
   const double along = turn - std::floor(turn), across = 1 - along;
   const double corner[4][2] = {{across, along}, {-along, across}, {-across, -along}, {along, -across}};
   const double(&at)[2] = corner[static_cast<int>(turn)];

@@ -1,4 +1,4 @@
-// Depth in float64 TIFF, through libtiff.
+// Reads and writes depth as float64 TIFF with libtiff.
 #include <tiffio.h>
 
 #include <algorithm>
@@ -14,14 +14,15 @@ namespace facetless {
 namespace {
 
 constexpr std::uint32_t kRowsPerStrip = 64;
-// Level 1 with the predictor for floating point: a third of the time of level 6, for files a tenth larger.
+// Level 1 with the floating-point predictor takes a third of the time of level 6, for files that are 10 %
+// larger.
 constexpr int kCompressionLevel = 1;
 
-// A file in memory, as libtiff reads and writes it.
+// A file in memory that libtiff reads or writes.
 struct Memory {
   std::vector<unsigned char> bytes;
   std::uint64_t position = 0;
-  std::string failure;  // libtiff's first complaint
+  std::string failure;  // the first error message of libtiff
 };
 
 tmsize_t ReadSome(thandle_t handle, void* data, tmsize_t size) {
@@ -80,7 +81,7 @@ struct Closed {
 };
 using Tiff = std::unique_ptr<TIFF, Closed>;
 
-// `memory` must outlive it.
+// Opens a TIFF file in memory. `memory` must outlive the result.
 Tiff Open(Memory& memory, const std::string& path, const char* mode) {
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
                                                                                  TIFFOpenOptionsFree);
@@ -96,8 +97,8 @@ T Field(TIFF* tiff, std::uint32_t tag) {
   return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : T{};
 }
 
-// A block of `width` × `height` numbers at (x, y), in rows of `stride`; what lies beyond the image is left
-// out.
+// Copies a block of `width` × `height` numbers to (x, y), in rows of `stride`. Numbers outside the image are
+// skipped.
 template <typename T>
 void CopyBlock(const T* block, std::uint32_t stride, std::uint32_t x, std::uint32_t y, std::uint32_t width,
                std::uint32_t height, DepthImage& image) {
@@ -108,7 +109,7 @@ void CopyBlock(const T* block, std::uint32_t stride, std::uint32_t x, std::uint3
                 image.depth.begin() + static_cast<std::ptrdiff_t>(std::size_t{y + row} * image.width + x));
 }
 
-// Blocks are strips of the whole width, or tiles.
+// Reads all blocks, which are strips of the whole width or tiles.
 template <typename T>
 bool ReadBlocks(TIFF* tiff, DepthImage& image) {
   const auto image_width = static_cast<std::uint32_t>(image.width),
@@ -158,7 +159,7 @@ Result<void> WriteDepth(const std::string& path, int width, int height, std::spa
   TIFFSetField(tiff.get(), TIFFTAG_PREDICTOR, PREDICTOR_FLOATINGPOINT);
   TIFFSetField(tiff.get(), TIFFTAG_ZIPQUALITY, kCompressionLevel);
   TIFFSetField(tiff.get(), TIFFTAG_ROWSPERSTRIP, kRowsPerStrip);
-  // The predictor works in place.
+  // The predictor modifies its input, so a copy is needed.
   std::vector<double> strip;
   const std::size_t per_strip = std::size_t{kRowsPerStrip} * static_cast<std::size_t>(width);
   for (std::size_t begin = 0; begin < depth.size(); begin += per_strip) {
@@ -181,7 +182,7 @@ Result<DepthImage> ReadDepth(const std::string& path) {
   const auto starts_with = [&](const char(&magic)[5]) {
     return start.size() == 4 && std::memcmp(start.data(), magic, 4) == 0;
   };
-  // Both byte orders, small and large files.
+  // Accept both byte orders, and classic and large (BigTIFF) files.
   if (!starts_with("II*\0") && !starts_with("MM\0*") && !starts_with("II+\0") && !starts_with("MM\0+"))
     return Error{ErrorCode::kFormatUnknown, path + ": not a TIFF image"};
   Memory memory;

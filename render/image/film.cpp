@@ -12,8 +12,8 @@
 namespace facetless {
 namespace {
 
-// The n-th root of 0 < a <= 1 by Newton's method, rounded the same everywhere. From 1 the iterates fall until
-// rounding stops them.
+// The n-th root of 0 < a <= 1 by Newton's method, with the same rounding on every machine. From 1, the
+// iterates decrease until rounding stops them.
 double Root(double a, int n) {
   double y = 1;
   for (;;) {
@@ -25,7 +25,7 @@ double Root(double a, int n) {
   }
 }
 
-// Byte k of an sRGB picture stands for linear light from threshold[k − 1] on.
+// The thresholds of sRGB encoding: byte k stands for linear light from threshold[k − 1] up to threshold[k].
 struct Thresholds {
   static constexpr int kCells = 4096;
   std::array<float, 256> threshold;              // the last one is beyond every number
@@ -124,7 +124,7 @@ std::size_t FindBadPixel(const Film& film, std::size_t first, std::size_t last) 
 }  // namespace
 
 Result<Image8> Encode(const Film& film) {
-  // Refuse what is no number, and see whether anything is transparent.
+  // Refuse values that are not finite, and find out whether any pixel is transparent.
   constexpr std::size_t kBlock = 4096;
   std::atomic<std::size_t> bad{film.pixels.size()};
   std::atomic<bool> opaque{true};
@@ -150,7 +150,7 @@ Result<Image8> Encode(const Film& film) {
     for (std::size_t i = first; i < last; ++i) {
       const auto& pixel = film.pixels[i];
       std::uint8_t* out = &image.bytes[i * channels];
-      // Neighbours are mostly alike where there is nothing.
+      // Neighbouring pixels of the background are mostly equal.
       if (i > first && pixel == film.pixels[i - 1]) {
         std::copy_n(out - channels, channels, out);
         continue;

@@ -44,7 +44,7 @@ Matrix Inverse(const double (&m)[3][3]) {
 const Matrix kFromXyz = Inverse(kToXyz);
 const Triple kWhite = Apply(kToXyz, {1, 1, 1});
 
-// Opponent space YyCxCz (section 4.1.1) of linear RGB, and back.
+// Convert linear RGB to the opponent space YyCxCz (section 4.1.1), and back.
 Triple ToOpponent(const Triple& rgb) {
   const Triple xyz = Apply(kToXyz, rgb);
   const double x = xyz[0] / kWhite[0], y = xyz[1] / kWhite[1], z = xyz[2] / kWhite[2];
@@ -56,7 +56,7 @@ Triple FromOpponent(const Triple& opponent) {
   return Apply(kFromXyz.m, {x * kWhite[0], y * kWhite[1], z * kWhite[2]});
 }
 
-// CIELAB of linear RGB, its chroma scaled by lightness: the Hunt effect (section 4.1.2).
+// Converts linear RGB to CIELAB with chroma scaled by lightness, for the Hunt effect (section 4.1.2).
 Triple ToHuntLab(const Triple& rgb) {
   const Triple xyz = Apply(kToXyz, rgb);
   constexpr double kDelta = 6.0 / 29;
@@ -73,7 +73,7 @@ double HyAb(const Triple& a, const Triple& b) {
   return std::fabs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-// Section 4.1.3: the colour error, its large part compressed, 0 … 1.
+// The colour error, 0 … 1, with large errors compressed (section 4.1.3).
 class ColorError {
  public:
   double operator()(const Triple& a, const Triple& b) const {
@@ -100,7 +100,7 @@ Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_
   constexpr double kPi = std::numbers::pi;
   const double widest = 0.04;  // all kernels have the radius of the widest
   const int radius = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * kPi * kPi)) * pixels_per_degree));
-  // Each Gaussian is separable; weigh the two by their share of the kernel's sum.
+  // Each Gaussian is separable. Weight the two by their share of the sum of the kernel.
   double total = 0, weight[2] = {0, 0};
   Taps taps[2];
   for (int k = 0; k < 2; ++k) {
@@ -125,8 +125,8 @@ Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_
   return out;
 }
 
-// The picture as the eye resolves it (section 4.1.1), in opponent space; and its luminance, unfiltered,
-// 0 … 1.
+// The picture in opponent space, filtered by the contrast sensitivity of the eye (section 4.1.1), and its
+// unfiltered luminance, 0 … 1.
 struct Seen {
   std::array<Plane, 3> opponent;
   Plane luminance;
@@ -155,7 +155,7 @@ Triple OpponentToHuntLab(const Triple& opponent) {
   return ToHuntLab(rgb);
 }
 
-// Section 4.2.1: Gaussian derivatives; the positive and the negative taps of the kernel sum to 1 each.
+// The Gaussian derivatives of section 4.2.1. The positive and the negative taps of a kernel each sum to 1.
 struct FeatureTaps {
   Taps smooth, edge, point;
 
@@ -206,18 +206,18 @@ Result<std::vector<float>> FlipMap(const Image8& reference, const Image8& test, 
   if (!(pixels_per_degree >= 1 && pixels_per_degree <= 1000))
     return Error{ErrorCode::kBadUsage, "pixels per degree must lie between 1 and 1000"};
 
-  // The colour pipeline.
+  // Run the colour pipeline.
   const Seen a = See(reference, pixels_per_degree), b = See(test, pixels_per_degree);
-  // The feature pipeline.
+  // Run the feature pipeline.
   const FeatureTaps taps(pixels_per_degree);
   const Features fa = FindFeatures(a.luminance, taps), fb = FindFeatures(b.luminance, taps);
 
-  // Equation 11: features amplify the colour error.
+  // Combine both: features amplify the colour error (equation 11).
   const ColorError color_error;
   std::vector<float> map(a.luminance.values.size());
   ParallelForBlocks(0, map.size(), 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      // Most pixels of two renderings of one model are seen alike.
+      // Most pixels of two renderings of one model are equal.
       const Triple color_a = a.at(i), color_b = b.at(i);
       const double color =
           color_a == color_b ? 0 : color_error(OpponentToHuntLab(color_a), OpponentToHuntLab(color_b));

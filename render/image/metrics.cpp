@@ -12,7 +12,7 @@
 namespace facetless {
 namespace {
 
-// Bytes over mid grey. Opaque pictures pass unchanged.
+// Composes the picture over mid grey. Opaque pictures are returned unchanged.
 std::vector<std::uint8_t> Composed(const Image8& image) {
   if (image.channels == 3) return image.bytes;
   const double grey = SrgbToLinear(0.5);
@@ -29,7 +29,8 @@ std::vector<std::uint8_t> Composed(const Image8& image) {
   return bytes;
 }
 
-// Differences of bytes are few: sums over their counts are exact, in any order.
+// Compares bytes. There are few possible differences, so sums over their counts are exact and independent of
+// the order.
 void CompareBytes(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b,
                   ColorMetrics& metrics) {
   std::array<std::uint64_t, 256> counts{};
@@ -56,7 +57,7 @@ void CompareBytes(const std::vector<std::uint8_t>& a, const std::vector<std::uin
   metrics.share_over_threshold = static_cast<double>(over) / (values / 3);
 }
 
-// The value that `share` of the values do not exceed (nearest rank).
+// The value that a share `share` of the values does not exceed (nearest rank).
 double Percentile(std::vector<float>& values, double share) {
   const std::size_t rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);

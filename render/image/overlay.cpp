@@ -13,8 +13,8 @@ namespace {
 
 constexpr Rgb8 kInk = {40, 40, 44}, kSeam = {252, 252, 250};
 constexpr double kSeamCover = 0.85;
-constexpr double kBarShare = 0.25;  // of the picture's width, at the most
-// An axis whose picture is shorter than this share of its length runs along the view.
+constexpr double kBarShare = 0.25;  // largest length of the bar, as a share of the picture's width
+// An axis whose image is shorter than this share of its length counts as running along the view.
 constexpr double kAlongView = 0.12;
 
 struct Axis {
@@ -25,7 +25,7 @@ struct Axis {
 constexpr Axis kAxes[] = {
     {"X", {190, 40, 40}, {1, 0, 0}}, {"Y", {30, 120, 40}, {0, 1, 0}}, {"Z", {35, 85, 200}, {0, 0, 1}}};
 
-// All measures follow from the size of the text.
+// The sizes of the overlay, which all depend on the size of the text.
 struct Layout {
   double text, stroke, seam, margin;
 
@@ -49,7 +49,7 @@ void Write(Image8& image, Vec2 at, const char* words, const Rgb8& color, const L
   DrawText(image, at.x, at.y, words, style);
 }
 
-// Around `center`.
+// Writes a text that is centred at `center`.
 void WriteCentered(Image8& image, Vec2 center, const char* words, const Rgb8& color, const Layout& layout) {
   TextStyle style;
   style.size_px = layout.text;
@@ -74,7 +74,7 @@ void DrawAxes(Image8& image, int height, const CameraFrame& frame, const Layout&
   }
   std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.depth > b.depth; });
 
-  // All seams first: none may cut another axis.
+  // Draw all outlines first, so that no outline covers another axis.
   for (const Seen& axis : seen)
     DrawStroke(image, origin, origin + length * axis.on_screen, layout.stroke + 2 * layout.seam, kSeam,
                kSeamCover);
@@ -90,7 +90,7 @@ void DrawAxes(Image8& image, int height, const CameraFrame& frame, const Layout&
     DrawStroke(image, origin, origin, 2 * (radius + layout.seam), kSeam, kSeamCover);
     DrawStroke(image, origin, origin, 2 * radius, axis->color);
     if (depth > 0) DrawStroke(image, origin, origin, 1.1 * radius, kSeam);
-    // Its letter goes where the two others leave room.
+    // Put its letter on the side away from the two other axes.
     const double other = Length(sum);
     const Vec2 away = other > 0 ? (-1.35 * layout.text / other) * sum : Vec2{};
     WriteCentered(image, origin + away, axis->letter, axis->color, layout);
@@ -103,7 +103,7 @@ void DrawScaleBar(Image8& image, int height, const CameraFrame& frame, const Lay
   const double right = image.width - layout.margin, left = right - length;
   const double bottom = height - layout.margin, top = bottom - layout.stroke;
   const double tick = std::round(0.7 * layout.text);
-  // The bar with a tick at each end, and the seam around all three.
+  // Draw the bar with a tick at each end, and an outline around all three.
   const std::pair<Vec2, Vec2> areas[] = {{{left, top}, {right, bottom}},
                                          {{left, bottom - tick}, {left + layout.stroke, top}},
                                          {{right - layout.stroke, bottom - tick}, {right, top}}};
@@ -120,7 +120,7 @@ void DrawScaleBar(Image8& image, int height, const CameraFrame& frame, const Lay
 }  // namespace
 
 ScaleBar LongestScaleBar(double most_mm) {
-  // Find the power of ten by steps: powers of pow() differ by processor.
+  // Find the power of ten step by step, because results of pow() differ between processors.
   int exponent = 0;
   double power = 1;
   for (; power * 10 <= most_mm && exponent < 300; ++exponent) power *= 10;
@@ -140,7 +140,7 @@ ScaleBar LongestScaleBar(double most_mm) {
   const int zeros = exponent - unit->exponent;
   ScaleBar bar;
   bar.length_mm = digit * power;
-  // Zeros are written out as long as they are few.
+  // Write zeros out if there are few of them.
   char label[48];
   if (zeros >= 0 && zeros < 4) {
     int number = digit;

@@ -6,7 +6,7 @@
 namespace facetless {
 namespace {
 
-// Whole numbers of [0, limit] that cover x; any x that is a number.
+// The integers in [0, limit] below and above x. Requires x not to be NaN.
 int Floor(double x, int limit) {
   return static_cast<int>(std::floor(std::clamp(x, 0.0, static_cast<double>(limit))));
 }

@@ -7,9 +7,9 @@
 namespace facetless {
 namespace {
 
-constexpr int kBlock = 16;  // pixels whose sums stay in registers while the taps pass
+constexpr int kBlock = 16;  // number of pixels whose sums stay in registers during the loop over the taps
 
-// out[x] = Σ taps[k] · rows[k][x]
+// Computes out[x] = Σ taps[k] · rows[k][x].
 void WeighRows(const std::vector<const float*>& rows, const Taps& taps, int width, float* out) {
   int x = 0;
   for (; x + kBlock <= width; x += kBlock) {
@@ -34,7 +34,7 @@ Plane FilterRows(const Plane& plane, const Taps& taps) {
   const int radius = static_cast<int>(taps.size() / 2);
   Plane out(plane.width, plane.height);
   ParallelForBlocks(0, plane.height, 16, [&](int first, int last) {
-    // A row with its border repeated on both sides; the shifted rows are views of it.
+    // Make a row with its border repeated on both sides; the shifted rows point into it.
     std::vector<float> padded(static_cast<std::size_t>(plane.width + 2 * radius));
     std::vector<const float*> shifted;
     for (std::size_t k = 0; k < taps.size(); ++k) shifted.push_back(padded.data() + k);

@@ -1,4 +1,4 @@
-// PNG, through libpng.
+// Reads and writes PNG with libpng.
 #include <png.h>
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 namespace facetless {
 namespace {
 
-// zlib's levels. Shaded surfaces are smooth along a row, and pictures of parts mostly flat. Measured on both,
-// and on planes of data: trying every filter takes two to four times as long as this one, for files between
-// 12 % smaller and 20 % larger.
+// The levels of zlib and the filter. Shaded surfaces are smooth along rows, and pictures of parts are mostly
+// flat. According to measurements on both, and on data planes, trying every filter takes two to four times as
+// long as this filter, for files that are between 12 % smaller and 20 % larger.
 constexpr int kPictureLevel = 4, kLightLevel = 3, kStrongLevel = 7;
 constexpr int kFilter = PNG_FILTER_SUB;
 
@@ -23,7 +23,7 @@ enum class Meaning { kColor, kData };
 
 constexpr const char* kOutOfMemory = "out of memory";
 
-// What libpng calls back: it is C, so nothing may be thrown through it.
+// The target of libpng's callbacks. libpng is C, so they must not throw.
 struct Sink {
   std::vector<unsigned char> bytes;
   std::string failure;
@@ -47,8 +47,8 @@ void Flush(png_structp) {}
 
 void IgnoreWarning(png_structp, png_const_charp) {}
 
-// Everything that has a destructor belongs to the caller: libpng leaves this function by longjmp. False: see
-// sink.failure.
+// Encodes an image. libpng leaves this function by longjmp on errors, so every object with a destructor
+// belongs to the caller. Returns false on failure, with the reason in sink.failure.
 bool Encode(const Image8& image, Meaning meaning, int level, Sink& sink) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, Fail, IgnoreWarning);
   if (png == nullptr) return false;
@@ -74,7 +74,7 @@ bool Encode(const Image8& image, Meaning meaning, int level, Sink& sink) {
   return true;
 }
 
-// The file's bytes; messages name `path`.
+// Encodes an image as the bytes of a file. Messages name `path`.
 Result<std::vector<unsigned char>> EncodePng(const std::string& path, const Image8& image, Meaning meaning,
                                              int level) {
   if (image.channels != 3 && (image.channels != 4 || meaning == Meaning::kData))
@@ -117,7 +117,8 @@ Result<Image8> ReadPng(const std::string& path) {
   if (bytes.value().size() < 8 || png_sig_cmp(bytes.value().data(), 0, 8) != 0)
     return Error{ErrorCode::kFormatUnknown, path + ": not a PNG image"};
 
-  // libpng's simplified interface turns palettes, grey and 16 bits into what is asked for.
+  // The simplified interface of libpng converts palettes, grey images and 16-bit images to the requested
+  // format.
   png_image reader;
   std::memset(&reader, 0, sizeof reader);
   reader.version = PNG_IMAGE_VERSION;

@@ -17,7 +17,7 @@ constexpr Rgb8 kPaper = {250, 249, 246}, kInk = {40, 40, 44};
 constexpr int kGap = 16, kLabelHeight = 34;
 constexpr double kLabelSize = 15;
 
-// The linear light of each byte.
+// The linear light of each byte value.
 const std::array<double, 256>& Linear() {
   static const std::array<double, 256> table = [] {
     std::array<double, 256> light;
@@ -34,7 +34,7 @@ std::array<double, 3> OnPaper(const std::uint8_t* pixel, int channels) {
   return light;
 }
 
-// What of the old pixels new pixel `index` of `count` covers: the first, and their shares, which sum to 1.
+// The old pixels that a new pixel covers: the index of the first one, and the shares, which sum to 1.
 struct Cover {
   int first = 0;
   std::vector<double> shares;
@@ -63,7 +63,7 @@ void Label(Image8& sheet, int left, int top, int width, const std::string& words
   TextStyle style;
   style.size_px = kLabelSize;
   std::copy(kInk.begin(), kInk.end(), style.color);
-  // A long name is written smaller.
+  // Write a long name smaller.
   const double full = TextWidth(words, style);
   if (full > width) style.size_px *= width / full;
   DrawText(sheet, left + 0.5 * (width - std::min(full, static_cast<double>(width))), top + 1.5 * kLabelSize,

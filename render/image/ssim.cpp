@@ -31,7 +31,7 @@ Plane Luma(const Image8& image) {
   return luma;
 }
 
-// An odd window, no longer than `size`.
+// The taps of a window whose length is odd and at most `size`.
 Taps GaussianTaps(int size) {
   const int length = std::min(kWindow, size % 2 == 1 ? size : size - 1);
   const int radius = std::max(length / 2, 0);
@@ -59,7 +59,7 @@ Result<double> Ssim(const Image8& a, const Image8& b) {
   const Plane xx = Filter(Product(x, x), across, down), yy = Filter(Product(y, y), across, down);
   const Plane xy = Filter(Product(x, y), across, down);
 
-  // Average over the windows that lie wholly inside.
+  // Average over the windows that lie entirely inside the picture.
   const int margin_x = static_cast<int>(across.size() / 2), margin_y = static_cast<int>(down.size() / 2);
   double sum = 0;
   std::size_t count = 0;

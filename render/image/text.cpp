@@ -15,9 +15,9 @@
 namespace facetless {
 namespace {
 
-// Glyphs on a grid where a digit and a capital are 6 high, a small letter 3.8, and the baseline 0. "M x y"
-// begins a stroke, "L x y" continues it, "A cx cy rx ry from to" is a stroke along an ellipse (angles in
-// eighths of a turn, from the right, upwards).
+// The glyphs, on a grid where digits and capital letters have the height 6, small letters 3.8, and the
+// baseline is at 0. "M x y" begins a stroke, "L x y" continues it, and "A cx cy rx ry from to" is a stroke
+// along an ellipse (angles in eighths of a turn, counterclockwise from the right).
 struct GlyphSource {
   char32_t code;
   double width;
@@ -115,7 +115,7 @@ struct Glyph {
 
 // The point at `eighths` of a turn on the unit circle, by the rational form in the tangent of half the angle.
 Vec2 OnCircle(double eighths) {
-  // Reduce to a quarter turn around the nearest axis, where the tangent is harmless.
+  // Reduce the angle to a quarter turn around the nearest axis, where the tangent is small.
   const double quarter = std::floor(eighths / 2 + 0.5);
   const double t = PolyTan((eighths - 2 * quarter) * (std::numbers::pi / 8));
   Vec2 p{(1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)};
@@ -130,7 +130,7 @@ Glyph Parse(const GlyphSource& source) {
   const auto number = [&] { return std::strtod(rest, &rest); };
   Vec2 pen;
   while (*rest != 0) {
-    const char command = *rest++;  // a blank is no command
+    const char command = *rest++;  // a blank is ignored
     if (command == 'M') {
       pen.x = number();
       pen.y = number();
@@ -163,7 +163,7 @@ const std::map<char32_t, Glyph>& Glyphs() {
   return glyphs;
 }
 
-// The next code point of a UTF-8 text; bytes that make none count as U+FFFD.
+// Removes and returns the next code point of a UTF-8 text. Invalid bytes give U+FFFD.
 char32_t Next(std::string_view& text) {
   const unsigned char lead = static_cast<unsigned char>(text[0]);
   const std::size_t length = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;

@@ -1,4 +1,4 @@
-// Animated WebP, through libwebp and libwebpmux.
+// Writes animated WebP with libwebp and libwebpmux.
 #include <webp/encode.h>
 #include <webp/mux.h>
 
@@ -11,8 +11,8 @@
 namespace facetless {
 namespace {
 
-// Smooth shades show bands below it; above it files grow twice as fast as they gain. Method 4 is the
-// library's own choice.
+// At a lower quality, smooth shades show bands; at a higher one, files grow faster than the quality improves.
+// Method 4 is the default of the library.
 constexpr float kQuality = 90;
 constexpr int kMethod = 4;
 
@@ -50,12 +50,12 @@ Result<Animation> Animation::Begin(int width, int height) {
     return Failed("the libwebp library has another version than its headers");
   encoder->config.method = kMethod;
   encoder->config.thread_level = 0;
-  // Thin coloured lines keep their colour.
+  // Preserve the colour of thin lines.
   encoder->config.use_sharp_yuv = 1;
   WebPAnimEncoderOptions options;
   if (WebPAnimEncoderOptionsInit(&options) == 0)
     return Failed("the libwebp library has another version than its headers");
-  options.anim_params.loop_count = 0;  // for ever
+  options.anim_params.loop_count = 0;  // endless
   options.kmin = 0;
   options.kmax = 1;  // law 1
   encoder->encoder = WebPAnimEncoderNew(width, height, &options);

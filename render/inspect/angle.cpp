@@ -8,7 +8,7 @@
 namespace facetless {
 
 double AngleDeg(Vec3 a, Vec3 b) {
-  // Kahan: |a − b| and |a + b| are twice the sine and the cosine of half the angle.
+  // Kahan's formula: |a − b| and |a + b| are twice the sine and the cosine of half the angle.
   const double sum = Length(a + b);
   if (!(sum > 0)) return 180;
   return 2 * PolyAtan(Length(a - b) / sum) * (180 / std::numbers::pi);
@@ -20,7 +20,7 @@ double DraftDeg(Vec3 normal, Vec3 pull) {
 
 double TurnDeg(Vec2 v) {
   const double length = Length(v);
-  // tan(θ/2) = y / (r + x) = (r − x) / y, whichever does not cancel.
+  // Use tan(θ/2) = y / (r + x) = (r − x) / y, in the form without cancellation.
   if (v.x >= 0 && length > 0) return 2 * PolyAtan(v.y / (length + v.x)) * (180 / std::numbers::pi);
   if (v.y == 0) return 180;
   return 2 * PolyAtan((length - v.x) / v.y) * (180 / std::numbers::pi);

@@ -14,10 +14,11 @@
 namespace facetless {
 namespace {
 
-// Newton for a foot begins within a gap of it; it doubles its digits each time.
+// The number of steps of Newton's method for a foot. It starts within a gap of the foot, and each step
+// doubles the number of correct digits.
 constexpr int kMostSteps = 6;
 
-// The foot of `target` on the surface, within its grid, from (u, v): Gauss and Newton.
+// The foot of `target` on the surface, within its grid, found by Gauss–Newton from `start`.
 Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
   const auto within = [&](Vec2 at) {
     return Vec2{std::clamp(at.x, surface.u_begin(), surface.u_end()),
@@ -43,7 +44,7 @@ Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
   return best;
 }
 
-// What one face says at one place of an edge.
+// The values of one face at one point of an edge.
 struct Side {
   SurfacePoint point;
   TangentFrame frame;
@@ -54,12 +55,12 @@ class EdgeMeter {
   EdgeMeter(const Model& model, const std::vector<SurfaceEval>& surfaces)
       : model_(model), surfaces_(surfaces) {}
 
-  // None: no place can be measured.
+  // Measures an edge; nothing if no point of it can be measured.
   std::optional<EdgeContinuity> Measure(std::uint32_t index, const EdgeUse (&uses)[2]) const {
     const Edge& edge = model_.edges[index];
     EdgeContinuity result;
     result.edge = index;
-    // Both faces lie within the tolerance of the edge, on either side of it.
+    // The two faces may lie within the tolerance on opposite sides of the edge.
     result.tolerance_mm = std::max(2 * edge.tolerance_mm, kPositionShare * model_.Diagonal());
     const double turn = Turn(uses);
     for (int side = 0; side < 2; ++side) result.faces[side] = uses[side].face;
@@ -84,7 +85,8 @@ class EdgeMeter {
   }
 
  private:
-  // −1 where both faces run along the edge in the same sense: they are oriented against each other.
+  // Returns −1 if both faces run along the edge in the same sense, which means that their orientations are
+  // opposite.
   double Turn(const EdgeUse (&uses)[2]) const {
     bool forward[2];
     for (int side = 0; side < 2; ++side)
@@ -159,7 +161,7 @@ Continuity MeasureContinuity(const Model& model, int threads) {
   surfaces.reserve(model.faces.size());
   for (const Face& face : model.faces) surfaces.emplace_back(model, face.surface);
 
-  // Measure those with two.
+  // Measure the edges that two faces share.
   Continuity continuity;
   std::vector<std::uint32_t> shared;
   for (std::uint32_t e = 0; e < model.edges.size(); ++e) {
@@ -177,7 +179,7 @@ Continuity MeasureContinuity(const Model& model, int threads) {
     });
   });
 
-  // Worst first.
+  // Sort the edges, worst first.
   for (const std::optional<EdgeContinuity>& edge : found) {
     if (!edge) {
       ++continuity.unmeasured_edges;

@@ -6,12 +6,12 @@
 namespace facetless {
 namespace {
 
-// The extent of one direction, as a share of the other's, below which second derivatives are mostly lost: at
-// the share c from a pole they cancel to c² of themselves, so that 2^-53·2^40 of the curvature is rounding
-// there, the last that a colour could show.
+// The least extent of one direction, as a share of the other. At a share c from a pole, second derivatives
+// cancel down to c² of their size. At this limit, the rounding error is 2^-53·2^40 of the curvature, which is
+// barely visible as a colour.
 constexpr double kLeastExtent = 0x1p-20;
 
-// The second fundamental form in the frame's basis, outside positive.
+// The second fundamental form in the basis of the frame, with the sign of law 1.
 struct ShapeOperator {
   double first = 0, mixed = 0, second = 0;
 };
@@ -40,7 +40,7 @@ std::optional<TangentFrame> FrameAt(const SurfacePoint& p, double outward, doubl
   const double along = Dot(p.dv, frame.first);
   const Vec3 across = p.dv - along * frame.first;
   const double rest = Length(across);
-  // In this form NaN is degenerate, too.
+  // Written in this form, the condition also treats NaN as degenerate.
   if (!(extent_u * length > kLeastExtent * size) || !(extent_v * rest > kLeastExtent * size) ||
       !std::isfinite(size))
     return std::nullopt;
@@ -60,7 +60,7 @@ std::optional<Curvature> CurvatureAt(const SurfacePoint& point, double outward, 
   const double radius = std::sqrt(half * half + s.mixed * s.mixed);
   Curvature curvature{middle + radius, middle - radius, frame->first};
   if (!std::isfinite(curvature.max) || !std::isfinite(curvature.min)) return std::nullopt;
-  // The eigenvector, from the row of the matrix that does not cancel.
+  // Compute the eigenvector from the row of the matrix without cancellation.
   const double x = half >= 0 ? radius + half : s.mixed, y = half >= 0 ? s.mixed : radius - half;
   if (x != 0 || y != 0) curvature.max_direction = Normalized(x * frame->first + y * frame->second);
   return curvature;

@@ -10,12 +10,13 @@ namespace facetless {
 namespace {
 
 constexpr int kMostStripes = 1000;
-// A direction shorter than this, or longer than its inverse, has lost digits to underflow when it is squared.
+// The square of a direction that is shorter than this, or longer than its inverse, loses precision to
+// underflow or overflow.
 constexpr double kShortestDirection = 1e-100;
 
 const std::vector<std::string> kCurvatures = {"gaussian", "mean", "max", "min"};
 
-// Words for directions; the last three are the viewer's.
+// The names of directions; the last three are in viewer axes.
 constexpr std::pair<const char*, InspectionDirection> kDirections[] = {
     {"x", {{1, 0, 0}, false}},    {"y", {{0, 1, 0}, false}},   {"z", {{0, 0, 1}, false}},
     {"-x", {{-1, 0, 0}, false}},  {"-y", {{0, -1, 0}, false}}, {"-z", {{0, 0, -1}, false}},
@@ -52,7 +53,7 @@ std::vector<std::string> Split(const std::string& text, char separator) {
 
 using Setting = std::pair<std::string, std::string>;
 
-// "a=1,b=0,0,1": a part without = belongs to the value before it.
+// Splits settings such as "a=1,b=0,0,1". A part without = belongs to the previous value.
 Result<std::vector<Setting>> Settings(const std::string& text) {
   std::vector<Setting> settings;
   for (const std::string& part : Split(text, ',')) {

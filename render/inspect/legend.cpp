@@ -18,7 +18,7 @@ void FillBox(Image8& image, int x0, int y0, int x1, int y1, const std::array<std
       std::copy(color.begin(), color.end(), image.at(x, y));
 }
 
-// Three digits, with a true minus; "e" and the exponent where the number asks for it.
+// A number with three digits, a typographic minus sign, and an exponent if necessary.
 std::string Number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", std::fabs(value));
@@ -38,7 +38,7 @@ void DrawCentered(Image8& image, double x, double y, const std::string& words, c
   DrawText(image, std::clamp(x - width / 2, 2.0, std::max(2.0, image.width - width - 2)), y, words, style);
 }
 
-// The bar of a scale with its ticks, and what lies beyond its ends.
+// The legend of a scale: its bar with ticks, and the colours beyond its ends.
 Image8 ScaleLegend(const InspectionView& view, int width, double text) {
   const TextStyle style{text};
   Image8 image = Paper(width, static_cast<int>(7.6 * text));

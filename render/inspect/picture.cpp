@@ -15,7 +15,7 @@
 namespace facetless {
 namespace {
 
-// How much light a surface keeps that turns away entirely.
+// The share of light on a surface that is seen edge-on.
 constexpr double kDarkest = 0.75;
 
 constexpr std::size_t kNoPixel = std::numeric_limits<std::size_t>::max();
@@ -32,8 +32,8 @@ Vec3 Linear(const Color& color) {
 constexpr Rgb kNoNumber = {150, 150, 150};
 constexpr Rgb kPlain = {205, 208, 212}, kSignal = {204, 30, 140}, kWarning = {230, 159, 0};
 
-// The classes of each kind, in the order of Painter::ClassOf. Colours differ for every common colour
-// blindness (Okabe and Ito).
+// The classes of each kind, in the order of Painter::ClassOf. The colours are distinct for all common kinds
+// of colour blindness (Okabe and Ito).
 std::vector<InspectionClass> ClassesOf(const Inspection& inspection) {
   const auto classes = [](std::initializer_list<std::pair<const char*, Rgb>> list) {
     std::vector<InspectionClass> out;
@@ -57,7 +57,7 @@ std::vector<InspectionClass> ClassesOf(const Inspection& inspection) {
   }
 }
 
-// A scale of colours as a table: even steps from the lowest to the highest number.
+// A colour scale as a table, with equal steps from the lowest to the highest number.
 class ColorScale {
  public:
   explicit ColorScale(bool has_sign) {
@@ -66,7 +66,7 @@ class ColorScale {
       colors_.push_back(Linear(ToColor(has_sign ? DivergingColor(2 * t - 1) : SequentialColor(t))));
     }
   }
-  // The lowest for what is no number, as infinity less infinity is.
+  // The colour at t. NaN, which infinity minus infinity gives, has the lowest colour.
   Vec3 At(double t) const {
     return colors_[static_cast<std::size_t>((t > 0 ? std::min(t, 1.0) : 0) * kSteps + 0.5)];
   }
@@ -76,7 +76,7 @@ class ColorScale {
   std::vector<Vec3> colors_;
 };
 
-// What the surface's own side is: −1 where the viewer sees it from inside.
+// The side from which the viewer sees the surface: 1 from outside, −1 from inside.
 double SideOf(Vec3 normal, Vec3 toward) {
   return Dot(normal, toward) < -kSettled ? -1 : 1;
 }
@@ -142,8 +142,8 @@ class Painter {
   std::vector<Vec3> class_colors_;
 };
 
-// Where a sample is and how it is seen; `normal` is zero where the tracer could not find one, and then that
-// of the viewer.
+// The position of a sample, its normal and the direction to the viewer. If the tracer could not find a
+// normal, the direction to the viewer is used.
 struct Seen {
   Vec3 position, normal, toward;
 };
@@ -163,7 +163,7 @@ bool IsNumber(const SampleBuffer& samples, std::size_t i) {
   return std::isfinite(samples.depth[i]) && std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);
 }
 
-// Caps of sections have ids above those of the faces.
+// Whether the id is that of a section cap. Caps have ids above those of the faces.
 bool IsCap(const Model& model, std::uint32_t face) {
   return face != kNoIndex && face >= model.PlacedFaceCount();
 }
@@ -187,7 +187,7 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
   view.inspection = inspection;
   view.quantity = QuantityOf(inspection);
 
-  // Numbers.
+  // Compute the numbers.
   if (HasValues(inspection.kind)) {
     Result<PerSample<double>> values = InspectionValues(model, scene, centres, frame, inspection, execution);
     if (!values.ok()) return values.error();
@@ -196,7 +196,7 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
     view.range = RangeOf(inspection, view.statistics, model.Diagonal());
   }
 
-  // Faces, then classes, which may depend on them.
+  // Count the pixels of the faces, and then of the classes, which may depend on them.
   if (inspection.kind == InspectionKind::kUnseen) {
     view.face_pixels.assign(model.PlacedFaceCount(), 0);
     for (std::uint32_t face : centres.face)
@@ -218,7 +218,7 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
 Result<Film> Draw(const Model& model, const Scene* scene, const SampleBuffer& samples,
                   const CameraFrame& frame, const InspectionView& view, const ShadeOptions& options) {
   if (Result<void> sound = CheckSizes(samples); !sound.ok()) return sound.error();
-  // Draft's picture has its classes; only scales need numbers for every sample.
+  // Only pictures with a scale need a number for every sample; the picture of draft has classes.
   const bool scaled = NeedsExactSurface(view.inspection.kind), same = view.values.size() == samples.size();
   PerSample<double> own;
   if (scaled && !same) {

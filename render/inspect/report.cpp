@@ -20,7 +20,7 @@ std::string HexColor(const Color& color) {
   return text;
 }
 
-// Faces that the view shows at too few pixel centres, those with none first.
+// The faces that the view shows at too few pixel centres, those without any first.
 json HardlySeen(const InspectionView& view, const Model& model) {
   json list = json::array();
   for (int pixels = 0; pixels < view.inspection.few_pixels && list.size() < kMostListedBreaks; ++pixels)
@@ -45,7 +45,7 @@ json EdgeJson(const EdgeContinuity& edge, const Model& model) {
               {"tolerance_mm", edge.tolerance_mm},
               {"angle_deg", edge.angle_deg.value},
               {"angle_at", Vector(edge.angle_deg.at)}};
-  // Curvatures say nothing across a corner.
+  // A curvature jump across a sharp edge is meaningless.
   if (edge.angle_deg.value <= kAngleDeg) {
     out["curvature_jump"] = edge.curvature_jump.value;
     out["relative_jump"] = edge.relative_jump;

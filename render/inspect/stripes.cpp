@@ -7,12 +7,12 @@
 namespace facetless {
 namespace {
 
-// Lines farther along the tunnel, in diagonals, lie closer together than any pixel resolves.
+// Beyond this distance along the tunnel, in diagonals, lines are closer together than pixels can resolve.
 constexpr double kFarthest = 10;
 // The share of a lamp in its period.
 constexpr double kLineShare = 0.4;
-// Borders of stripes are moved by this share of one: else planes that lie along an axis would lie on a
-// border, and rounding would decide.
+// The borders of stripes are shifted by this share of a stripe. Otherwise, planes along an axis would lie
+// exactly on a border, and rounding would decide their colour.
 constexpr double kShift = 0.25;
 
 Stripe Alternating(double stripes) {
@@ -42,14 +42,15 @@ StripePattern::StripePattern(const Inspection& inspection, const CameraFrame& fr
 
 Stripe StripePattern::At(Vec3 position, Vec3 normal, Vec3 toward) const {
   if (kind_ == InspectionKind::kIsophotes) return Alternating(0.5 * count_ * (Dot(normal, direction_) + 1));
-  // Mirror the ray to the eye at the normal.
+  // Reflect the direction to the eye at the normal.
   const Vec3 mirrored = 2 * Dot(normal, toward) * normal - toward;
   if (kind_ == InspectionKind::kReflection) return AtReflection(position, mirrored);
   return Alternating(count_ * (AngleDeg(mirrored, direction_) / 180));
 }
 
 Stripe StripePattern::AtReflection(Vec3 position, Vec3 mirrored) const {
-  // Where the ray meets the circle in the plane across the tunnel: |p + t·r| = radius, from inside.
+  // Find the point where the ray meets the circle in the plane across the tunnel, from inside: |p + t·r| =
+  // radius.
   const Vec3 from_center = position - center_;
   const Vec2 p{Dot(from_center, across_), Dot(from_center, above_)},
       r{Dot(mirrored, across_), Dot(mirrored, above_)};

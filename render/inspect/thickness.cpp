@@ -10,10 +10,11 @@
 namespace facetless {
 namespace {
 
-// Newton answers to some 2^-46 of the coordinates; what is 2^18 times farther is another surface.
+// The distance up to which a crossing counts as the starting point. Newton's method is accurate to about
+// 2^-46 of the coordinates; a crossing 2^18 times as far away belongs to another surface.
 constexpr double kLeastShare = 0x1p-28;
 
-// The vector that the placement's linear part takes to `v`; zero if it is singular.
+// The vector that the linear part of the placement maps to `v`; zero if it is singular.
 Vec3 Unplaced(const Placement& placement, Vec3 v) {
   const auto& m = placement.m;
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
@@ -28,7 +29,7 @@ Vec3 Unplaced(const Placement& placement, Vec3 v) {
 Thickness::Thickness(const Scene& scene, const std::vector<SurfaceEval>& surfaces,
                      const std::vector<bool>& shown)
     : surfaces_(surfaces), tree_of_face_(surfaces.size(), kNoIndex) {
-  // Gather the faces of each solid that has a shown one.
+  // Collect the faces of each solid that has a shown face.
   const Model& model = scene.model();
   std::vector<std::vector<std::uint32_t>> groups;
   for (std::uint32_t part = 0; part < model.parts.size(); ++part) {
@@ -53,7 +54,7 @@ std::optional<double> Thickness::At(std::uint32_t face, const Placement& placeme
                                     Vec3 outward) const {
   if (tree_of_face_[face] == kNoIndex) return std::nullopt;
   const SolidTree& tree = *trees_[tree_of_face_[face]];
-  // In the part's own coordinates the direction is no unit vector, and t stays the distance in placed
+  // In part coordinates, the direction is not a unit vector, so t is still the distance in placed
   // millimetres.
   const Vec3 inward = Unplaced(placement, -outward);
   const double length = Length(inward);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kNone = INFINITY;
 constexpr double kLowShare = 0.02, kHighShare = 0.98;
-// A curvature below this share of 1/diagonal bends the whole model by less than an eight-thousandth of its
-// size: flat.
+// A curvature below this share of 1/diagonal counts as flat. It bends the whole model by less than 1/8000 of
+// its size.
 constexpr double kFlat = 1e-3;
 
 double Chosen(const Curvature& curvature, CurvatureKind kind) {
@@ -33,7 +33,7 @@ double Chosen(const Curvature& curvature, CurvatureKind kind) {
   }
 }
 
-// What every sample of a view needs.
+// Evaluates the samples of a view.
 class Evaluator {
  public:
   Evaluator(const Model& model, const Scene* scene, const SampleBuffer& samples, const CameraFrame& frame,
@@ -61,7 +61,8 @@ class Evaluator {
     if (!std::isfinite(samples_.depth[i])) return kNone;
     const auto& n = samples_.normal[i];
     const Vec3 rough = Normalized({n[0], n[1], n[2]});
-    if (samples_.face[i] >= placed_.size() && samples_.face[i] != kNoIndex) return kNone;  // a section's cap
+    if (samples_.face[i] >= placed_.size() && samples_.face[i] != kNoIndex)
+      return kNone;  // the cap of a section
     const double turn = inspection_.orient == Orient::kViewer && IsBack(samples_, frame_, i) ? -1 : 1;
     if (samples_.uv.empty() || samples_.face[i] >= placed_.size()) return DraftOf(turn * rough);
     PlacedFace placed = placed_[samples_.face[i]];
@@ -76,7 +77,7 @@ class Evaluator {
           CurvatureAt(Placed(surface.Second(u, v), placement), placed.outward, extent_u, extent_v);
       return curvature ? Chosen(*curvature, inspection_.curvature) : kNone;
     }
-    // At a pole the tracer's own one-sided normal must do.
+    // At a pole, use the one-sided normal of the tracer.
     const std::optional<TangentFrame> frame =
         FrameAt(Placed(surface.First(u, v), placement), placed.outward, extent_u, extent_v);
     const Vec3 normal = frame ? frame->normal : turn * rough;
@@ -204,7 +205,7 @@ ValueRange RangeOf(const Inspection& inspection, const ValueStatistics& statisti
     return {-most, most};
   }
   if (statistics.count == 0) return {0, 1};
-  // A thickness is compared with none at all: its scale starts there.
+  // The scale of thickness starts at 0.
   return {0, statistics.p98 > 0 ? statistics.p98 : 1};
 }
 

@@ -11,17 +11,17 @@ namespace facetless {
 namespace {
 
 constexpr int kKinds = static_cast<int>(kLineClassNames.size());
-// How far a polyline may be off what it stands for in an SVG file; with the lines' own flatness below 0.05
-// px.
+// The largest deviation of a simplified polyline in an SVG file, pixels. Together with the flatness of the
+// lines, the deviation stays below 0.05 px.
 constexpr double kSvgTolerance = 0.015;
 
-// Straight pieces of the lines, dashed where they are to be.
+// A straight piece of a line or of a dash.
 struct Stroke {
   double x0, y0, x1, y1;
 };
 
 void AddStrokes(const ViewLine& line, const LineStyle& style, std::vector<Stroke>* strokes) {
-  double place = 0;  // along the dashes
+  double place = 0;  // position within the dash pattern
   const double period = style.dash + style.gap;
   for (std::size_t i = 1; i < line.points.size(); ++i) {
     const LinePoint &a = line.points[i - 1], &b = line.points[i];
@@ -44,11 +44,11 @@ void AddStrokes(const ViewLine& line, const LineStyle& style, std::vector<Stroke
   }
 }
 
-// Raises the cover of the row's pixels to that of the stroke.
+// Raises the coverage of the pixels of a row to that of the stroke.
 void CoverRow(const Stroke& s, double half_width, int y, std::vector<float>* cover) {
   const double reach = half_width + 0.5, dx = s.x1 - s.x0, dy = s.y1 - s.y0, square = dx * dx + dy * dy;
   const double center = y + 0.5;
-  // The stretch of the stroke near the row, on the x axis.
+  // Find the part of the stroke near the row, as an interval of x.
   double low = std::min(s.x0, s.x1), high = std::max(s.x0, s.x1);
   if (std::fabs(dy) > 0) {
     const double at = s.x0 + dx * ((center - reach - s.y0) / dy),
@@ -76,7 +76,7 @@ void DrawKind(std::span<const ViewLine> lines, LineClass kind, bool visible, Fil
   for (const ViewLine& line : lines)
     if (line.kind == kind && line.visible == visible) AddStrokes(line, style, &strokes);
   if (strokes.empty()) return;
-  // List them by row.
+  // List the strokes by row.
   const double reach = 0.5 * style.width + 0.5;
   std::vector<std::vector<std::uint32_t>> of_row(film->height);
   for (std::uint32_t k = 0; k < strokes.size(); ++k) {
@@ -101,7 +101,8 @@ void DrawKind(std::span<const ViewLine> lines, LineClass kind, bool visible, Fil
   });
 }
 
-// The points without those that lie on the way from one kept point to the next (Douglas and Peucker).
+// Marks the points to keep: a point close to the line between two kept points is dropped (Douglas and
+// Peucker).
 void Simplify(const std::vector<LinePoint>& points, std::size_t first, std::size_t last,
               std::vector<bool>* keep) {
   std::vector<std::pair<std::size_t, std::size_t>> open = {{first, last}};

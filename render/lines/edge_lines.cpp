@@ -15,12 +15,12 @@
 namespace facetless {
 namespace {
 
-constexpr int kMostHalvings = 14;  // of a segment: a line of a million pixels
-constexpr int kPlaces = 5;         // along an edge, at which its angle is measured
+constexpr int kMostHalvings = 14;  // of a segment; sufficient for a line of a million pixels
+constexpr int kPlaces = 5;         // points along an edge at which its angle is measured
 
-constexpr double kSmallest = 0.1;  // pixels: what is smaller is no line, its neighbours' ends cover it
+constexpr double kSmallest = 0.1;  // pixels; the ends of neighbouring lines cover a smaller edge
 
-// The face's outward normal beside the place at `share` of the edge, if there is one.
+// The outward normal of the face at a parameter of the edge; nothing if there is none.
 std::optional<Vec3> NormalBeside(const Model& model, const EdgeUse& use, double parameter) {
   const Coedge& coedge = model.coedges[use.coedge];
   for (const TrimSegment& segment : SegmentsOf(model, coedge)) {
@@ -90,7 +90,7 @@ class Projector {
   }
 
   void Flatten(const std::vector<Vec4>& points, int halvings, std::vector<ViewLine>* lines) {
-    // Leave out what lies behind the eye or beside the window.
+    // Skip a piece that lies behind the eye or outside the window.
     const bool perspective = frame_.projection == Projection::kPerspective;
     bool left = true, right = true, above = true, below = true, behind = perspective, in_front = true;
     std::vector<PixelPoint> pixels;
@@ -113,7 +113,7 @@ class Projector {
       return;
     }
     if (halvings == kMostHalvings) return End(lines);
-    // Halve by de Casteljau.
+    // Halve by de Casteljau's algorithm.
     std::vector<Vec4> row = points, low, high(points.size());
     for (std::size_t level = 0; level < points.size(); ++level) {
       low.push_back(row.front());
@@ -124,7 +124,7 @@ class Projector {
     Flatten(high, halvings + 1, lines);
   }
 
-  // Whether the control points lie as near to the chord as lines may; in depth too, counted in pixels.
+  // Whether the control points are close enough to the chord, on the screen and in depth (in pixels).
   bool IsFlat(const std::vector<PixelPoint>& pixels) const {
     const PixelPoint &a = pixels.front(), &b = pixels.back();
     const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
@@ -136,7 +136,7 @@ class Projector {
       const double off_x = p.x - a.x - share * dx, off_y = p.y - a.y - share * dy;
       if (!(off_x * off_x + off_y * off_y <= kFlatness * kFlatness)) return false;
       const double pixel = frame_.projection == Projection::kPerspective ? scale * p.depth : scale;
-      // A chord that is a point on the screen has no depth at a share.
+      // If the chord is a point on the screen, depth cannot be interpolated along it.
       const double chord_depth =
           square > kFlatness * kFlatness
               ? a.depth + share * (b.depth - a.depth)
@@ -148,7 +148,7 @@ class Projector {
 
   const Model& model_;
   const Placement& placement_;
-  const std::uint32_t to_placed_face_;  // from a face's index, modulo 2^32
+  const std::uint32_t to_placed_face_;  // added to a face's index to get its placed-face id, modulo 2^32
   const Camera& camera_;
   const CameraFrame& frame_;
   ViewLine line_;
@@ -157,7 +157,7 @@ class Projector {
 }  // namespace
 
 std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) {
-  // cos from the tangent of the half: no libm.
+  // Compute the cosine from the tangent of half the angle, without libm.
   const double t = edge_angle_deg < 180 ? PolyTan(edge_angle_deg * (std::numbers::pi / 360)) : INFINITY;
   const double cos_edge = std::isfinite(t) ? (1 - t * t) / (1 + t * t) : -1;
   const EdgeUses uses(model);
@@ -174,7 +174,7 @@ std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>
                                 const Camera& camera, const CameraFrame& frame,
                                 const std::atomic<bool>* cancel) {
   const EdgeUses uses(model);
-  // The edges of each part, in the order of their numbers.
+  // List the edges of each part, in ascending order.
   std::vector<std::vector<std::uint32_t>> edges_of(model.parts.size());
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     std::vector<std::uint32_t>& edges = edges_of[p];

@@ -19,13 +19,14 @@ namespace {
 constexpr int kCellsPerSpan = 8;
 constexpr double kPixelsPerCell = 12;
 constexpr int kMostCells = 512;          // in one direction of a face
-constexpr double kPlaceWidth = 0x1p-48;  // of a cell's side: all bits of a parameter
-constexpr int kMostRefinements = 16;     // halvings of a chord: enough for a window of 1e-8 of the radius
-// What is added to the value, as a share of its largest: curves along the grid's own lines, and along seams,
-// then lie on one side of them, and what vanishes everywhere vanishes nowhere.
+constexpr double kPlaceWidth = 0x1p-48;  // of a cell's side; this is the full precision of a parameter
+constexpr int kMostRefinements = 16;     // halvings of a chord; sufficient for a window of 1e-8 of the radius
+// A bias that is added to the function, as a share of its largest value. With it, curves along grid lines and
+// seams lie on one side of them, and a function that vanishes everywhere has no zeros.
 constexpr double kBias = 1e-9;
 
-// Below this sine of the angle between the tangents, or ratio of their lengths, du × dv is mostly rounding.
+// If the sine of the angle between the tangents, or the ratio of their lengths, is below this value, du × dv
+// is mostly rounding.
 constexpr double kSingular = 0x1p-26;
 
 bool IsSingular(const SurfacePoint& p) {
@@ -34,7 +35,7 @@ bool IsSingular(const SurfacePoint& p) {
   return !(Dot(normal, normal) > kSingular * kSingular * longest * longest);
 }
 
-// A curve's value at a place: n · view, or the height over a plane, scaled to about 1.
+// The function whose zeros are the curve: n · view, or the height above a plane, scaled to about 1.
 class FaceValue {
  public:
   FaceValue(const Model& model, std::uint32_t face, const Instance& instance, const CameraFrame& frame,
@@ -48,7 +49,7 @@ class FaceValue {
   double operator()(Vec2 uv) const {
     if (plane_ != nullptr) return Dot(plane_->normal, Point(uv) - plane_->point) / size_ + kBias;
     SurfacePoint p = surface.First(uv.x, uv.y);
-    // At a pole step back towards the middle, where the tangents span a plane again.
+    // At a pole, step back towards the middle until the tangents span a plane.
     for (double back = 0x1p-20; back <= 1 && IsSingular(p); back *= 16)
       p = surface.First(uv.x + back * (0.5 * (surface.u_begin() + surface.u_end()) - uv.x),
                         uv.y + back * (0.5 * (surface.v_begin() + surface.v_end()) - uv.y));
@@ -70,7 +71,7 @@ class FaceValue {
   const double size_;
 };
 
-// The zero of the value between two places of different sign, which have values a and b.
+// The zero of the function between two points with the values a and b, which have different signs.
 Vec2 ZeroBetween(const FaceValue& value, Vec2 from, double a, Vec2 to, double b) {
   if (a == 0) return from;
   if (b == 0) return to;
@@ -104,7 +105,7 @@ class FaceTracer {
   }
 
  private:
-  // The grid's lines in one direction: each span in equal cells.
+  // The grid lines in one direction. Each span is divided into equal cells.
   std::vector<double> Lines(Range spans) const {
     const int cells = std::clamp(kMostCells / std::max(1, int(spans.count)), 1, cells_);
     std::vector<double> lines;
@@ -115,12 +116,12 @@ class FaceTracer {
     return lines;
   }
 
-  // The pieces of the curve in the cells, as pairs of cell sides that they join.
+  // Finds the pieces of the curve in the cells, as pairs of cell sides that they connect.
   void FindPieces(const std::vector<double>& values) {
     const std::size_t nv = rows_.size();
     const auto positive = [&](std::size_t i, std::size_t j) { return values[i * nv + j] >= 0; };
     const auto place = [&](std::size_t i, std::size_t j) { return Vec2{columns_[i], rows_[j]}; };
-    // Sides run from the corner (i, j) in u (even keys) or in v (odd ones).
+    // The key of a side that starts at the corner (i, j) is even along u and odd along v.
     const auto side = [&](std::size_t i, std::size_t j, bool along_v) { return 2 * (i * nv + j) + along_v; };
     for (std::size_t i = 0; i + 1 < columns_.size(); ++i) {
       for (std::size_t j = 0; j + 1 < nv; ++j) {
@@ -128,7 +129,7 @@ class FaceTracer {
                    d = positive(i, j + 1);
         if (a == b && b == c && c == d) continue;
         std::vector<std::size_t> met;
-        // The side from corner (i, j) to corner (k, l).
+        // Find a zero on the side from corner (i, j) to corner (k, l).
         const auto meet = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
           if (positive(i, j) == positive(k, l)) return;
           const std::size_t key = side(i, j, k == i);
@@ -144,7 +145,8 @@ class FaceTracer {
         if (met.size() == 2) {
           pieces_.emplace_back(met[0], met[1]);
         } else {
-          // Two pieces: those that do not part the centre from the corners of its sign.
+          // There are two pieces. Choose them so that they do not separate the centre from the corners with
+          // its sign.
           const bool centre = value_(0.5 * (place(i, j) + place(i + 1, j + 1))) >= 0;
           const bool around_a = centre != a;  // the corners a and c are cut off
           pieces_.emplace_back(met[0], around_a ? met[3] : met[1]);
@@ -175,7 +177,7 @@ class FaceTracer {
       }
       Draw(chain, lines);
     };
-    // Open chains from their ends, then closed ones.
+    // Follow open chains from their ends, and then closed chains.
     for (std::size_t k = 0; k < pieces_.size(); ++k) {
       if (used[k]) continue;
       if (at[pieces_[k].first].size() == 1) {
@@ -193,7 +195,7 @@ class FaceTracer {
     return trim.whole() || trim.Query(uv.x, uv.y, 0, 0).inside;
   }
 
-  // Refines a chain, trims it and projects what is left.
+  // Refines a chain, trims it, and projects the remaining parts.
   void Draw(const std::vector<Vec2>& chain, std::vector<ViewLine>* lines) {
     std::vector<Vec2> fine = {chain.front()};
     for (std::size_t i = 1; i < chain.size(); ++i) {
@@ -230,13 +232,13 @@ class FaceTracer {
     end();
   }
 
-  // Points of the curve between a and b, until the chord is flat.
+  // Appends points of the curve between a and b until the chords are flat.
   void Refine(Vec2 a, Vec2 b, int depth, std::vector<Vec2>* out) {
     if (depth == kMostRefinements) return;
     const std::optional<Vec2> middle = OnCurve(0.5 * (a + b), b - a);
     if (!middle) return;
     const PixelPoint p = value_.Pixel(a), q = value_.Pixel(b), m = value_.Pixel(*middle);
-    // Outside the window nobody looks.
+    // Do not refine outside the window.
     const auto outside = [&](double p1, double p2, double p3, double size) {
       return (p1 < 0 && p2 < 0 && p3 < 0) || (p1 > size && p2 > size && p3 > size);
     };
@@ -256,9 +258,9 @@ class FaceTracer {
     Refine(*middle, b, depth + 1, out);
   }
 
-  // The place on the curve across the chord's direction from `at`.
+  // The point on the curve in the direction perpendicular to the chord from `at`.
   std::optional<Vec2> OnCurve(Vec2 at, Vec2 chord) const {
-    // Across in the cells' own measure: parameters of u and v have nothing in common.
+    // Measure perpendicularity in units of cells, because u and v may have different scales.
     const double du = (columns_.back() - columns_.front()) / (columns_.size() - 1),
                  dv = (rows_.back() - rows_.front()) / (rows_.size() - 1);
     const Vec2 across{-chord.y / dv * du, chord.x / du * dv};
@@ -281,11 +283,11 @@ class FaceTracer {
   const Camera& camera_;
   const CameraFrame& frame_;
   std::vector<double> columns_, rows_;
-  std::map<std::size_t, Vec2> places_;  // of the curve, by side
+  std::map<std::size_t, Vec2> places_;  // points of the curve, by cell side
   std::vector<std::pair<std::size_t, std::size_t>> pieces_;
 };
 
-// How large the box is in the picture, pixels; 0 if it lies beside the window.
+// The size of the box in the picture, pixels; 0 if it lies outside the window.
 double SizeInPicture(const Box3& box, const Placement& placement, const Camera& camera,
                      const CameraFrame& frame) {
   double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
@@ -293,7 +295,7 @@ double SizeInPicture(const Box3& box, const Placement& placement, const Camera& 
     const PixelPoint p =
         Project(frame, placement.Point({k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y,
                                         k & 4 ? box.high.z : box.low.z}));
-    // What reaches behind the eye may be as large as it likes.
+    // The size of a box that extends behind the eye is unbounded.
     if (frame.projection == Projection::kPerspective && !(p.depth > frame.near_mm)) return INFINITY;
     x_low = std::min(x_low, p.x);
     x_high = std::max(x_high, p.x);
@@ -314,10 +316,10 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
   std::vector<Job> jobs;
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
     for (const std::uint32_t f : Indices(FacesOf(model, model.instances[i]))) {
-      // A plane turns away everywhere or nowhere.
+      // A plane has no silhouette of its own.
       if (plane == nullptr && model.surfaces[model.faces[f].surface].kind == SurfaceKind::kPlane) continue;
       if (plane != nullptr) {
-        // Whether the plane passes the box at all.
+        // Check whether the plane intersects the box.
         const Box3& box = scene.data().faces[f].bounds;
         bool above = false, below = false;
         for (int k = 0; k < 8; ++k) {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kBeside = 8, kLongest = 1e12;  // pixels
 
-// Planes keep what lies in them, to the flatness of the lines: a face's edge in the plane stays.
+// The height of a point above a plane. Points in the plane are kept, within the flatness of lines, so that
+// the edges of a face in the plane stay.
 double Height(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& p) {
   const Ray ray = PixelRay(frame, p.x, p.y);
   const double pixel =
@@ -17,7 +18,8 @@ double Height(const CameraFrame& frame, const SectionPlane& plane, const LinePoi
   return Dot(plane.normal, ray.origin + p.depth * ray.direction - plane.point) - kFlatness * pixel;
 }
 
-// Where the height changes its sign. It runs evenly along the line in space, not on the screen: bisected.
+// The point where the height changes its sign. It is found by bisection, because the height is linear along
+// the line in space, but not on the screen.
 LinePoint CrossingOf(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& a,
                      const LinePoint& b) {
   const bool above = Height(frame, plane, a) > 0;
@@ -29,7 +31,7 @@ LinePoint CrossingOf(const CameraFrame& frame, const SectionPlane& plane, const 
   return Between(frame, a, b, 0.5 * (low + high));
 }
 
-// As shares of the way from one point of a line to the next; nothing unless begin < end.
+// A part of a line segment, as shares of the way from one point to the next. It is empty unless begin < end.
 struct Stretch {
   double begin, end;
 };

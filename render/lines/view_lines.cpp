@@ -23,7 +23,7 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
                std::make_move_iterator(silhouettes.end()));
   if (options.sections.empty()) return whole;
 
-  // What the planes leave of them, and what each plane cuts.
+  // Clip the lines with the planes, and add the outlines of the cuts.
   std::vector<ViewLine> lines;
   for (ViewLine& line : whole) ClipLine(frame, options.sections, -1, std::move(line), &lines);
   for (int k = 0; k < static_cast<int>(options.sections.size()); ++k)
@@ -32,7 +32,7 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
   return lines;
 }
 
-// By placed face, the placed faces that share an edge with it.
+// For each placed face, the placed faces that share an edge with it.
 std::vector<std::vector<std::uint32_t>> JoinedFaces(const Model& model) {
   const EdgeUses uses(model);
   std::vector<std::vector<std::uint32_t>> of_face(model.faces.size()), joined(model.PlacedFaceCount());

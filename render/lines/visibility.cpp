@@ -10,10 +10,10 @@ namespace facetless {
 namespace {
 
 constexpr double kStep = 0.5, kSlack = 2, kShortest = 2;  // samples
-// Samples of depth per sample: steeper planes say nothing, as in shade/features.h, but of the line's own
-// face.
+// The largest slope, in samples of depth per sample. Steeper planes are ignored, as in shade/features.h,
+// except for the line's own faces.
 constexpr double kSteepest = 30;
-// How far beside a line one looks for what lies behind it, samples.
+// The distance beside a line at which the surface behind it is sampled, samples.
 constexpr double kBeside = 2;
 
 // Classes that are drawn paler than a silhouette.
@@ -37,14 +37,14 @@ class Judge {
 
   double scale() const { return std::max(scale_x_, scale_y_); }
 
-  // Of the picture, in the lines' pixels.
+  // The size of the picture, in the pixels of the lines.
   double width() const { return samples_.width / scale_x_; }
   double height() const { return samples_.height / scale_y_; }
 
-  // p: on `line`.
+  // Whether the point p of `line` is visible.
   bool Sees(const ViewLine& line, const LinePoint& p) const {
     const double x = p.x * scale_x_, y = p.y * scale_y_;
-    // Beside the picture the nearest of its samples must do.
+    // Outside the picture, use the nearest sample.
     const auto nearest = [](double at, int count) {
       return at > 0 ? static_cast<int>(std::min(at, count - 1.0)) : 0;
     };
@@ -65,14 +65,14 @@ class Judge {
     const double there = Dot(normal, ray.origin + depth * ray.direction - through.origin) / rate;
     double change = std::isfinite(there) ? std::clamp(there - depth, -most, most) : most;
     if (own) {
-      // The contour itself may run beside the line's chord, away from the surface.
+      // The contour may deviate from the chord of the line, away from the surface.
       const double steep = SlopeOf(normal, ray.direction);
       change = std::fabs(change) + kFlatness * scale() * steep * pixel;
     }
     return p.depth <= depth + std::max(change, 0.0) + 2 * std::fabs(change) + kSlack * pixel;
   }
 
-  // Whether the line at p, which runs in the direction (dx, dy), is the outline of what is seen there.
+  // Whether the line at p, with the direction (dx, dy), is an outline of the visible surface.
   bool IsOutline(const LinePoint& p, double dx, double dy) const {
     const double length = std::sqrt(dx * dx + dy * dy);
     if (!(length > 0)) return false;
@@ -84,7 +84,7 @@ class Judge {
       const double x = p.x * scale_x_ - reach * dy / length, y = p.y * scale_y_ + reach * dx / length;
       if (!(x >= 0 && y >= 0 && x < samples_.width && y < samples_.height)) return false;
       const std::size_t i = static_cast<std::size_t>(y) * samples_.width + static_cast<std::size_t>(x);
-      // Farther than a surface could fall away from the line.
+      // Check whether the surface is farther away than a continuous surface could be.
       farther[side] = !(samples_.depth[i] < p.depth + kBeside * kSteepest * pixel);
     }
     return farther[0] != farther[1];
@@ -97,7 +97,7 @@ class Judge {
         return true;
     return false;
   }
-  // How many pixels of depth the surface falls in one of the picture.
+  // The slope of the surface, in pixels of depth per pixel of the picture.
   static double SlopeOf(Vec3 normal, Vec3 direction) {
     const double toward = std::fabs(Dot(normal, direction)) / Length(direction);
     const double square = Dot(normal, normal) - toward * toward;
@@ -118,7 +118,7 @@ struct Run {
 constexpr std::uint8_t kVisible = 1, kOutline = 2;
 
 std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, const Judge& judge) {
-  // Walk in steps; remember which points are the line's own.
+  // Walk along the line in steps, and record which points are original points of the line.
   std::vector<LinePoint> points;
   std::vector<bool> own;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
@@ -133,7 +133,7 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
     points.push_back(line.points[i]);
     own.push_back(true);
   }
-  // Judge between the points: ends of lines lie in the corners of others.
+  // Test between the points, because the ends of lines lie on other lines.
   std::vector<Run> runs;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const LinePoint middle = Between(frame, points[i], points[i + 1], 0.5);
@@ -147,7 +147,7 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
       runs.back().end = i + 1;
     }
   }
-  // Give short runs to their neighbours.
+  // Merge short runs with their neighbours.
   const auto length_of = [&](const Run& run) {
     double length = 0;
     for (std::size_t i = run.begin; i < run.end; ++i) length += Distance(points[i], points[i + 1]);
@@ -159,7 +159,7 @@ std::vector<ViewLine> SplitOne(const ViewLine& line, const CameraFrame& frame, c
     for (std::size_t k = 0; k < runs.size(); ++k)
       if (const double length = length_of(runs[k]); length < least) least = length, shortest = k;
     if (least >= kShortest) break;
-    // Its state becomes that of the longer neighbour.
+    // Take over the state of the longer neighbour.
     const std::size_t before = shortest > 0 ? shortest - 1 : shortest + 1,
                       after = shortest + 1 < runs.size() ? shortest + 1 : before;
     runs[shortest].state = runs[length_of(runs[after]) > length_of(runs[before]) ? after : before].state;

@@ -15,7 +15,7 @@ namespace {
 using Rgb = std::array<std::uint8_t, 3>;
 
 constexpr Rgb kHit = {214, 218, 222}, kMiss = {255, 255, 255}, kBand = {244, 245, 246};
-// Told apart also with the common colour blindnesses (Okabe and Ito).
+// Colours that are distinct for all common kinds of colour blindness (Okabe and Ito).
 constexpr std::array<Rgb, kDoubtNames.size()> kDoubtColors = {{{86, 180, 233},
                                                                {0, 114, 178},
                                                                {204, 121, 167},
@@ -31,7 +31,7 @@ struct Entry {
   std::size_t count;
 };
 
-// One line per entry, as many columns as fit.
+// Draws the legend with one line per entry, in as many columns as fit.
 int DrawLegend(Image8* image, int top, double text, const std::vector<Entry>& entries) {
   const TextStyle style{text};
   const int line = static_cast<int>(2 * text), square = static_cast<int>(1.1 * text);
@@ -55,7 +55,7 @@ int DrawLegend(Image8* image, int top, double text, const std::vector<Entry>& en
 }  // namespace
 
 CertificateMap DrawCertificates(const SampleBuffer& samples) {
-  // Colour each sample, and count.
+  // Colour each sample, and count the samples of each colour.
   CertificateMap map;
   std::vector<Entry> entries = {{kHit, "certified hits", 0}, {kMiss, "certified misses", 0}};
   for (std::size_t bit = 0; bit < kDoubtNames.size(); ++bit) {

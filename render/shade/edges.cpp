@@ -11,11 +11,11 @@
 namespace facetless {
 namespace {
 
-// Linear light of a line, and how much of it covers what lies below.
+// The linear light of a line, and its coverage.
 constexpr float kInk[3] = {0.016f, 0.017f, 0.020f};
 constexpr float kSilhouetteCover = 0.92f, kCreaseCover = 0.72f;
 
-// What lies between a pixel and its right or lower neighbour.
+// The border between a pixel and its right or lower neighbour.
 struct Border {
   Step step = Step::kNone;
   bool first_nearer = true;  // the left or upper pixel owns the line's wider half
@@ -48,7 +48,7 @@ Borders FindAll(const SampleBuffer& samples, const CameraFrame& frame, double co
   return borders;
 }
 
-// cos of an angle in degrees, 0 … 180, without libm: from the tangent of its half.
+// The cosine of an angle of 0 … 180 degrees, computed from the tangent of half the angle without libm.
 double Cosine(double degrees) {
   if (!(degrees < 180)) return -1;
   const double t = PolyTan(degrees * (std::numbers::pi / 360));
@@ -60,8 +60,8 @@ float Cover(Step step) {
   return step == Step::kCrease ? kCreaseCover : 0.0f;
 }
 
-// The cover that borders along one axis give to the pixel at `position` of `length`; border(i) lies between
-// i and i + 1. A line `width` samples wide has its larger half on the nearer side.
+// The coverage of the pixel at `position` of `length` by the borders along one axis. border(i) lies between i
+// and i + 1. A line that is `width` samples wide has its wider half on the nearer side.
 template <typename BorderAt>
 float CoverAlong(int position, int length, int width, const BorderAt& border) {
   const int wide = (width + 1) / 2, narrow = width / 2;

@@ -25,13 +25,13 @@ Sample Take(const SampleBuffer& samples, const CameraFrame& frame, std::size_t p
   return sample;
 }
 
-// By how much the depth changes from `from` to the other ray along the tangent plane of `from`; infinite if
-// that is seen edge-on.
+// The change of depth from `from` to the other ray along the tangent plane of `from`; infinite if the plane
+// is seen edge-on.
 double PredictedChange(const Sample& from, const Ray& other) {
   const double facing = Dot(from.normal, other.direction);
   if (!(facing < 0)) return INFINITY;
-  // Depths relative to the hit, so that nothing cancels: the other ray at this depth, and on along its
-  // direction.
+  // Compute relative to the hit to avoid cancellation: start at the other ray's point at the same depth, and
+  // continue along its direction.
   const Vec3 beside = (other.origin - from.ray.origin) + from.depth * (other.direction - from.ray.direction);
   return -Dot(from.normal, beside) / facing;
 }
@@ -44,7 +44,7 @@ Step StepBetween(const SampleBuffer& samples, const CameraFrame& frame, std::siz
   if (!hit_a && !hit_b) return Step::kNone;
   if (hit_a != hit_b) return Step::kJump;
 
-  // Compare the change of depth with what both tangent planes say.
+  // Compare the change of depth with the predictions of both tangent planes.
   const Sample from = Take(samples, frame, a), to = Take(samples, frame, b);
   const double change = to.depth - from.depth;
   const double pixel = std::max(frame.pixel_x, frame.pixel_y) *

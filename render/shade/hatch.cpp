@@ -7,7 +7,7 @@
 namespace facetless {
 namespace {
 
-// Unit vectors across the lines.
+// Unit vectors perpendicular to the lines.
 constexpr double kAcross[][2] = {
     {0.7071067811865476, 0.7071067811865476},   // 45°
     {0.7071067811865476, -0.7071067811865476},  // 135°

@@ -15,7 +15,8 @@
 namespace facetless {
 namespace {
 
-// Light of a line of hatching on a cap of mean light `light`: dark, but lighter than what is nearly black.
+// The light of a hatching line on a cap of the mean light `light`. It is darker than the cap, unless the cap
+// is nearly black.
 float HatchLight(float light) {
   constexpr float kDark = 0.04f, kShare = 0.18f, kAgainstDark = 0.30f;
   return light < kDark ? kAgainstDark : kShare * light;
@@ -44,22 +45,22 @@ Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options
   return {};
 }
 
-// A unit vector of the model's axes in the viewer's: right, up, towards the viewer. Unit vectors stay so, to
-// rounding.
+// Converts a vector from model axes to viewer axes: right, up, towards the viewer. Lengths are preserved up
+// to rounding.
 Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
   return {Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
 }
 
-// Shades the row's samples; returns the first that is no number, or kNoPixel.
+// Shades the samples of a row. Returns the first sample that is not finite, or kNoPixel.
 std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, const std::vector<Vec3>& albedo,
                      Vec3 fallback, const std::array<float, 4>& background, const ShadeOptions& options,
                      int y, Film& film) {
   const bool perspective = frame.projection == Projection::kPerspective;
   const std::size_t first = static_cast<std::size_t>(y) * samples.width;
   StudioView view(Normalized(ToViewer(frame, -frame.forward)));
-  std::size_t alike = kNoPixel;  // the last pixel whose light may be that of the next
+  std::size_t alike = kNoPixel;  // the last pixel whose light can be reused for the next one
   for (std::size_t i = first; i < first + samples.width; ++i) {
-    // Nothing hit: the background. NaN and −inf are no misses.
+    // A miss shows the background. NaN and −inf are not misses.
     if (samples.depth[i] == INFINITY) {
       film.pixels[i] = background;
       continue;
@@ -69,7 +70,7 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
         !std::isfinite(n[2]))
       return i;
 
-    // In parallel light a plane looks the same everywhere.
+    // In an orthographic view, a plane has the same light everywhere.
     const std::uint32_t face = samples.face[i];
     if (alike != kNoPixel && samples.normal[alike] == n && samples.face[alike] == face) {
       film.pixels[i] = film.pixels[alike];
@@ -79,7 +80,7 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
       const Ray ray = PixelRay(frame, static_cast<double>(i - first) + 0.5, y + 0.5);
       view = StudioView(Normalized(ToViewer(frame, -ray.direction)));
     }
-    // Turn the normal to the viewer. One that the tracer could not find is zero.
+    // Flip the normal towards the viewer. A normal that the tracer could not find is zero.
     Vec3 normal = ToViewer(frame, {n[0], n[1], n[2]});
     if (!(Dot(normal, normal) > 0)) normal = view.toward();
     if (Dot(normal, view.toward()) < 0) normal = -normal;
@@ -99,7 +100,7 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options) {
   if (Result<void> sound = CheckInput(samples, options); !sound.ok()) return sound.error();
-  // Faces in a row mostly share their colour: convert it once.
+  // Consecutive faces mostly share their colour, so convert it only once.
   std::vector<Vec3> albedo;
   albedo.reserve(colors.size());
   for (std::size_t i = 0; i < colors.size(); ++i)

@@ -20,19 +20,19 @@ Vec3 Mix(Vec3 a, Vec3 b, double t) {
   return (1 - t) * a + t * b;
 }
 
-// A warm key above left, a cool fill from the right and a little below.
+// A warm key light from above left, and a cool fill light from the right and a little below.
 const Light kKey = {Normalized({-0.50, 0.72, 0.66}), {1.46, 1.37, 1.25}, 0.25};
 const Light kFill = {Normalized({0.82, -0.12, 0.45}), {0.17, 0.20, 0.25}, 0.60};
-// Light from everywhere: a bright ceiling, a warm floor.
+// Ambient light: a bright ceiling and a warm floor.
 constexpr Vec3 kCeiling = {0.215, 0.225, 0.245}, kFloor = {0.105, 0.098, 0.090};
-// Highlights: how much of the key a surface mirrors, tight and wide; and the rim, where surfaces mirror the
-// ceiling.
+// The strengths of the tight and the wide highlight of the key light, and of the rim, where surfaces reflect
+// the ceiling.
 constexpr double kTight = 0.13, kWide = 0.03, kRim = 0.24;
-// Where the shoulder begins: below, light passes unchanged.
+// The beginning of the shoulder curve; smaller values are not changed.
 constexpr double kShoulder = 0.60;
 
 double Diffuse(const Light& light, Vec3 normal) {
-  // Wrapped Lambert, squared: the terminator is soft and its slope ends in zero.
+  // Wrapped Lambert, squared, so that the terminator is soft and ends with slope zero.
   const double wrapped = std::max((Dot(normal, light.toward) + light.wrap) * light.scale, 0.0);
   return wrapped * (0.45 + 0.55 * wrapped);
 }
@@ -49,19 +49,19 @@ double Shoulder(double x) {
 StudioView::StudioView(Vec3 toward) : toward_(toward), half_(Normalized(kKey.toward + toward)) {}
 
 Vec3 StudioView::Light(Vec3 normal, Vec3 albedo) const {
-  // Diffuse light of both lamps and the room.
+  // Add the diffuse light of both lights and the ambient light.
   const double up = 0.5 + 0.5 * normal.y;
   const Vec3 incoming =
       Diffuse(kKey, normal) * kKey.color + Diffuse(kFill, normal) * kFill.color + Mix(kFloor, kCeiling, up);
   Vec3 light = Times(albedo, incoming);
 
-  // Highlights of the key around the half vector: cosines to the powers 8 and 64.
+  // Add the highlights of the key light around the half vector: cosines to the powers 8 and 64.
   const double half = std::max(Dot(normal, half_), 0.0);
   const double half2 = half * half, half4 = half2 * half2, half8 = half4 * half4;
   const double half16 = half8 * half8, half32 = half16 * half16, half64 = half32 * half32;
   light = light + (kWide * half8 + kTight * half64) * kKey.color;
 
-  // The rim: Schlick's fifth power of the grazing angle, brighter where it faces up.
+  // Add the rim: Schlick's fifth power of the grazing angle, brighter on surfaces that face up.
   const double grazing = 1 - std::clamp(Dot(normal, toward_), 0.0, 1.0);
   const double grazing2 = grazing * grazing;
   light = light + (kRim * grazing2 * grazing2 * grazing * (0.35 + 0.65 * up)) * Vec3{0.93, 0.97, 1.0};

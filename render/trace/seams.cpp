@@ -227,7 +227,7 @@ class Finder {
       low = {std::min(low.x, at.x), std::min(low.y, at.y)};
       high = {std::max(high.x, at.x), std::max(high.y, at.y)};
       weight = std::min(weight, p[i].z);
-      // Skip a sample that is too far from the line of the chord or from its ends.
+      // Measure how far the control point is from the chord, beside it or beyond its ends.
       const Vec2 away = at - first;
       const double along = length > 0 ? std::clamp(Dot(away, chord) / (length * length), 0.0, 1.0) : 0;
       bend = std::max(bend, Length(away - along * chord));
