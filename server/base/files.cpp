@@ -19,7 +19,7 @@ Error WriteError(const std::string& path, int reason) {
   return {ErrorCode::kWriteFailed, "cannot write " + path + ": " + std::strerror(reason)};
 }
 
-// The permissions of a new file: mkstemp's 0600 would hide reports from the owner's colleagues.
+// The permissions of a new file. The 0600 of mkstemp would make reports unreadable for other users.
 mode_t NewFileMode() {
   const mode_t mask = umask(0);
   umask(mask);
@@ -52,7 +52,7 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
 Result<void> MoveFile(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) == 0) return {};
   if (errno != EXDEV) return WriteError(to, errno);
-  // Another file system: copy beside the destination, then rename.
+  // On another file system, copy to a temporary file next to the destination and rename it.
   const std::string temporary = to + ".part";
   std::error_code error;
   std::filesystem::copy_file(from, temporary, std::filesystem::copy_options::overwrite_existing, error);

@@ -1,6 +1,6 @@
 #include "server/base/heap.h"
 
-#include <cstdlib>  // says whether the C library is glibc
+#include <cstdlib>  // defines __GLIBC__ if the C library is glibc
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -10,11 +10,11 @@ namespace facetless {
 
 void BoundHeap() {
 #if defined(__GLIBC__)
-  // Threads of the renderer allocate by the leaf, not by the ray: a few arenas serve them all.
+  // The threads of the renderer allocate per leaf, not per ray, so a few arenas are sufficient.
   constexpr int kArenas = 4;
   mallopt(M_ARENA_MAX, kArenas);
-  // From here on a buffer is a mapping of its own, which goes back when it is freed. Without this line the
-  // allocator raises the bound to what was freed last, and pictures stay in the heap.
+  // Larger buffers are separate mappings, which are returned to the system when they are freed. Without this
+  // call, the allocator raises the threshold to the size of freed buffers, and pictures stay in the heap.
   constexpr int kOwnMapping = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, kOwnMapping);
 #endif

@@ -14,7 +14,7 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 
 void HandleSignal(int signal) {
   if (interrupt_flag.exchange(true)) {
-    // The second signal: the default action, which ends the process.
+    // On the second signal, take the default action, which ends the process.
     std::signal(signal, SIG_DFL);
     std::raise(signal);
     return;
@@ -53,7 +53,7 @@ Deadline::Deadline(double seconds, const std::atomic<bool>* watched) {
         stop_ = true;
         return;
       }
-      // A signal can't wake a condition variable, so look at the watched flag now and then.
+      // A signal handler cannot notify a condition variable, so poll the watched flag.
       changed_.wait_for(lock, std::chrono::milliseconds(20));
     }
   });

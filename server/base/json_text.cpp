@@ -13,14 +13,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of what the parser says, and of a name: a text of megabytes may be one word.
+// The largest number of bytes of a parser message or a name that is shown. A name may have megabytes.
 constexpr std::size_t kMostShown = 160;
 
 std::string Shown(const std::string& text) {
   return text.size() <= kMostShown ? Printable(text) : Printable(text.substr(0, kMostShown)) + "…";
 }
 
-// "line 2, column 5" of the byte before `end`, which is counted from 1.
+// The place of the byte before `end` as "line 2, column 5". `end` is counted from 1.
 std::string PlaceOf(std::string_view text, std::size_t end) {
   const std::string_view before = text.substr(0, std::min(text.size(), end == 0 ? 0 : end - 1));
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;
@@ -28,8 +28,8 @@ std::string PlaceOf(std::string_view text, std::size_t end) {
   return "line " + std::to_string(line) + ", column " + std::to_string(before.size() - line_start + 1);
 }
 
-// What nlohmann-json says behind "[json.exception.parse_error.101] parse error at line 1, column 2: syntax
-// error ".
+// The reason in a message of nlohmann-json, which follows "[json.exception.parse_error.101] parse error at
+// line 1, column 2: syntax error ".
 std::string ReasonOf(const std::string& message) {
   const std::size_t place = message.find(": ");
   std::string reason = place == std::string::npos ? message : message.substr(place + 2);
@@ -41,7 +41,7 @@ std::string ReasonOf(const std::string& message) {
 }  // namespace
 
 Result<Json> ParseJsonText(const std::string& text, const std::string& what, bool ignore_comments) {
-  // Which names each of the objects that are open has, and the first name that one has twice.
+  // Collect the names of each open object, and the first name that an object has twice.
   std::vector<std::set<std::string>> names;
   std::string twice;
   const auto watch = [&](int, Json::parse_event_t event, Json& value) {

@@ -13,8 +13,8 @@
 namespace facetless {
 namespace {
 
-// Brings every directory below `root` directly into it: a tree that is deeper than a path can name, or than
-// we may have files open, can then be removed. Each round works on two levels alone.
+// Moves every directory below `root` directly into it, so that a tree can be removed that is deeper than the
+// limits of paths or open files. Each round works on only two levels.
 void Flatten(const std::string& root) {
   std::error_code ignored;
   std::uint64_t moved = 0;

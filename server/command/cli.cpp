@@ -143,7 +143,7 @@ CLI::App* AddFileCommand(CLI::App& app, const std::string& name, const std::stri
   return command;
 }
 
-// The commands about keys; which of them was given.
+// The subcommands of keys.
 struct KeyCommands {
   CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
 };
@@ -177,7 +177,7 @@ KeyCommands AddKeyCommands(CLI::App& app, KeyArguments& key) {
   return commands;
 }
 
-// Runs a command on the collected options.
+// Runs a command with the collected options.
 int Dispatch(int (*command)(const CommandArguments&), CommandArguments& arguments,
              OptionCollector& collected) {
   auto json = collected.Take();
@@ -217,7 +217,7 @@ int RunCommandLine(int argc, char** argv) {
   CommandArguments arguments;
   OptionCollector options;
 
-  // The commands.
+  // Add the commands.
   CLI::App* inspect =
       AddFileCommand(app, "inspect", "List the contents of a file and what the import lost (JSON)",
                      kInspectFooter, arguments);
@@ -250,7 +250,7 @@ int RunCommandLine(int argc, char** argv) {
   store_check->footer(kStoreCheckFooter);
   store_check->add_option("DIR", arguments.file, "Data directory")->required();
 
-  // Their options.
+  // Add their options.
   for (CLI::App* command : {render, compare, trade})
     command->add_option("--out", arguments.out, "Directory for the results; created if absent")
         ->required()
@@ -277,7 +277,7 @@ int RunCommandLine(int argc, char** argv) {
                       "Print progress even if standard error is not a terminal");
   }
 
-  // Parse: help and version end with 0, everything that is wrong with 64.
+  // Parse the command line. Help and version end with exit code 0, wrong options with 64.
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

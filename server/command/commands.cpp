@@ -45,7 +45,7 @@ RunContext ToContext(Progress& progress) {
           [&progress](const std::string& stage, double fraction) { progress.Report(stage, fraction); }};
 }
 
-// `unmeshed`: faces of which the mesher made no triangle.
+// The exit code that follows from losses. `unmeshed` is the number of faces without a triangle.
 int LossExitCode(const RunOptions& options, const Model& model, std::size_t unmeshed = 0) {
   if (options.strict && !KnowsUnit(model)) return kExitFailed;
   if (LossCount(model) + unmeshed == 0) return kExitDone;
@@ -54,8 +54,8 @@ int LossExitCode(const RunOptions& options, const Model& model, std::size_t unme
 
 constexpr std::size_t kMostNamed = 20;  // faces, on standard error
 
-// The faces of which the mesher made no triangle, by the importer's own answer, which is checked like any
-// other text of another process.
+// The faces without a triangle, from the answer of the importer. The answer is checked like any text of
+// another process.
 std::vector<std::string> UnmeshedOf(const nlohmann::json& summary) {
   std::vector<std::string> names;
   const auto meshes = summary.find("meshes");
@@ -68,7 +68,7 @@ std::vector<std::string> UnmeshedOf(const nlohmann::json& summary) {
   return names;
 }
 
-// Names the faces of which the mesher made no triangle.
+// Warns of the faces without a triangle.
 void WarnOfUnmeshed(const std::vector<std::string>& faces) {
   for (std::size_t i = 0; i < std::min(faces.size(), kMostNamed); ++i)
     std::fprintf(stderr,
@@ -78,13 +78,13 @@ void WarnOfUnmeshed(const std::vector<std::string>& faces) {
     std::fprintf(stderr, "facetless: warning: the mesh lacks %zu more faces\n", faces.size() - kMostNamed);
 }
 
-// Says why a run failed.
+// Prints the reasons why a run failed.
 void PrintFailures(const std::vector<std::string>& sentences) {
   for (const std::string& sentence : sentences)
     std::fprintf(stderr, "facetless: failed: %s\n", Printable(sentence).c_str());
 }
 
-// Prints the path of the report and what fails the run, and returns the verdict's exit code.
+// Prints the path of the report and the reasons for a failure, and returns the exit code of the verdict.
 int PrintReport(const Result<nlohmann::json>& report, const std::string& directory) {
   if (!report) return PrintError(report.error());
   Print((std::filesystem::path(directory) / "report.json").string());
@@ -132,7 +132,7 @@ int RenderCommand(const CommandArguments& arguments) {
 }
 
 int MeshCommand(const CommandArguments& arguments) {
-  // A name that no format has is refused before anything is imported.
+  // Refuse an unknown suffix before the import.
   const auto format = MeshFormatOf(arguments.out);
   if (!format) return PrintError(format.error());
   Progress progress(arguments.progress);
@@ -160,7 +160,7 @@ int MeshCommand(const CommandArguments& arguments) {
 int CompareCommand(const CommandArguments& arguments) {
   Progress progress(arguments.progress);
   const RunOptions& options = arguments.options;
-  // What no mesh can show is said before anything is imported.
+  // Refuse inspections that no mesh can show before the import.
   if (auto can = CheckMeshCanShow(options.inspection, true); !can) return PrintError(can.error());
   if (options.mesh.empty() && !(options.mesh_unit + options.mesh_up).empty())
     return PrintError(
@@ -172,7 +172,7 @@ int CompareCommand(const CommandArguments& arguments) {
     WarnOfUnmeshed(compared.value().faces_unmeshed);
     return PrintReport(std::move(compared.value().report), arguments.out);
   }
-  // Somebody's mesh.
+  // Compare with the mesh of the user.
   auto imported = Import(request);
   if (!imported) return PrintError(imported.error());
   auto mesh = LoadMesh(options.mesh, {.unit = options.mesh_unit, .up = options.mesh_up},
@@ -198,7 +198,8 @@ int TradeCommand(const CommandArguments& arguments) {
     exit_code = result.value().report.at("verdict").at("exit_code").get<int>();
     failures = VerdictSentences(result.value().report.at("verdict"));
   }
-  // The table is for a person, so it goes where progress went; the answer for a program is the path.
+  // Print the table, which is for users, to standard error. Standard output gets only the path, which is for
+  // programs.
   std::fputs(text.c_str(), stderr);
   PrintFailures(failures);
   Print((std::filesystem::path(arguments.out) / "report.json").string());

@@ -26,9 +26,9 @@
 namespace facetless {
 namespace {
 
-// How often the cancel flag and the wall clock are looked at.
+// The interval at which the cancel flag, the wall clock and the watched limits are checked.
 constexpr int kPollMs = 20;
-// Tasks that others of this user may start while the child runs: many imports at the same time.
+// The number of tasks that other programs of this user may start while the child runs, such as other imports.
 constexpr std::uint64_t kSpareTasks = 4096;
 
 class Fd {
@@ -73,14 +73,14 @@ bool SetLimit(int resource, std::uint64_t value, std::uint64_t hard_extra = 0) {
   struct rlimit limit = {value, value + hard_extra};
   struct rlimit now = {};
   if (getrlimit(static_cast<__rlimit_resource>(resource), &now) != 0) return false;
-  // A limit that is already tighter stays.
+  // Do not raise a limit that is already lower.
   limit.rlim_max = std::min(limit.rlim_max, now.rlim_max);
   limit.rlim_cur = std::min(limit.rlim_cur, limit.rlim_max);
   return setrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0;
 }
 
-// Everything that the child needs between fork and exec, made before the fork: after it only
-// async-signal-safe calls are allowed, since another thread may have held any lock.
+// The data that the child needs between fork and exec. It is prepared before the fork, because after it only
+// async-signal-safe calls are allowed: another thread may have held any lock.
 struct ChildPlan {
   std::vector<std::string> argument_strings;
   std::vector<char*> arguments, environment;
@@ -97,8 +97,8 @@ struct ChildPlan {
   _exit(127);
 }
 
-// Takes from root what it has beyond its own files, but for reading: files to import may be somebody else's.
-// For others there is nothing to take, and the calls fail.
+// Removes all capabilities of root except reading any file, because files to import may belong to other
+// users. For other users, there is nothing to remove, and the calls fail.
 void DropCapabilities() {
   prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
   for (int capability = 0; capability < 64; ++capability) {
@@ -107,11 +107,11 @@ void DropCapabilities() {
 }
 
 [[noreturn]] void BecomeChild(ChildPlan& plan) {
-  // Die with the parent, also if it died just now.
+  // Die with the parent, even if it has just died.
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || setpgid(0, 0) != 0) FailInChild(plan.report_fd);
   if (getppid() != plan.parent) _exit(127);
 
-  // Default signal handling, nothing blocked.
+  // Restore default signal handling, and unblock all signals.
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -119,7 +119,8 @@ void DropCapabilities() {
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
 
-  // Standard streams; the pipe that reports a failed start moves to 3 and closes on exec; all else is closed.
+  // Set up the standard streams. The pipe that reports a failed start becomes descriptor 3 and closes on
+  // exec. All other descriptors are closed.
   const int report = fcntl(plan.report_fd, F_DUPFD, 10);
   if (report < 0 || dup2(plan.null_fd, 0) < 0 || dup2(plan.out_fd, 1) < 0 || dup2(plan.err_fd, 2) < 0 ||
       dup2(report, 3) < 0 || fcntl(3, F_SETFD, FD_CLOEXEC) != 0)
@@ -129,20 +130,20 @@ void DropCapabilities() {
     for (int fd = 4; fd < open_max; ++fd) close(fd);
   }
 
-  // The working directory and the limits.
+  // Set the working directory and the limits.
   const ChildLimits& limits = plan.request->limits;
   if (chdir(plan.request->working_directory.c_str()) != 0) FailInChild(3);
   const struct rlimit no_core = {0, 0};
   if (setrlimit(RLIMIT_CORE, &no_core) != 0 || !SetLimit(RLIMIT_AS, limits.memory_bytes) ||
-      // The soft limit sends SIGXCPU, which can be told from our SIGKILL; the hard one is for a child that
-      // ignores it.
+      // The soft limit sends SIGXCPU, which can be distinguished from the parent's SIGKILL. The hard limit is
+      // for a child that ignores SIGXCPU.
       !SetLimit(RLIMIT_CPU, limits.cpu_seconds, 2) || !SetLimit(RLIMIT_FSIZE, limits.file_bytes) ||
       !SetLimit(RLIMIT_NOFILE, limits.open_files) ||
-      // Only a net below the watched limit: it counts all processes of this user.
+      // This limit only supplements the watched limit, because it counts all processes of this user.
       (limits.threads > 0 && !SetLimit(RLIMIT_NPROC, plan.tasks_before + limits.threads + kSpareTasks)))
     FailInChild(3);
 
-  // No privileges, no other files, and the filter of system calls last.
+  // Give up privileges, restrict files, and finally install the system-call filter.
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) FailInChild(3);
   if (!plan.request->file_access.empty()) {
     DropCapabilities();
@@ -157,14 +158,14 @@ void DropCapabilities() {
   FailInChild(3);
 }
 
-// Reads what is there. False at the end of the stream.
+// Reads the available data. Returns false at the end of the stream.
 bool Drain(int fd, const std::function<void(std::string_view)>& take) {
   char buffer[1 << 14];
   for (;;) {
     const ssize_t got = read(fd, buffer, sizeof buffer);
     if (got > 0) {
       take({buffer, static_cast<std::size_t>(got)});
-      // Return between full buffers, so that a flood can't keep us from looking at the clock.
+      // Return after a full buffer, so that a large amount of output does not delay the checks of the clock.
       return true;
     }
     if (got < 0 && errno == EINTR) continue;
@@ -172,8 +173,8 @@ bool Drain(int fd, const std::function<void(std::string_view)>& take) {
   }
 }
 
-// All processes and threads of the machine, from the fourth number of /proc/loadavg ("running/all"); 0 if it
-// can't be read.
+// The number of processes and threads of the machine, from the fourth field of /proc/loadavg ("running/all");
+// 0 if it cannot be read.
 std::uint64_t TasksOfMachine() {
   std::ifstream file("/proc/loadavg");
   std::string word;
@@ -182,8 +183,8 @@ std::uint64_t TasksOfMachine() {
   return slash == std::string::npos ? 0 : std::strtoull(word.c_str() + slash + 1, nullptr, 10);
 }
 
-// Largest resident size and largest address space so far, and threads now, from /proc: unlike getrusage's,
-// these begin at exec and don't contain the size that we had when we forked.
+// The largest resident size and address space so far, and the current number of threads, from /proc. Unlike
+// the values of getrusage, these start at exec and do not include the size of the parent at the fork.
 struct StatusSamples {
   std::uint64_t resident = 0, address_space = 0, threads = 0;
   void Sample(pid_t child) {
@@ -199,7 +200,7 @@ struct StatusSamples {
   }
 };
 
-// The limit of its directory that the child has passed. `child` 0: it has ended.
+// The limit of its directory that the child has exceeded, if any. `child` is 0 if it has ended.
 std::optional<ChildEnd> DirectoryEnd(const ChildRequest& request, pid_t child) {
   const DirectoryUse limit{request.limits.directory_bytes, request.limits.directory_names};
   if (limit.bytes == 0 && limit.names == 0) return std::nullopt;
@@ -210,7 +211,7 @@ std::optional<ChildEnd> DirectoryEnd(const ChildRequest& request, pid_t child) {
   return std::nullopt;
 }
 
-// Collects standard error: its tail, and its lines.
+// Processes standard error: keeps its tail, and calls back for each line.
 class ErrorStream {
  public:
   explicit ErrorStream(const ChildRequest& request) : request_(request) {}
@@ -220,7 +221,7 @@ class ErrorStream {
     if (!request_.on_stderr_line) return;
     for (const char c : bytes) {
       if (c != '\n') {
-        // A line longer than any that we understand is cut.
+        // Cut lines that are longer than any valid one.
         if (line_.size() < 4096) line_ += c;
         continue;
       }
@@ -266,7 +267,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   plan.report_fd = report.write.get();
   plan.parent = getpid();
 
-  // Fork with every signal blocked: a handler of ours must not run in the child.
+  // Fork with every signal blocked, so that no handler of the parent runs in the child.
   const auto start = std::chrono::steady_clock::now();
   sigset_t all, before;
   sigfillset(&all);
@@ -276,14 +277,14 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   if (child == 0) BecomeChild(plan);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (child < 0) return failed(fork_error);
-  // Both sides make the group, so that it exists whoever runs first; ours fails once the child has called
-  // exec, which is fine.
+  // Both processes create the group, so that it exists whichever of them runs first. This call fails if the
+  // child has already called exec, which does no harm.
   setpgid(child, child);
   out.write.Close();
   err.write.Close();
   report.write.Close();
 
-  // Watch it: streams, clock, cancel flag, limits, end.
+  // Watch the child: its streams, the clock, the cancel flag, the limits, and its end.
   const ChildLimits& limits = request.limits;
   ChildOutcome outcome;
   ErrorStream error_stream(request);
@@ -291,7 +292,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     outcome.out += bytes.substr(0, request.stdout_cap - outcome.out.size());
   };
   const auto take_err = [&](std::string_view bytes) { error_stream.Take(bytes); };
-  // By number: this C library declares its wrapper without C linkage.
+  // Use the system call directly, because this C library declares its wrapper without C linkage.
   const Fd process(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
   StatusSamples samples;
   bool out_open = true, err_open = true, started = false, killed = false;
@@ -303,7 +304,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     poll(watched, 3, kPollMs);
     if (watched[0].revents != 0) out_open = Drain(out.read.get(), take_out);
     if (watched[1].revents != 0) err_open = Drain(err.read.get(), take_err);
-    // The report pipe closes when exec succeeds.
+    // exec has succeeded when the report pipe is closed.
     if (!started) started = read(report.read.get(), &start_error, sizeof start_error) == 0;
     if (started) samples.Sample(child);
     siginfo_t info = {};
@@ -323,7 +324,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
       end = DirectoryEnd(request, child);
     }
     if (!end) continue;
-    // The group, and the child itself: it may have left the group.
+    // Kill the group and the child itself, which may have left the group.
     outcome.end = *end;
     kill(-child, SIGKILL);
     kill(child, SIGKILL);
@@ -332,8 +333,8 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   outcome.wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
-  // End what it may have left behind (the unreaped child still holds the group's number), then read the rest
-  // and reap.
+  // Kill processes that the child may have left behind (the unreaped child still reserves the id of the
+  // group). Then read the remaining output and reap the child.
   kill(-child, SIGKILL);
   for (int i = 0; i < 64 && out_open && Drain(out.read.get(), take_out); ++i) {
   }
@@ -345,13 +346,13 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   outcome.peak_bytes = samples.resident;
   outcome.peak_address_bytes = samples.address_space;
   outcome.error_tail = std::move(error_stream).Tail();
-  // What it wrote last.
+  // Check the directory once more for what the child wrote last.
   if (const auto end = DirectoryEnd(request, 0); end && !killed) {
     outcome.end = *end;
     killed = true;
   }
 
-  // A child that never became the program says why.
+  // If exec failed, read the reason from the report pipe.
   if (start_error == 0 && !started) {
     [[maybe_unused]] const ssize_t got = read(report.read.get(), &start_error, sizeof start_error);
   }

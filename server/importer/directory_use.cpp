@@ -12,7 +12,7 @@
 namespace facetless {
 namespace {
 
-// st_blocks counts these, whatever the file system's own blocks are.
+// The unit of st_blocks, whatever the block size of the file system is.
 constexpr std::uint64_t kBlockBytes = 512;
 
 std::uint64_t BytesOf(const struct stat& info) {

@@ -12,21 +12,23 @@
 namespace facetless {
 namespace {
 
-// The kernel's own numbers, since headers are often older than the kernel that runs.
+// The constants of the kernel interface. They are defined here because headers are often older than the
+// running kernel.
 constexpr std::uint64_t kExecute = 1 << 0, kWriteFile = 1 << 1, kReadFile = 1 << 2, kReadDirectory = 1 << 3,
                         kRemoveDirectory = 1 << 4, kRemoveFile = 1 << 5, kMakeDirectory = 1 << 7,
                         kMakeRegular = 1 << 8, kTruncate = 1 << 14;
-// What a rule about a single file may hold.
+// The rights that a rule for a single file may contain.
 constexpr std::uint64_t kOfFiles = kExecute | kWriteFile | kReadFile | kTruncate;
 
-// All rights that versions 1, 2, 3 … 5 of the interface know: a right that is not asked for is not kept.
+// All rights that a version of the interface knows. The kernel does not restrict rights that a ruleset does
+// not list.
 constexpr std::uint64_t KnownRights(int version) {
   if (version >= 5) return (1 << 16) - 1;
   if (version >= 3) return (1 << 15) - 1;
   return version == 2 ? (1 << 14) - 1 : (1 << 13) - 1;
 }
 
-// The attributes of a ruleset as version 6 has them; an older kernel reads the beginning alone.
+// The attributes of a ruleset in version 6. An older kernel reads only the beginning.
 struct RulesetAttributes {
   std::uint64_t files = 0, network = 0, scopes = 0;
 };
@@ -62,7 +64,7 @@ bool ConfineFileAccess(const FileAccess& access) {
     errno = before;
     return true;
   }
-  // Keep everything that this kernel can keep.
+  // Restrict everything that this kernel can restrict.
   RulesetAttributes attributes;
   attributes.files = KnownRights(version);
   std::size_t size = sizeof attributes.files;
@@ -77,7 +79,7 @@ bool ConfineFileAccess(const FileAccess& access) {
   const long ruleset = syscall(SYS_landlock_create_ruleset, &attributes, size, 0);
   if (ruleset < 0) return false;
 
-  // Give back what is named.
+  // Allow the files that `access` names.
   const int rules = static_cast<int>(ruleset);
   constexpr std::uint64_t kRead = kReadFile | kReadDirectory;
   constexpr std::uint64_t kOpened = kRead | kWriteFile | kTruncate;

@@ -29,8 +29,8 @@ namespace {
 
 constexpr std::uint64_t kMegabyte = 1024 * 1024;
 
-// Sanitizers reserve terabytes of address space, so a limit on it would stop the program before main; and the
-// search for leaks starts a process, which the sandbox refuses.
+// Sanitizers reserve terabytes of address space, so a limit would stop the program before main. The leak
+// check starts a process, which the sandbox refuses.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;
 #else
@@ -44,14 +44,15 @@ std::string ImporterPath() {
   return (self.parent_path() / "facetless-import").string();
 }
 
-// A sound import keeps a handful of files open and writes fewer; its threads are those of OpenCASCADE's and
-// TBB's pools, one each per core, and what the sanitizers add.
+// Limits far above the needs of a normal import, which has a handful of files open and writes even fewer. Its
+// threads are those of the pools of OpenCASCADE and TBB, with one thread per core each, and those of
+// sanitizers.
 constexpr std::uint64_t kOpenFiles = 256, kWrittenFiles = 256, kSpareThreads = 16;
 
-// What the importer says in words: its own reasons are shorter.
+// The largest length of a message of the importer; its genuine messages are shorter.
 constexpr std::size_t kMessageBytes = 2000;
 
-// A number that reads back as the same double.
+// The text of a number, which reads back as the same double.
 std::string Number(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
@@ -64,19 +65,18 @@ std::string Seconds(double seconds) {
   return text;
 }
 
-// True if the variable says where OpenCASCADE's resources are.
+// Whether the environment variable names the resources of OpenCASCADE.
 bool NamesResources(std::string_view variable) {
   return variable.starts_with("CSF_") || variable.starts_with("CASROOT=");
 }
 
-// What the importer may know of our environment: where OpenCASCADE's resources and shared libraries are,
-// nothing else.
+// The environment of the importer. It names only the resources and the shared libraries of OpenCASCADE.
 std::vector<std::string> ImporterEnvironment(const std::string& directory) {
   std::vector<std::string> environment = {"LC_ALL=C.UTF-8", "TZ=UTC", "HOME=" + directory,
                                           "TMPDIR=" + directory};
   if (kSanitized) {
     environment.push_back("ASAN_OPTIONS=detect_leaks=0");
-    environment.push_back("TSAN_OPTIONS=report_signal_unsafe=0");  // tools/tsan.supp says why
+    environment.push_back("TSAN_OPTIONS=report_signal_unsafe=0");  // tools/tsan.supp explains why
   }
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
@@ -86,7 +86,7 @@ std::vector<std::string> ImporterEnvironment(const std::string& directory) {
   return environment;
 }
 
-// The parts of a list such as LD_LIBRARY_PATH that are absolute.
+// Appends the absolute paths of a list such as LD_LIBRARY_PATH.
 void AddPaths(std::string_view list, std::vector<std::string>& paths) {
   while (!list.empty()) {
     const std::size_t end = std::min(list.find(':'), list.size());
@@ -95,12 +95,12 @@ void AddPaths(std::string_view list, std::vector<std::string>& paths) {
   }
 }
 
-// What the importer may reach: its input, its directory, itself with the libraries and resources that it
-// needs, and what libraries ask about the machine.
+// The files that the importer may reach: its input, its directory, its program with the necessary libraries
+// and resources, and the files from which libraries read properties of the machine.
 FileAccess ImporterFiles(const std::string& program, const std::string& input, const std::string& directory) {
   FileAccess access;
   access.writable = {directory};
-  // Its own memory's peak is reset through here.
+  // The importer resets its peak memory through /proc/self.
   access.opened = {"/proc/self", "/dev/null"};
   access.runnable = {program,          "/lib",       "/lib64",     "/usr/lib", "/usr/lib64",
                      "/usr/local/lib", "/nix/store", "/gnu/store", "/opt/lib"};
@@ -139,7 +139,7 @@ Result<void> CheckInput(const std::string& path) {
   return {};
 }
 
-// What the importer is at, and how long it was at it: meshing has a budget of its own (law 4).
+// The current stage of the importer and the time spent, because meshing has a time limit of its own (law 4).
 class StageClock {
  public:
   void Enter(std::string_view stage) {
@@ -162,7 +162,7 @@ class StageClock {
   double mesh_s_ = 0, other_s_ = 0;
 };
 
-// Reads "progress transfer 0.25".
+// Parses a line such as "progress transfer 0.25".
 void ReportProgress(std::string_view line, const ImportRequest& request, StageClock& clock) {
   constexpr std::string_view kPrefix = "progress ";
   if (!line.starts_with(kPrefix)) return;
@@ -179,8 +179,8 @@ void ReportProgress(std::string_view line, const ImportRequest& request, StageCl
   if (request.progress) request.progress(clock.stage(), fraction);
 }
 
-// What an importer that died had noted of where it was (import/crash_note.h), in its own folder within
-// `directory`; only letters, digits and '#' are believed.
+// The entity that a killed importer had noted as its position (import/crash_note.h), in its own folder within
+// `directory`. Only letters, digits and '#' are accepted.
 std::string LastEntity(const std::string& directory) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
@@ -218,8 +218,8 @@ Error SizeError(const std::string& name, const ImportLimits& limits) {
           name + ": the imported model is larger than " + std::to_string(limits.file_mb) + " MB"};
 }
 
-// True if a death by a signal was a failed allocation: the library says so, or the address space had come
-// within an eighth of its limit (the request that fails is not part of the peak).
+// Whether a death by a signal was caused by a failed allocation: the library reported it, or the address
+// space had come within an eighth of its limit. (The peak does not include the request that failed.)
 bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
   if (outcome.error_tail.find("bad_alloc") != std::string::npos ||
       outcome.error_tail.find("annot allocate memory") != std::string::npos)
@@ -228,8 +228,8 @@ bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
          outcome.peak_address_bytes > limits.memory_bytes - limits.memory_bytes / 8;
 }
 
-// The error that a finished child stands for; nothing if it exited by itself. `entity`: where it died of a
-// signal.
+// The error for a child that did not exit by itself; nothing if it did. `entity` is the position at which a
+// signal killed it.
 std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& child_limits,
                               const std::string& name, const ImportLimits& limits, const StageClock& clock,
                               const std::string& entity) {
@@ -253,7 +253,7 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
   }
   if (outcome.signal == SIGXCPU) return TimeError(name, limits, clock.meshing());
   if (outcome.signal == SIGXFSZ) return SizeError(name, limits);
-  // The kernel's out-of-memory killer sends SIGKILL here, and else only a person.
+  // Only the out-of-memory killer of the kernel, or a user, can have sent this SIGKILL.
   if (outcome.signal == SIGKILL)
     return Error{
         ErrorCode::kLimitExceeded,
@@ -270,7 +270,7 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
                    "; export the model again, or in another format"};
 }
 
-// The same in one word for who counts; nullptr if it exited or was told to end.
+// The cause in one word, for metrics; nullptr if the child exited or was cancelled.
 const char* DeathCause(const ChildOutcome& outcome, const ChildLimits& child_limits) {
   switch (outcome.end) {
     case ChildEnd::kExited:
@@ -291,8 +291,8 @@ const char* DeathCause(const ChildOutcome& outcome, const ChildLimits& child_lim
   return outcome.signal == SIGKILL || RanOutOfMemory(outcome, child_limits) ? "memory" : "crash";
 }
 
-// Words of the importer's: cut, on one line, with a question mark for each byte that is no printable ASCII
-// and no part of a longer UTF-8 sequence.
+// A message of the importer, shortened and on one line, with a question mark for each byte that is neither
+// printable ASCII nor part of a longer UTF-8 sequence.
 std::string Printable(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at < text.size() && out.size() < kMessageBytes;) {
@@ -324,8 +324,8 @@ std::optional<Error> AnsweredError(const nlohmann::json& answer, const std::stri
                message.empty() ? name + ": the importer gave no reason" : message};
 }
 
-// Nothing, or why what should be a file of the importer's is none: links, pipes and devices would lead us
-// elsewhere, or block.
+// The error if `path` is not a proper output file; otherwise nothing. Links, pipes and devices could lead to
+// other files or block.
 std::optional<Error> OutputError(const std::string& path, const std::string& name) {
   struct stat info = {};
   const auto broken = [&](const char* what) {
@@ -337,7 +337,7 @@ std::optional<Error> OutputError(const std::string& path, const std::string& nam
   return std::nullopt;
 }
 
-// ": " and the last line that is no progress; nothing if there is none.
+// ": " and the last line that is not a progress line; "" if there is none.
 std::string LastLine(const std::string& text) {
   std::string last;
   std::istringstream lines(text);
@@ -347,7 +347,7 @@ std::string LastLine(const std::string& text) {
   return last.empty() ? last : ": " + Printable(last);
 }
 
-// What the importer wrote for at most `count` rays.
+// Reads the depths that the importer wrote for at most `count` rays.
 Result<std::vector<double>> ReadDepths(const std::string& path, std::size_t count) {
   auto bytes = ReadFile(path, count * sizeof(double));
   if (!bytes) return bytes.error();
@@ -356,7 +356,7 @@ Result<std::vector<double>> ReadDepths(const std::string& path, std::size_t coun
   return depths;
 }
 
-// The command line of the importer, but for the rays. It also fills in where the files will be.
+// The command line of the importer, without the rays. It also sets the paths of the files in `files`.
 std::vector<std::string> ImporterArguments(const ImportRequest& request, ImportedFiles& files) {
   std::error_code path_error;
   std::vector<std::string> arguments = {std::filesystem::absolute(request.input, path_error).string(),
@@ -374,7 +374,7 @@ std::vector<std::string> ImporterArguments(const ImportRequest& request, Importe
   return arguments;
 }
 
-// Writes the rays for the exact intersector and says where they are.
+// Writes the rays for the exact intersector, and adds their path to the arguments.
 Result<void> AddRays(const ExactRays& exact, const std::string& rays_path, const std::string& depths_path,
                      std::vector<std::string>& arguments) {
   if (auto written = WriteFileAtomically(rays_path, {reinterpret_cast<const char*>(exact.rays.data()),
@@ -387,7 +387,8 @@ Result<void> AddRays(const ExactRays& exact, const std::string& rays_path, const
   return {};
 }
 
-// Processor time is that of all cores together, so that the wall clock is what a user meets.
+// The limits of the child. The CPU time limit is for all cores together, so that users normally reach the
+// wall-time limit first.
 ChildLimits LimitsOfChild(const ImportRequest& request) {
   const ImportLimits& limits = request.limits;
   const double cores = std::max(1u, std::thread::hardware_concurrency());
@@ -403,8 +404,8 @@ ChildLimits LimitsOfChild(const ImportRequest& request) {
   return child;
 }
 
-// What became of an importer: nothing and its answer in `files`, or why it failed, with the cause in one
-// word.
+// Evaluates the end of an importer. Returns nothing, with the answer in `files`, or the failure with its
+// cause in one word.
 std::optional<MeshFailure> FailureOf(const ChildOutcome& outcome, const ChildLimits& child_limits,
                                      const ImportRequest& request, const StageClock& clock,
                                      const std::vector<std::string>& outputs, ImportedFiles& files) {
@@ -422,7 +423,7 @@ std::optional<MeshFailure> FailureOf(const ChildOutcome& outcome, const ChildLim
   if (answered) {
     if (auto error = AnsweredError(files.summary, name)) {
       const bool memory =
-          error->code == ErrorCode::kLimitExceeded;  // the only limit that the importer itself meets
+          error->code == ErrorCode::kLimitExceeded;  // the only limit that the importer itself can report
       if (memory && clock.meshing()) error = MemoryError(name, request.limits, true);
       if (clock.meshing() && !error->message.starts_with(name)) error->message = name + ": " + error->message;
       return MeshFailure{memory ? "memory" : "failed", *error};
@@ -462,7 +463,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   files.directory = std::move(directory).value();
   files.model_path = files.directory.File("model.flm");
 
-  // What is run, and what it is to make.
+  // Set the program and its arguments.
   ChildRequest child;
   child.program = ImporterPath();
   child.arguments = ImporterArguments(request, files);
@@ -476,7 +477,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
       return added.error();
   }
 
-  // Under which limits.
+  // Set the limits.
   child.limits = LimitsOfChild(request);
   child.environment = ImporterEnvironment(files.directory.path());
   child.working_directory = files.directory.path();
@@ -496,7 +497,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
       request.model_written(files.model_path);
   };
 
-  // Run it, and turn its end into files or an error.
+  // Run the importer, and convert its end to files or an error.
   auto run = RunChild(child);
   if (!run) return run.error();
   const ChildOutcome& outcome = run.value();

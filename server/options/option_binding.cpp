@@ -73,7 +73,7 @@ Result<void> ParseViews(const OptionRow&, const Json& json, RunOptions& options)
   return {};
 }
 
-// A unit by its name, or its length in millimetres, as a number or as text.
+// Parses a unit, given by its name or by its length in millimetres, as a number or as text.
 Result<void> ParseUnit(const OptionRow&, const Json& json, RunOptions& options) {
   constexpr std::array<std::pair<const char*, double>, 20> kUnits{
       {{"mm", 1},       {"millimetre", 1},      {"cm", 10},        {"centimetre", 10},
@@ -116,7 +116,7 @@ Result<void> ParseAovs(const OptionRow& row, const Json& json, RunOptions& optio
   return {};
 }
 
-// Each method with one number at most once: its name stands in names of files.
+// Parses the methods. A method with the same number may occur only once, because file names contain its name.
 Result<void> ParseWith(const OptionRow&, const Json& json, RunOptions& options) {
   auto words = ParseWords(json, "with");
   if (!words) return words.error();
@@ -133,7 +133,7 @@ Result<void> ParseWith(const OptionRow&, const Json& json, RunOptions& options) 
   return {};
 }
 
-// "face", "part" or "#rrggbb".
+// Parses "face", "part" or "#rrggbb".
 Result<Coloring> ParseColoring(const Json& json) {
   const std::string text = json.is_string() ? json.get<std::string>() : "";
   if (text == "face") return Coloring{};
@@ -150,7 +150,7 @@ Result<Coloring> ParseColoring(const Json& json) {
   return BadUsage("color is " + Quoted(json) + ", but must be face, part or a colour such as #c8b496");
 }
 
-// A pattern, or a list of them: a comma may belong to a name.
+// Parses one pattern or a list of patterns. A text is one pattern, because names may contain commas.
 Result<std::vector<std::string>> ParsePatterns(const Json& json, const std::string& name) {
   auto patterns = ParseWords(json.is_string() ? Json::array({json}) : json, name);
   if (!patterns) return patterns.error();

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// As people write it: 0.45, 65536, 1e-3, 1e9.
+// A number in the usual notation: 0.45, 65536, 1e-3, 1e9.
 std::string NumberText(double number) {
   char text[40];
   const double size = std::fabs(number);
@@ -37,7 +37,7 @@ bool HasRange(OptionKind kind) {
   return kind == OptionKind::kInteger || kind == OptionKind::kNumber || kind == OptionKind::kNumbers;
 }
 
-// "a, b or c".
+// The words as "a, b or c".
 std::string Alternatives(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)

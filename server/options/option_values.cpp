@@ -17,7 +17,8 @@ std::string Plain(double number) {
   return text;
 }
 
-// How many letters have to be put in, taken out, exchanged or swapped with the next one to make `b` of `a`.
+// The number of insertions, deletions, substitutions and transpositions of adjacent letters that turn `a`
+// into `b`.
 std::size_t EditDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, last, next(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) next[j] = j;
@@ -36,7 +37,7 @@ std::size_t EditDistance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string Suggestion(const std::string& word, const std::vector<std::string>& names) {
-  // No option is as long as that, and the comparison takes the product of the lengths.
+  // Names of options are shorter than this, and the time of the comparison is the product of the lengths.
   constexpr std::size_t kLongest = 64;
   std::string best;
   std::size_t least = 1 + std::max<std::size_t>(1, word.size() / 3);
@@ -137,7 +138,7 @@ Result<std::vector<double>> ParseNumbers(const Json& json, const std::string& na
     auto words = ParseWords(json, name);
     if (!words) return words.error();
     for (const std::string& word : words.value()) {
-      // A word that is no number is shown as it was written.
+      // A word that is not a number is shown as it was written.
       double number = 0;
       const auto parsed = std::from_chars(word.data(), word.data() + word.size(), number);
       const bool whole = parsed.ec == std::errc{} && parsed.ptr == word.data() + word.size();

@@ -25,7 +25,7 @@ Result<Vec3> ParsePoint(const Json& json, const std::string& name) {
   return Vec3{xyz[0], xyz[1], xyz[2]};
 }
 
-// Whether a view of the options is one in perspective.
+// Whether any view of the options is a perspective view.
 bool HasPerspective(const RunOptions& options) {
   const bool usual = options.projection == Projection::kPerspective;
   if (!options.cameras.is_array()) return usual;
@@ -71,7 +71,7 @@ Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
 
 namespace {
 
-// A camera as it is written, whose place is not looked at yet: `bounds` says what is not written.
+// Reads a camera without checking its position. `bounds` supply the defaults.
 Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box3& bounds,
                           const std::string& default_name) {
   static const std::set<std::string> kKeys = {"name",   "eye",       "target", "up",       "projection",
@@ -89,7 +89,7 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
   camera.width_px = options.width;
   camera.height_px = options.height;
 
-  // Name and projection.
+  // Read the name and the projection.
   if (json.contains("name")) {
     auto name = ParseText(json["name"], "camera.name");
     if (!name) return name.error();
@@ -104,7 +104,7 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
     camera.projection = static_cast<Projection>(index.value());
   }
 
-  // Where it stands and looks.
+  // Read the position and the direction.
   if (!json.contains("eye")) return BadUsage("a camera needs an \"eye\": [x, y, z] in millimetres");
   for (auto [key, point] : {std::pair{"eye", &camera.eye}, {"target", &camera.target}, {"up", &camera.up}}) {
     if (!json.contains(key)) continue;
@@ -112,13 +112,13 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
   }
   if (!json.contains("up")) {
     const Vec3 forward = Normalized(camera.target - camera.eye);
-    // Within 0.06 degrees of the vertical, a rounded direction would roll the picture visibly.
+    // Within 0.06 degrees of the up axis, rounding of the direction would visibly rotate the picture.
     constexpr double kSineOfVertical = 1e-3;
     const Vec3 up = TurnedTo(options.picture.up, {0, 0, 1});
     camera.up = Length(Cross(forward, up)) > kSineOfVertical ? up : TurnedTo(options.picture.up, {0, 1, 0});
   }
 
-  // What it sees.
+  // Read the size of the view.
   const bool orthographic = camera.projection == Projection::kOrthographic;
   if (json.contains(orthographic ? "fov_y_deg" : "height"))
     return BadUsage(orthographic ? "an orthographic camera has a height, no fov_y_deg"
@@ -141,7 +141,7 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
   return camera;
 }
 
-// "camera", "camera-2", …: of the camera at `index`.
+// The default name of the camera at `index`: "camera", "camera-2", …
 std::string DefaultCameraName(std::size_t index) {
   return index == 0 ? "camera" : "camera-" + std::to_string(index + 1);
 }

@@ -20,7 +20,7 @@ Error NoPlane(const Json& json) {
                                     "-z=50%"};
 }
 
-// The whole text as a finite number.
+// The finite number that the whole text represents; nothing if it does not represent one.
 std::optional<double> NumberOf(std::string_view text) {
   double number = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -33,7 +33,7 @@ Result<SectionRequest> FromNumbers(const Json& json, const std::vector<double>& 
   if (numbers.size() != 6) return NoPlane(json);
   SectionRequest request;
   request.plane.point = {numbers[0], numbers[1], numbers[2]};
-  // Scaled first: the square of a short normal must not vanish.
+  // Scale the normal first, because the square of a very short normal would underflow.
   Vec3 normal{numbers[3], numbers[4], numbers[5]};
   const double largest = std::fmax(std::fabs(normal.x), std::fmax(std::fabs(normal.y), std::fabs(normal.z)));
   if (!(largest > 0))
@@ -42,7 +42,7 @@ Result<SectionRequest> FromNumbers(const Json& json, const std::vector<double>& 
   return request;
 }
 
-// "z=12.5", "-z=50%".
+// Parses a plane across an axis, such as "z=12.5" or "-z=50%".
 Result<SectionRequest> AcrossAxis(const Json& json, std::string_view text) {
   double sign = 1;
   if (text.starts_with('-') || text.starts_with('+')) {
@@ -113,7 +113,7 @@ Result<SectionRequest> ParseOne(const Json& json) {
 }  // namespace
 
 Result<std::vector<SectionRequest>> ParseSections(const Json& json) {
-  // A list of numbers is one plane, any other list one of planes.
+  // A list of numbers is one plane; any other list is a list of planes.
   Json planes = json;
   if (!json.is_array() || (!json.empty() && json[0].is_number())) planes = Json::array({json});
   if (planes.size() > kMostSectionPlanes)

@@ -19,7 +19,7 @@ Error NotUnderstood(const Json& json) {
 Result<Inspection> ParseShade(const Json& json) {
   if (json.is_string()) return ParseInspection(json.get<std::string>());
   if (!json.is_object() || !json.contains("name") || !json["name"].is_string()) return NotUnderstood(json);
-  // As text: then names and ranges are checked in one place.
+  // Convert the object to text, so that names and ranges are checked in one place.
   std::string text = json["name"].get<std::string>();
   if (text.find(':') != std::string::npos) return NotUnderstood(json);
   const char* separator = ":";

@@ -28,7 +28,7 @@
 namespace facetless {
 namespace {
 
-// How long running jobs may go on after the signal: container runtimes kill after ten seconds.
+// The time for which running jobs may continue after the signal. Container runtimes kill after ten seconds.
 constexpr double kGraceSeconds = 5;
 constexpr auto kPoll = std::chrono::milliseconds(50);
 
@@ -37,7 +37,7 @@ struct Address {
   int port = 0;
 };
 
-// "127.0.0.1:8080", "[::1]:8080", "localhost:0".
+// Parses an address such as "127.0.0.1:8080", "[::1]:8080" or "localhost:0".
 Result<Address> ParseAddress(const std::string& option, const std::string& text) {
   const Error error = {ErrorCode::kBadUsage,
                        option + " is " + text + ", but must be ADDRESS:PORT, like 127.0.0.1:8080"};
@@ -57,7 +57,7 @@ bool OnlyThisMachineReaches(const std::string& host) {
   return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
-// Are callers without a key let in? Error: kBadUsage if nobody could be.
+// Whether callers without a key are allowed. Error: kBadUsage (keys are required, but there is none).
 Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& host, const std::string& data,
                               KeyStore& keys) {
   if (options.allow_anonymous) return true;
@@ -78,7 +78,7 @@ StoreLimits StoreLimitsOf(const ServeOptions& options) {
   return {options.max_store_mb << 20, options.max_age_days * kDaySeconds};
 }
 
-// What is counted and written down of jobs.
+// The observer that counts the events of jobs and logs them.
 Observer ObserverOf(Metrics& metrics, ServiceLog& log) {
   Observer observer;
   observer.job_ended = [&](const Job& job, double seconds) {
@@ -110,7 +110,7 @@ class Serving {
   Serving& operator=(const Serving&) = delete;
 
   bool ended() const { return ended_; }
-  // Returns when every request has been answered; may be called more than once.
+  // Stops the server, and returns when every request has been answered. May be called more than once.
   void Stop() {
     if (!thread_.joinable()) return;
     server_.Stop();
@@ -163,7 +163,7 @@ int Serve(const ServeOptions& options) {
   if (!operations_address) return PrintError(operations_address.error());
   const std::string data =
       std::filesystem::absolute(options.data.empty() ? DefaultDataDirectory() : options.data);
-  // A file that grows beyond what the system allows is an error of that write, and no end of the service.
+  // A file that exceeds the limit of the system must cause a write error and not end the service.
   std::signal(SIGXFSZ, SIG_IGN);
   auto directory = DataDirectory::Open(data);
   if (!directory) return PrintError(directory.error());
@@ -177,7 +177,8 @@ int Serve(const ServeOptions& options) {
   Metrics metrics;
   ServiceLog log(options.log);
 
-  // The queue, the service and its transport. Of several owners, none may have more than half of the queue.
+  // Create the queue, the service and its transport. If there are several owners, none may use more than half
+  // of the queue.
   QueueLimits queue_limits;
   queue_limits.queued = options.queue;
   queue_limits.queued_of_owner = (options.queue + 1) / 2;
@@ -191,8 +192,8 @@ int Serve(const ServeOptions& options) {
   limits.max_upload_bytes = options.max_upload_mb << 20;
   limits.max_samples = options.max_samples;
   limits.operations_apart = apart;
-  // Where nobody needs a key and only this machine reaches the service, its visitors' browsers are the way in
-  // for others.
+  // On a loopback address without keys, other sites could reach the service through the browsers of its
+  // users, so check hosts and origins.
   if ((anonymous.value() && OnlyThisMachineReaches(address.value().host)) || !options.allow_host.empty() ||
       !options.allow_origin.empty())
     limits.hosts = HostPolicy(SplitList(options.allow_host), SplitList(options.allow_origin));
@@ -221,7 +222,7 @@ int Serve(const ServeOptions& options) {
     operations_server = std::move(bound).value();
   }
 
-  // Serve until a signal comes.
+  // Serve until a signal arrives.
   std::unique_ptr<Serving> operations;
   if (operations_server) operations = std::make_unique<Serving>(*operations_server, log);
   Serving serving(*server.value(), log);
@@ -233,8 +234,8 @@ int Serve(const ServeOptions& options) {
                          std::to_string(options.queue) + " may wait"));
   while (!InterruptFlag() && !serving.ended()) std::this_thread::sleep_for(kPoll);
 
-  // Stop: nothing new, a few seconds for what runs; the rest waits for the next start. Who watches hears of
-  // it to the end.
+  // Stop: accept nothing new, and let running jobs continue for a few seconds. Other jobs wait for the next
+  // start. Health and metrics are served until the end.
   const bool asked = InterruptFlag();
   log.Write(ServiceEntry("stopping"));
   std::thread grace([&] { jobs.Stop(kGraceSeconds); });

@@ -29,7 +29,7 @@ std::string EnvironmentName(const std::string& option) {
   return name;
 }
 
-// The variable's value; "" if there is none.
+// The value of the environment variable; "" if it is not set.
 std::string Environment(const std::string& option) {
   const char* value = std::getenv(EnvironmentName(option).c_str());
   return value == nullptr ? "" : value;
@@ -65,7 +65,7 @@ Result<void> AddJson(Values& values, const std::string& path, const Json& json, 
 Result<void> AddToml(Values& values, const std::string& path, const std::string& text) {
   std::istringstream lines(text);
   for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(lines)) {
-    // The library's marks for the beginning and the end of a section.
+    // Skip the marks of the library for the beginning and the end of a section.
     if (item.name == "++" || item.name == "--") continue;
     const bool known = item.parents.empty() || (item.parents.size() == 1 && item.parents[0] == kSection);
     if (!known) return BadUsage(path + ": there is no section for \"" + item.fullname() + "\"");
@@ -184,7 +184,7 @@ void ServeConfig::AddBounds() {
       ->capture_default_str();
 }
 
-// ---- Where their values come from ----
+// ---- The sources of their values ----
 
 ServeConfig::Setting* ServeConfig::Find(const std::string& name) {
   const auto found = std::find_if(settings_.begin(), settings_.end(),
@@ -209,7 +209,7 @@ Result<void> ServeConfig::Apply(Setting& setting, const std::string& text, const
 Result<void> ServeConfig::TakeFile(const std::string& path) {
   auto values = ReadConfigFile(path);
   if (!values) return values.error();
-  // What the file says is checked also where something else overrides it: names first.
+  // Check the names in the file first, even those of options that another source overrides.
   std::string known;
   for (const Setting& setting : settings_) known += (known.empty() ? "" : ", ") + setting.name;
   for (const auto& [name, text] : values.value()) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMinuteSeconds = 60;
 
-// The text after "Bearer ", whose case does not matter; nothing if there is no Authorization at all.
+// The text after "Bearer ", in any case; nothing if there is no Authorization header.
 std::optional<std::string> BearerText(const HttpRequest& request) {
   const std::string header = request.Header("authorization");
   if (header.empty()) return std::nullopt;
@@ -35,7 +35,7 @@ std::optional<HttpResponse> AccessControl::Decide(HttpRequest& request, const Ro
     return std::nullopt;
   std::string reason;
   auto refusal = Judge(request, route, reason);
-  // Where everybody may come in, that somebody did is no decision.
+  // If callers without keys are allowed, a request without a key is not a decision to record.
   if (audit && (!anonymous_ || !request.Header("authorization").empty())) {
     const std::string who = request.caller.owner.empty() ? "none" : request.caller.owner;
     audit("key=" + who + " " + request.method + " " + request.path +
@@ -89,7 +89,7 @@ bool AccessControl::TakeToken(const AccessKey& key) {
   const auto most = static_cast<double>(key.rate);
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
-  // A minute's worth at once, refilled evenly.
+  // The bucket holds the requests of one minute and is refilled continuously.
   auto [found, fresh] = buckets_.try_emplace(key.id, Bucket{most, now});
   Bucket& bucket = found->second;
   const double seconds = std::chrono::duration<double>(now - bucket.filled).count();

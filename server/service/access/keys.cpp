@@ -23,7 +23,8 @@ AccessKey KeyOf(const SqlRow& row) {
   AccessKey key;
   key.id = row.Text(0);
   key.name = row.Text(1);
-  // Written by Create, so it is well-formed; a scope that a damaged row does not name is not given.
+  // The text was written by Create and is well-formed. If the row is damaged, scopes that it does not name
+  // are not granted.
   key.read = key.submit = false;
   (void)ParseScopes(row.Text(2), key);
   key.rate = row.Integer(3);
@@ -104,7 +105,7 @@ std::optional<AccessKey> KeyStore::Verify(const std::string& text) {
                           key = KeyOf(row);
                           kept = row.Text(7);
                         });
-  // Compared in the same time wherever they differ, also where there is no such key.
+  // Compare in constant time, wherever the digests differ, and even if there is no such key.
   const std::string given = Sha256Hex(text.substr(secret));
   const bool same =
       kept.size() == given.size() && CRYPTO_memcmp(kept.data(), given.data(), given.size()) == 0;

@@ -24,20 +24,21 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Text parts are options and identifiers.
+// The limits of text parts, which are options and identifiers.
 constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr std::size_t kMaxParts = 16;
 constexpr const char* kRequestIdHeader = "X-Request-Id";
-// Beyond the requests that wait or listen: threads for uploads, pages and pictures.
+// The number of threads for uploads, pages and pictures, in addition to those for waiting requests and event
+// streams.
 constexpr int kSpareThreads = 32;
-// Connections that wait for a thread, of more clients than there are threads.
+// The number of connections that may wait for a thread.
 constexpr int kBacklog = 512;
-// Health and metrics: the second answers while the first waits for somebody slow, and nobody may be slow for
-// long.
+// The number of threads for health and metrics. The second thread answers while the first waits for a slow
+// client, and the time for slow clients is short.
 constexpr int kOperationsThreads = 2;
 constexpr int kPatienceSeconds = 30, kOperationsPatienceSeconds = 2;
 
-// The library's connections, each a task from its first byte to its last.
+// The task queue of the HTTP library. Each connection is one task, from its first byte to its last.
 class Workers : public httplib::TaskQueue {
  public:
   explicit Workers(int threads) : pool_(threads) {}
@@ -63,7 +64,7 @@ HttpRequest Translated(const httplib::Request& request) {
   return translated;
 }
 
-// A file open for reading as long as a response needs it.
+// A file that is open for reading as long as a response needs it.
 class OpenFile {
  public:
   explicit OpenFile(const std::string& path) : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
@@ -107,7 +108,7 @@ void Apply(const HttpResponse& from, httplib::Response& to) {
     return;
   }
   auto file = std::make_shared<OpenFile>(from.file_path);
-  // Given up since it was looked up.
+  // The store has deleted the file since it was looked up.
   if (!file->ok()) {
     to.headers.clear();
     Apply(ProblemOfStatus(404), to);
@@ -119,7 +120,7 @@ void Apply(const HttpResponse& from, httplib::Response& to) {
                           });
 }
 
-// Takes a body in, part by part.
+// Reads a request body, part by part.
 class BodyReader {
  public:
   BodyReader(Service& service, HttpRequest& request)
@@ -129,8 +130,8 @@ class BodyReader {
                                 std::chrono::duration<double>(service.limits().timeout_s))) {}
   ~BodyReader() { CloseFile(); }
 
-  // The rest of a refused request's body is read and dropped as long as the time lasts, so that the client
-  // gets to see the answer instead of a broken connection.
+  // Refuses the request. The rest of its body is read and discarded within the time limit, so that the client
+  // receives the response instead of a broken connection.
   void Refuse(HttpResponse response) { refusal_ = std::move(response); }
 
   bool Begin(const std::string& name, const std::string& file_name, const std::string& content_type) {
@@ -179,7 +180,7 @@ class BodyReader {
     return true;
   }
 
-  // The response that ends the request here, if there is one. `complete`: the whole body was read.
+  // Ends the body, and returns the response if the request was refused. `complete`: the whole body was read.
   std::optional<HttpResponse> Finish(bool complete) {
     FinishPart();
     if (!refusal_ && !complete) Refuse(ProblemOfStatus(400));
@@ -219,8 +220,8 @@ class BodyReader {
   std::uint64_t total_ = 0;
 };
 
-// A request that asked whether it may send its body (Expect: 100-continue), and may. Its handler comes next
-// on this thread: a connection carries one request.
+// A request that asked for permission to send its body (Expect: 100-continue) and got it. Its handler is the
+// next one on this thread, because a connection carries one request.
 std::optional<HttpRequest>& Admitted() {
   thread_local std::optional<HttpRequest> request;
   return request;
@@ -278,7 +279,7 @@ bool HttpServer::Run() {
 
 void HttpServer::Stop() {
   state_->stopping = true;
-  // The library forgets a stop that comes before it listens.
+  // The library ignores a stop before it listens, so wait until it does.
   while (!state_->server.is_running() && !state_->ended)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   state_->server.stop();
@@ -290,14 +291,14 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   httplib::Server& server = self->state_->server;
   const bool operations = listener.operations;
 
-  // Bounds. The library's own limit of the payload is left off: it does not see chunked and compressed
-  // bodies, ours does.
+  // Set the limits. The payload limit of the library is disabled, because it does not cover chunked and
+  // compressed bodies; BodyReader enforces the limit.
   const int threads =
       operations ? kOperationsThreads : service.limits().waiters + service.limits().listeners + kSpareThreads;
   const int patience = operations ? kOperationsPatienceSeconds : kPatienceSeconds;
   server.new_task_queue = [threads] { return new Workers(threads); };
-  // The library's own options share a port with whoever else does; two services would get half of the
-  // requests each.
+  // The default socket options of the library let several processes share a port, so two services would each
+  // get half of the requests.
   int bound_socket = -1;
   server.set_socket_options([&bound_socket](int socket) {
     bound_socket = socket;
@@ -307,10 +308,12 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   server.set_keep_alive_max_count(1);
   server.set_read_timeout(patience, 0);
   server.set_write_timeout(patience, 0);
-  if (operations) server.set_keep_alive_timeout(patience);  // also for the first request of a connection
+  if (operations)
+    server.set_keep_alive_timeout(patience);  // applies to the first request of a connection, too
   server.set_default_headers({{"X-Content-Type-Options", "nosniff"}, {"Referrer-Policy", "no-referrer"}});
 
-  // One handler for all that has no body (that of a DELETE means nothing), one for all that has.
+  // Use one handler for methods without a body (the body of a DELETE is ignored), and one for methods with a
+  // body.
   const auto timed = [owner, operations](const httplib::Request& request, httplib::Response& response,
                                          auto respond) {
     const auto start = Clock::now();
@@ -320,7 +323,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     try {
       answer = respond(translated);
     } catch (const std::exception&) {
-      // What it says may name what is nobody's business.
+      // The message of the exception is not sent, because it may contain internal information.
     }
     Apply(answer, response);
     response.set_header(kRequestIdHeader, translated.id);
@@ -329,20 +332,20 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     owner->on_request({translated.id, translated.trace_id, request.method, request.path,
                        translated.caller.owner, answer.job, response.status, ms});
   };
-  server.set_pre_routing_handler([timed, operations, &service](const httplib::Request& request,
-                                                               httplib::Response& response) {
-    // Where there is nothing to post to, no body is waited for.
-    if (request.method == "POST" && !operations) return httplib::Server::HandlerResponse::Unhandled;
-    timed(request, response, [&](HttpRequest& translated) {
-      // Ranges are ignored, which HTTP allows: the library checks none against the file, and many of them
-      // would make a large answer out of a small request. The request is the library's own object; only the
-      // handler sees it as constant.
-      const_cast<httplib::Request&>(request).ranges.clear();
-      if (auto refusal = service.Check(translated)) return *refusal;
-      return service.Handle(translated);
-    });
-    return httplib::Server::HandlerResponse::Handled;
-  });
+  server.set_pre_routing_handler(
+      [timed, operations, &service](const httplib::Request& request, httplib::Response& response) {
+        // Wait for a body only if there is something to post to.
+        if (request.method == "POST" && !operations) return httplib::Server::HandlerResponse::Unhandled;
+        timed(request, response, [&](HttpRequest& translated) {
+          // Ignore ranges, which HTTP allows: the library does not check them against the file, and many ranges
+          // would turn a small request into a large response. The request is an object of the library; it is
+          // const only for handlers.
+          const_cast<httplib::Request&>(request).ranges.clear();
+          if (auto refusal = service.Check(translated)) return *refusal;
+          return service.Handle(translated);
+        });
+        return httplib::Server::HandlerResponse::Handled;
+      });
   server.Post("/.*", [timed, &service](const httplib::Request& request, httplib::Response& response,
                                        const httplib::ContentReader& content) {
     timed(request, response,
@@ -362,7 +365,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
         return response.status;
       });
 
-  // What the library answers by itself, and what was thrown.
+  // Handle responses of the library itself, and exceptions.
   server.set_error_handler([owner](const httplib::Request& request, httplib::Response& response) {
     if (response.body.empty() && response.status != 304) Apply(ProblemOfStatus(response.status), response);
     if (response.has_header(kRequestIdHeader)) return;
@@ -383,8 +386,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
                                            std::to_string(listener.port) +
                                            ": address in use, or not assigned to this host"};
-  // The library lets five connections wait; the sixth of a burst would try again a second later. The system
-  // reads a longer list into the same socket.
+  // The library lets only five connections wait, so the sixth of a burst would retry a second later. A second
+  // call of listen increases the limit of the same socket.
   server.set_socket_options(nullptr);
   listen(bound_socket, kBacklog);
   return self;

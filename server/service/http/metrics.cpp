@@ -24,11 +24,11 @@ using prometheus::Family;
 using prometheus::Gauge;
 using prometheus::Histogram;
 
-// A look-up takes a millisecond, a caller who waits for a job as long as that may run.
+// Buckets from a millisecond, for a look-up, to the longest time that a request may wait for a job.
 const Histogram::BucketBoundaries kRequestSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
                                                      0.5,   1,      2.5,   5,    10,    30,   100, 300};
 const Histogram::BucketBoundaries kWorkSeconds = {0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000};
-// From an exact intersector on one core to what a large machine gets out of a small model.
+// Buckets from the speed of an exact intersector on one core to that of a large machine with a small model.
 const Histogram::BucketBoundaries kRaysPerSecond = {1e4, 3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8};
 
 template <std::size_t N>
@@ -41,7 +41,7 @@ std::string MethodLabel(const std::string& method) {
   return KnownOr("other", kKnown, method);
 }
 
-// The importer's stages, those of the runs, and those of a job around them.
+// The label of a stage: a stage of the importer, of a run or of a job.
 std::string StageLabel(const std::string& stage) {
   static constexpr std::string_view kKnown[] = {"starting",  "read",      "transfer", "convert",
                                                 "mesh",      "intersect", "render",   "compare",
@@ -92,7 +92,7 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {
   families_->GaugeOf("facetless_build_info", "1; the version is a label")
       .Add({{"version", Version()}})
       .Set(1);
-  // Series that are there from the start, so that a rate sees the first event.
+  // Create these series at the start, so that a rate includes the first event.
   for (const char* cause : {"crash", "timeout", "memory", "output", "threads", "answer"})
     families_->deaths.Add({{"cause", cause}});
   for (const char* kind : {"model", "render", "comparison", "trade"}) {

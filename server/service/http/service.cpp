@@ -19,25 +19,27 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-// How long a caller waits who says nothing about it: small runs are done by then.
+// The default time that a caller waits; small runs are done within it.
 constexpr double kUsualWaitSeconds = 10;
-// A job that takes all the time that it may is reported as such to who waits as long: so much later.
+// The additional time that a request may wait, so that a caller who waits for the whole time limit of a job
+// receives its timeout.
 constexpr double kEndSeconds = 2;
-// A body up to here is read even if the queue is full: it may ask for what is known.
+// Bodies up to this size are read even if the queue is full, because the answer may be known already.
 constexpr std::uint64_t kSmallBody = 1 << 20;
-// RFC draft "The Idempotency-Key HTTP Header Field" leaves the length to the service.
+// The longest Idempotency-Key. The RFC draft "The Idempotency-Key HTTP Header Field" leaves the length to the
+// service.
 constexpr std::size_t kMaxRetryKey = 255;
 constexpr std::size_t kModelIdDigits = 64, kJobIdDigits = 32;
-// Whoever asks more often whether the service is ready gets the same answer: asking touches the disk.
+// The time for which a readiness result is reused, because the check accesses the disk.
 constexpr auto kReadyLasts = std::chrono::seconds(1);
 
-// Nothing but the service's own files, and nobody may frame it.
+// The page may load only files of the service, and no other page may embed it in a frame.
 constexpr const char* kPagePolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src "
     "'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
-// A report carries its script and pictures itself, and names from files that strangers made: it runs as an
-// origin of its own.
+// A report contains its script and pictures, and names from untrusted files, so it runs in an origin of its
+// own.
 constexpr const char* kArtifactPolicy =
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data:; base-uri 'none'";
@@ -53,7 +55,7 @@ const char* ContentTypeOf(const std::string& extension) {
   return "application/octet-stream";
 }
 
-// True if If-None-Match names the tag, or any.
+// Whether If-None-Match names the tag or any tag.
 bool Matches(const std::string& if_none_match, const std::string& tag) {
   return if_none_match == "*" || if_none_match.find(tag) != std::string::npos;
 }
@@ -77,8 +79,8 @@ HttpResponse Answer(int status, const std::string& kind, const std::string& mode
   return response;
 }
 
-// An answer that was there already. Its timing_ms is of this request, which did nothing but look it up: what
-// the work took once is in kept.timing_ms.
+// The response for an answer that existed already. timing_ms is that of this request, which only looked the
+// answer up; the time of the original work is in kept.timing_ms.
 HttpResponse KeptAnswer(const std::string& kind, const std::string& model_id, const std::string& text,
                         Clock::time_point arrived) {
   Json report = Json::parse(text, nullptr, /*allow_exceptions=*/false);
@@ -91,18 +93,18 @@ HttpResponse KeptAnswer(const std::string& kind, const std::string& model_id, co
   } else {
     response = Answer(200, kind, model_id, text);
   }
-  // RFC 9211.
+  // Report the cache hit (RFC 9211).
   response.headers.emplace_back("Cache-Status", "facetless; hit");
   return response;
 }
 
-// Notes the job that a response is about.
+// Sets the job to which a response refers.
 HttpResponse OfJob(HttpResponse response, const std::string& id) {
   response.job = id;
   return response;
 }
 
-// Counts one more as long as it lives, if there is room.
+// Occupies one of a limited number of slots as long as the object exists, if there is a free slot.
 class Place {
  public:
   Place(std::atomic<int>& count, int most) : count_(count), held_(++count <= most) {}
@@ -146,7 +148,7 @@ std::optional<HttpResponse> Service::Check(HttpRequest& request) {
   if (auto refusal = access_.Decide(request, route)) return refusal;
   if (method == "GET" || method == "HEAD") return std::nullopt;
 
-  // A page of another site must not use the visitor's browser to give us work.
+  // A page of another site must not submit work through its visitor's browser.
   if (request.Header("sec-fetch-site") == "cross-site")
     return Problem(403, "cross-site", "Cross-site request",
                    "Requests from pages of other sites are refused.");
@@ -201,7 +203,7 @@ HttpResponse Service::Handle(const HttpRequest& request) {
   return ProblemOfStatus(404);
 }
 
-// ---- What is there ----
+// ---- Reading ----
 
 HttpResponse Service::Health() {
   const JobCounts counts = jobs_.Counts();
@@ -244,7 +246,7 @@ HttpResponse Service::MetricsPage() {
 }
 
 HttpResponse Service::Page(const std::string& name, const std::string& content_type) const {
-  // A name out of a path may be any.
+  // A name from a path may be any text.
   const bool script = content_type.starts_with("text/javascript");
   if (WebAsset(name).empty() || (script && !name.ends_with(".js"))) return ProblemOfStatus(404);
   HttpResponse response;
@@ -358,7 +360,7 @@ HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
   auto place = std::make_shared<Place>(*listeners_, limits_.listeners);
   if (!place->held()) return Busy("Too many clients follow events; poll the job instead.");
   HttpResponse response = EventsResponse(jobs_, store_, id);
-  // The count lives as long as the stream, also beyond the service.
+  // The counter must exist as long as the stream, which may outlive the service.
   response.stream = [place, count = listeners_, next = std::move(response.stream)] { return next(); };
   return OfJob(std::move(response), id);
 }
@@ -374,7 +376,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
     return ProblemOf(
         {ErrorCode::kBadUsage, "Idempotency-Key must be at most 255 printable ASCII characters"});
 
-  // The same question again is free.
+  // Answer a repeated question without a job.
   const std::string& owner = request.caller.owner;
   auto known = KnownAnswer(owner, submission);
   if (looked_up) looked_up(kind, known.has_value());
@@ -382,7 +384,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   if (!known && submission.file == nullptr && !store_.FindModel(owner, submission.model_id))
     return Problem(404, "not-found", "Not found", "There is no model " + submission.model_id + ".");
 
-  // Everything that the job needs is on the disk before anything happens.
+  // Store everything that the job needs before the job is submitted.
   job.kind = kind;
   job.owner = owner;
   job.question = submission.question;
@@ -460,9 +462,9 @@ HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted&
       break;
   }
   auto text = AnswerText(view->job, store_);
-  // Given up before it could be sent: the job tells that much.
+  // The store has deleted the answer before it could be sent. Send the job instead, which shows this.
   if (!text) return JsonResponse(200, JobJson(*view, store_));
-  // Nobody worked for it, or somebody did for an earlier request.
+  // The answer existed already, or the work was done for an earlier request.
   if (view->job.attempts == 0 || submitted.outcome == SubmitOutcome::kSame)
     return KeptAnswer(view->job.kind, view->job.request.value("model", ""), *text, arrived);
   const bool created =

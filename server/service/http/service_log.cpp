@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 constexpr const char* kIds[] = {"request_id", "trace_id", "key_id", "job_id"};
 
-// Adds what there is.
+// Adds a field unless its value is empty.
 void AddText(Json& fields, const char* name, const std::string& value) {
   if (!value.empty()) fields[name] = value;
 }
@@ -30,7 +30,7 @@ std::string Milliseconds(double ms) {
   return text;
 }
 
-// A microsecond is more than enough.
+// Rounds to microseconds.
 double Rounded(double ms) {
   return std::round(ms * 1e3) / 1e3;
 }
@@ -46,7 +46,7 @@ std::string WithoutSecrets(const std::string& text) {
   for (const char c : text) cut += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   const std::string prefix = "facetless_";
   for (std::size_t at = cut.find(prefix); at != std::string::npos; at = cut.find(prefix, at + 1)) {
-    // facetless_<id>_<secret>: what follows the id goes, however long it is.
+    // A key is facetless_<id>_<secret>. Remove everything after the id, however long it is.
     const std::size_t secret = cut.find('_', at + prefix.size());
     std::size_t end = at + prefix.size();
     while (end < cut.size() && IsKeyText(cut[end])) ++end;
@@ -127,7 +127,7 @@ std::string LogLine(const LogEntry& entry, double time, bool json) {
 
 ServiceLog::ServiceLog(const std::string& form)
     : json_(form == "json" || (form == "auto" && isatty(STDERR_FILENO) == 0)) {
-  // The library writes whole lines from any thread; what is in them is decided here.
+  // The library writes complete lines from any thread. The format of the lines is decided here.
   auto log = spdlog::get("facetless");
   if (!log) log = spdlog::stderr_logger_mt("facetless");
   log->set_pattern("%v");

@@ -6,7 +6,8 @@
 namespace facetless {
 namespace {
 
-// A task that has run for so long waits for somebody: an answer from what is kept takes a tenth of it.
+// A task that has run for longer than this is assumed to be waiting. A stored answer takes a tenth of this
+// time.
 constexpr auto kYoung = std::chrono::milliseconds(4);
 
 }  // namespace
@@ -60,7 +61,7 @@ void WorkerPool::Work(std::size_t thread) {
       const auto task = std::move(tasks_.front());
       tasks_.pop_front();
       began_[thread] = Clock::now();
-      // Somebody must see to the next one, should all who run now be waiting for others.
+      // Another thread must watch for the next task, because all running tasks may be waiting.
       const bool leave_watch = !tasks_.empty() && !watched_;
       lock.unlock();
       if (leave_watch) changed_.notify_one();
@@ -69,7 +70,7 @@ void WorkerPool::Work(std::size_t thread) {
       began_[thread] = {};
     }
   }
-  changed_.notify_all();  // the last task is over: the others end, too
+  changed_.notify_all();  // the last task has ended, so the other threads end, too
 }
 
 }  // namespace facetless

@@ -12,21 +12,21 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Proxies close connections that are silent for half a minute or so.
+// The interval of heartbeats, because proxies close connections that are silent for about half a minute.
 constexpr double kHeartbeatSeconds = 10;
 
 std::string Event(const char* name, const Json& data) {
   return std::string("event: ") + name + "\ndata: " + JsonText(data, -1) + "\n\n";
 }
 
-// The events of one listener, one call after the other.
+// The events of one listener; each call returns the next ones.
 class EventSource {
  public:
   EventSource(Jobs& jobs, Store& store, std::string id) : jobs_(jobs), store_(store), id_(std::move(id)) {}
 
   std::optional<std::string> Next() {
     if (ended_) return std::nullopt;
-    // The present state comes first, then whatever changes.
+    // Send the current state first, and then every change.
     auto view = first_ ? jobs_.Find(id_) : jobs_.WaitForChange(id_, version_, kHeartbeatSeconds);
     if (!view) return std::nullopt;
     std::string text;
@@ -43,7 +43,7 @@ class EventSource {
       ended_ = true;
       return text + Event("end", JobJson(*view, store_));
     }
-    // A service that stops keeps the job for the next one, but not the listener.
+    // A service that stops keeps the queued job for its next start, but ends the stream.
     if (jobs_.stopping() && text.empty() && view->job.state == JobState::kQueued) return std::nullopt;
     return text.empty() ? ": heartbeat\n\n" : text;
   }

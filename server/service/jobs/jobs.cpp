@@ -21,19 +21,22 @@ using Seconds = std::chrono::duration<double>;
 // its jobs.
 constexpr double kLeaseSeconds = 60;
 constexpr double kRenewSeconds = kLeaseSeconds / 4;
-// Besides being told of work, look for it: leases of others end without a word.
+// The interval at which workers look for jobs without being notified, because expired leases of other
+// processes cause no notification.
 constexpr auto kLookSeconds = std::chrono::seconds(1);
 constexpr double kSweepSeconds = 60;
-// How long Cancel waits for the work to end; it usually takes a few hundredths of this.
+// The time that Cancel waits for the work to end, which usually takes a few hundredths of it.
 constexpr double kCancelSeconds = 1;
-// An end that cannot be stored, on a full disk say, is tried again for as long as the lease is sure to last.
+// The number of attempts to store the end of a job, for example on a full disk. It covers the time for which
+// the lease is certain to last.
 constexpr int kEndTries = 30;
 
 Clock::time_point After(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
 }
 
-// Cuts the directories of paths that begin with `prefix`, so that messages name files and not where they lie.
+// Removes the directories of paths that begin with `prefix`, so that messages name files but not their
+// locations.
 std::string WithoutDirectories(std::string message, const std::string& prefix) {
   if (prefix.empty()) return message;
   for (std::size_t at = message.find(prefix); at != std::string::npos; at = message.find(prefix)) {
@@ -48,8 +51,8 @@ std::string WithoutDirectories(std::string message, const std::string& prefix) {
 
 struct Jobs::Active {
   Job job;
-  std::atomic<bool> stop{false};       // ends the work; why is in the flags below
-  std::atomic<bool> cancelled{false};  // somebody wants it no more
+  std::atomic<bool> stop{false};       // ends the work; the flags below have the reason
+  std::atomic<bool> cancelled{false};  // a client cancelled the job
   std::string stage = "starting";
   double fraction = 0;
   std::vector<std::string> messages;
@@ -99,7 +102,7 @@ Result<Submitted> Jobs::Submit(const NewJob& job) {
 void Jobs::Work() {
   std::unique_lock lock(mutex_);
   while (!stopping_) {
-    // Claimed and known as active in one step, so that Cancel finds it either queued or active.
+    // Claim the job and register it as active in one step, so that Cancel finds it either queued or active.
     const std::uint64_t seen = arrivals_;
     auto claimed = queue_.Claim(worker_, kLeaseSeconds);
     if (!claimed || !claimed.value()) {
@@ -118,7 +121,7 @@ void Jobs::Work() {
     Run(active);
     lock.lock();
     active_.erase(active->job.id);
-    // Somebody else may have waited for this one to end before it could begin.
+    // Another job may have had to wait for the end of this one.
     ++arrivals_;
     ++changes_;
     changed_.notify_all();
@@ -150,7 +153,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
   } catch (const std::bad_alloc&) {
     result = Error{ErrorCode::kLimitExceeded, "the service ran out of memory while this job ran"};
   } catch (const std::exception&) {
-    // What it says is of no use to a caller, and may name what is nobody's business.
+    // The message of the exception is not useful for callers, and may contain internal information.
   }
   EnterStage(*active, "");
   RecordEnd(Ended(*active, result, deadline.expired()), Seconds(Clock::now() - active->began).count());
@@ -158,7 +161,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
   GiveBackHeap();
 }
 
-// Reports the time of the stage that is over.
+// Enters a stage, and reports the duration of the previous one.
 void Jobs::EnterStage(Active& active, const std::string& stage) const {
   if (active.stage == stage) return;
   const auto now = Clock::now();
@@ -185,7 +188,7 @@ Job Jobs::Ended(const Active& active, const Result<std::string>& result, bool ex
         Problem(504, "timeout", "The request took too long",
                 "It was stopped after " + std::to_string(static_cast<long>(settings_.run.timeout_s)) + " s.");
   } else {
-    // Cancelled by somebody, or given back because the service stops.
+    // The job was cancelled by a client, or is returned to the queue because the service stops.
     job.state = active.cancelled ? JobState::kCancelled : JobState::kQueued;
     return job;
   }
@@ -218,7 +221,7 @@ void Jobs::Keep() {
     if (Clock::now() >= renew) {
       renew = After(kRenewSeconds);
       for (const auto& [id, one] : active) {
-        // Somebody else has it now: two must not work on it.
+        // Another worker has the job now; two workers must not run it.
         const auto renewed = queue_.Renew(one->job, kLeaseSeconds);
         if (renewed && !renewed.value()) one->stop = true;
       }
@@ -247,7 +250,7 @@ std::optional<JobView> Jobs::Find(const std::string& id) {
       view.version = found->second->version;
     }
   }
-  // Read after the progress: an end that comes in between is seen.
+  // Read the job after its progress, so that an end in between is noticed.
   auto job = queue_.Find(id);
   if (!job) return std::nullopt;
   view.job = std::move(*job);
@@ -270,7 +273,7 @@ std::optional<JobView> Jobs::Wait(const std::string& id, double seconds,
     auto view = Find(id);
     if (!view || view->job.Ended() || enough(*view)) return view;
     std::unique_lock lock(mutex_);
-    // What is not running when the service stops will not run here.
+    // A job that is not running when the service stops will not run in this process.
     if (ending_ || (stopping_ && !active_.contains(id))) return view;
     if (!changed_.wait_until(lock, end, [&] { return changes_ != seen; })) return view;
   }
@@ -289,7 +292,7 @@ Result<std::optional<JobView>> Jobs::Cancel(const std::string& id) {
   auto job = queue_.Cancel(id);
   if (!job) return job.error();
   if (!job.value()) return std::optional<JobView>();
-  // One that waited has ended here, and nowhere else.
+  // Report the end of a queued job here, because no worker does.
   if (before && before->state == JobState::kQueued && job.value()->state == JobState::kCancelled &&
       settings_.observer.job_ended)
     settings_.observer.job_ended(*job.value(), 0);

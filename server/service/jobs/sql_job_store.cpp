@@ -14,14 +14,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Jobs that ended, with their retry keys: beyond this many the oldest are forgotten.
+// The largest number of ended jobs, with their retry keys. Beyond it, the oldest are deleted.
 constexpr std::int64_t kMaxEndedJobs = 100000;
 
 constexpr const char* kColumns =
     "id, kind, owner, question, request, state, created, started, finished, attempts, result, problem";
 
-// Seconds by which leases end: of the machine's running, which nobody sets. It begins anew with the machine,
-// and whoever starts then gives back every running job (Recover).
+// The clock of leases, in seconds. It is the monotonic clock of the machine, which no user can set. It
+// restarts with the machine, but the service then returns every running job to the queue (Recover).
 double LeaseClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -90,7 +90,7 @@ Json ProblemOfJob(Json problem, const Job& job) {
 
 std::string RandomId() {
   std::array<unsigned char, 16> bytes = {};
-  // The call cannot fail for so few bytes once the system has started.
+  // The call cannot fail for so few bytes after the system has started.
   [[maybe_unused]] const auto got = getrandom(bytes.data(), bytes.size(), 0);
   std::string text;
   for (const unsigned char byte : bytes) {
@@ -156,7 +156,7 @@ Result<std::optional<SubmitOutcome>> SqlJobStore::FindEarlier(const NewJob& job,
   if (!same) return same.error();
   if (!same.value()) return std::optional<SubmitOutcome>();
   submitted.job = std::move(*same.value());
-  // The key names the job that is shared, if that has none yet.
+  // Give the retry key to the shared job, if it has none yet.
   if (!job.retry_key.empty()) {
     auto named = database.Run("UPDATE jobs SET retry_key = ?, body = ? WHERE id = ? AND retry_key IS NULL",
                               {job.retry_key, job.body, submitted.job.id});
@@ -216,7 +216,8 @@ Result<std::optional<Job>> SqlJobStore::Claim(const std::string& worker, double 
   const auto last = static_cast<std::int64_t>(limits_.max_attempts) - 1;
   if (auto over = GiveBackRunning("lease < ?", {LeaseClock()}); !over) return over.error();
 
-  // Whose turn it is. A last attempt neither starts beside others nor lets others start beside it.
+  // Select the job of the owner whose turn it is. A last attempt does not start while other jobs run, and no
+  // job starts while a last attempt runs.
   auto found = SelectJob(
       database,
       "state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.state = 'running' AND r.attempts > ?1 "
@@ -302,7 +303,7 @@ std::optional<Job> SqlJobStore::Find(const std::string& id) {
 
 std::optional<std::vector<std::string>> SqlJobStore::List(const std::string& owner, const std::string& after,
                                                           std::size_t limit) {
-  // Numbers are given in order and never again.
+  // Numbers are ascending and never reused.
   std::int64_t below = std::numeric_limits<std::int64_t>::max();
   if (!after.empty()) {
     bool found = false;
@@ -331,13 +332,13 @@ JobCounts SqlJobStore::Counts() {
   return counts;
 }
 
-// Asks for the lock of writers, which a database that is read-only or damaged does not give.
+// Checks by acquiring the write lock, which fails if the database is read-only or damaged.
 Result<void> SqlJobStore::Check() {
   Transaction transaction(directory_.writer());
   return transaction.begun();
 }
 
-// ---- After a crash, and with time ----
+// ---- Recovery and maintenance ----
 
 Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::vector<SqlValue>& values) {
   Database& database = directory_.writer();
@@ -381,7 +382,7 @@ Result<void> SqlJobStore::Recover() {
 
 Result<void> SqlJobStore::DropWhatEndedJobsHeld() {
   Database& database = directory_.writer();
-  // There are as many needs and files of jobs as jobs wait or run: few.
+  // Only waiting and running jobs have needs and files, so there are few.
   std::vector<std::string> ended;
   auto asked = database.Query(
       "SELECT id FROM jobs WHERE id IN (SELECT job FROM needs UNION SELECT substr(holder, 5) FROM uses "

@@ -37,12 +37,12 @@ std::string BodyDigest(const HttpRequest& request, const std::string& kind) {
   return Sha256Hex(JsonText(parts, -1));
 }
 
-// Whether the options name a trade's budget.
+// Whether the options contain the budget of a trade.
 bool HasBudget(const Json& options) {
   return options.contains("budget_seconds") || options.contains("budget-seconds");
 }
 
-// Of two parts with one name, one would be dropped without a word.
+// Refuses two parts with the same name, because one of them would be ignored silently.
 Result<void> CheckPartNames(const HttpRequest& request) {
   std::set<std::string> names;
   for (const BodyPart& part : request.parts)
@@ -51,7 +51,7 @@ Result<void> CheckPartNames(const HttpRequest& request) {
   return {};
 }
 
-// A model's id is a digest: 64 hexadecimal digits in lower case.
+// Checks that the id of a model is a digest: 64 lower-case hexadecimal digits.
 Result<void> CheckModelId(const std::string& id) {
   constexpr std::size_t kDigits = 64;
   if (id.size() == kDigits && id.find_first_not_of("0123456789abcdef") == std::string::npos) return {};
@@ -107,8 +107,8 @@ Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
   return {};
 }
 
-// What the options ask for, however they are written: names with - or _, a list or one text, a default that
-// is given or left out. Nothing else tells one question from another.
+// The canonical form of the options. It does not depend on how they are written: names with - or _, a list or
+// one text, an explicit default or none. Questions differ only if this form differs.
 Json AskedFor(const Json& given, const RunOptions& options) {
   Json asked = Json::object();
   for (const OptionRow& row : AllOptions())
@@ -118,7 +118,7 @@ Json AskedFor(const Json& given, const RunOptions& options) {
   return asked;
 }
 
-// Stores what the request asks for into submission.asked.
+// Checks the options, and stores their canonical form in submission.asked.
 Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
   std::vector<std::string> names;
   for (const std::string& name : OptionNames())
@@ -133,7 +133,7 @@ Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
     if (row->owner == OptionOwner::kOperator)
       return Malformed(row->name + " is no option of a request; whoever runs the service sets it");
   }
-  // The part is what the option --mesh is on the command line.
+  // The part "mesh" corresponds to the option --mesh on the command line.
   Json all = submission.options;
   if (submission.mesh != nullptr) all["mesh"] = submission.mesh->file_name;
   auto options = ParseOptions(all);
@@ -222,7 +222,7 @@ double WaitSeconds(const std::string& prefer, double usual, double most) {
     if (word.starts_with("wait=")) seconds = std::strtod(word.c_str() + 5, nullptr);
     begin = end + 1;
   }
-  // In this form a NaN is no wait.
+  // Written in this form, the condition treats NaN as no wait.
   return seconds > 0 ? std::min(seconds, most) : 0;
 }
 

@@ -15,7 +15,7 @@ std::string Lower(std::string text) {
   return text;
 }
 
-// The name in "name:port" or "[address]:port".
+// The host name in "name:port" or "[address]:port".
 std::string NameOf(const std::string& host) {
   std::string name = Lower(host);
   if (name.starts_with('[')) {
@@ -68,7 +68,7 @@ std::string HostPolicy::WhyNot(const std::string& host, const std::string& origi
            "\". If that is one of its names, its operator adds it with --allow-host.";
   if (origin.empty()) return {};
   const std::string lower = Lower(origin);
-  // "http://host:port": the host that the request names, on the same port.
+  // Allow the origin "http://host:port" of the host that the request names, with the same port.
   const std::size_t scheme = lower.find("://");
   if (!host.empty() && scheme != std::string::npos && lower.substr(scheme + 3) == Lower(host)) return {};
   if (std::find(origins_.begin(), origins_.end(), lower) != origins_.end()) return {};

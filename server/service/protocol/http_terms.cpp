@@ -19,7 +19,7 @@ bool IsRequestOption(std::string_view name) {
 std::string InHttpTerms(const std::string& sentence) {
   std::string text;
   for (std::size_t i = 0; i < sentence.size();) {
-    // An option: two dashes and a word, at the beginning of a word.
+    // Find an option: two dashes and a word, at the beginning of a word.
     std::size_t end = i;
     const bool begins = i == 0 || sentence[i - 1] == ' ' || sentence[i - 1] == '(' || sentence[i - 1] == '"';
     if (begins && sentence.compare(i, 2, "--") == 0)

@@ -5,7 +5,7 @@
 namespace facetless {
 namespace {
 
-// Lower-case digits only, as the standard says.
+// Whether the text consists of lower-case hexadecimal digits, which the standard requires.
 bool IsHex(const std::string& text) {
   return std::all_of(text.begin(), text.end(),
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
@@ -18,7 +18,7 @@ bool IsZero(const std::string& text) {
 }  // namespace
 
 std::string TraceIdOf(const std::string& traceparent) {
-  // version "-" trace-id "-" parent-id "-" flags
+  // The format is version "-" trace-id "-" parent-id "-" flags.
   constexpr std::size_t kVersion = 2, kTrace = 32, kParent = 16, kFlags = 2;
   constexpr std::size_t kLength = kVersion + 1 + kTrace + 1 + kParent + 1 + kFlags;
   if (traceparent.size() < kLength) return "";
@@ -33,7 +33,7 @@ std::string TraceIdOf(const std::string& traceparent) {
     if (!IsHex(part)) return "";
   }
   if (version == "ff" || IsZero(trace) || IsZero(parent)) return "";
-  // Later versions may say more after another dash.
+  // Later versions may have more fields after another dash.
   if (traceparent.size() > kLength && (version == "00" || traceparent[kLength] != '-')) return "";
   return trace;
 }

@@ -14,11 +14,16 @@
 namespace facetless {
 namespace {
 
-// files   what lies in DIR/files.                       uses    who keeps a file: holder is an item or
-// "job/<id>". loose   files that lost a user: candidates to go.     totals  one row: bytes of all files.
-// items   models and answers, by "<owner>/model/<id>" and "<owner>/answer/<key>". jobs    one row a job, kept
-// after its end.            needs   items that a waiting or running job must find. turns   when an owner's
-// jobs were last claimed, as a count.     keys    who may come in (keys.h).
+// The tables:
+//   files   the files in DIR/files
+//   uses    which item or job uses a file; the holder is an item or "job/<id>"
+//   loose   files that have lost a user, which are candidates for deletion
+//   totals  one row: the size of all files
+//   items   models and answers, by "<owner>/model/<id>" and "<owner>/answer/<key>"
+//   jobs    one row for each job, kept after its end
+//   needs   the items that a waiting or running job needs
+//   turns   when the jobs of an owner were last claimed, as a counter
+//   keys    the access keys (keys.h)
 constexpr const char* kSchema = R"(
 CREATE TABLE files(sha256 TEXT PRIMARY KEY, bytes INTEGER NOT NULL) WITHOUT ROWID;
 CREATE TABLE totals(bytes INTEGER NOT NULL);
@@ -47,7 +52,8 @@ CREATE TABLE keys(id TEXT PRIMARY KEY, name TEXT NOT NULL, digest TEXT NOT NULL,
 )";
 
 Result<void> MakeSchema(Database& database, const std::string& path) {
-  // All or nothing, and the version is part of it: another process may be at the same.
+  // Create or upgrade the tables, and set the version, in one transaction, because another process may do the
+  // same.
   Transaction transaction(database);
   if (!transaction.begun()) return transaction.begun();
   std::int64_t version = 0;
@@ -96,7 +102,7 @@ Result<std::unique_ptr<Database>> DataDirectory::OpenDatabase(const std::string&
 }
 
 DataDirectory::~DataDirectory() {
-  // The database first: whoever gets the lock next finds its log closed.
+  // Close the database before the lock is released, so that the next process finds its log closed.
   reader_.reset();
   writer_.reset();
   close(lock_);

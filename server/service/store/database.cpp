@@ -8,7 +8,7 @@
 namespace facetless {
 namespace {
 
-// Another connection of this process writes; its commits take milliseconds.
+// The time to wait for another connection that is writing. Commits take milliseconds.
 constexpr int kBusyMs = 10000;
 
 sqlite3_stmt* Statement(void* statement) {
@@ -51,7 +51,7 @@ struct Database::State {
   std::string path;
   sqlite3* connection = nullptr;
   std::recursive_mutex mutex;
-  // Statements are prepared once: there are few, and all are literals of ours.
+  // The prepared statements. There are few, because all are literals in the code.
   std::unordered_map<std::string, sqlite3_stmt*> statements;
 
   ~State() {
@@ -114,7 +114,7 @@ Result<void> Database::Query(const std::string& sql, const std::vector<SqlValue>
   }
   Result<void> outcome;
   if (code != SQLITE_DONE) outcome = LastError("a statement failed");
-  // Reset reports the same error once more.
+  // The result of reset is ignored, because it reports the same error again.
   sqlite3_reset(statement);
   sqlite3_clear_bindings(statement);
   return outcome;
@@ -136,7 +136,7 @@ Transaction::Transaction(Database& database) : database_(database), lock_(databa
 }
 
 Transaction::~Transaction() {
-  // A full disk may have ended it already.
+  // A full disk may have ended the transaction already.
   if (open_ && sqlite3_get_autocommit(database_.state_->connection) == 0)
     (void)database_.RunScript("ROLLBACK");
 }

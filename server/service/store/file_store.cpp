@@ -28,7 +28,7 @@ std::uint64_t FileBytes(const std::string& path) {
   return error ? 0 : bytes;
 }
 
-// Rows of a file and of who keeps it; inside a transaction.
+// Inserts the rows of a file and of its use. Requires a transaction.
 Result<void> InsertUse(Database& database, const std::string& holder, const std::string& role,
                        const KeptFile& file) {
   if (auto put = database.Run("INSERT OR IGNORE INTO files VALUES(?, ?)",
@@ -66,7 +66,7 @@ std::string SafeFileName(const std::string& name) {
     safe += byte >= 0x80 || std::isalnum(byte) != 0 || std::strchr("._- ", c) != nullptr ? c : '_';
   }
   safe.erase(0, safe.find_first_not_of(". "));
-  // Keep the end, where the extension is, and cut no UTF-8 sequence.
+  // Keep the end, which has the extension, and do not split a UTF-8 sequence.
   if (safe.size() > kMaxBytes) safe.erase(0, safe.size() - kMaxBytes);
   while (!safe.empty() && (static_cast<unsigned char>(safe[0]) & 0xc0) == 0x80) safe.erase(0, 1);
   return safe.empty() ? "model" : safe;
@@ -103,7 +103,7 @@ Result<KeptFile> FileStore::Keep(const std::string& path, const std::string& sha
   }
   kept.path = directory_.FilePath(kept.sha256);
   kept.bytes = FileBytes(path);
-  // Syncing takes long, so it comes before the lock.
+  // Sync before the lock is taken, because it takes long.
   if (auto synced = SyncFile(path); !synced) return synced.error();
   if (auto made = MakeDirectories(fs::path(kept.path).parent_path()); !made) return made.error();
   const std::lock_guard lock(files_mutex_);
@@ -139,12 +139,12 @@ void FileStore::Unpin(const std::string& sha256) {
   const std::lock_guard lock(files_mutex_);
   if (--pins_[sha256] > 0) return;
   pins_.erase(sha256);
-  // What nobody put into a row by now belongs to nothing.
+  // A file without a row by now belongs to nothing.
   if (!HasRow(sha256)) unlink(directory_.FilePath(sha256).c_str());
 }
 
 bool FileStore::HasRow(const std::string& sha256) {
-  // After an error the file stays: the next start removes it if nothing names it.
+  // If the query fails, keep the file. The next start removes it if no row refers to it.
   bool found = false;
   const auto asked = directory_.writer().Query("SELECT 1 FROM files WHERE sha256 = ?", {sha256},
                                                [&](const SqlRow&) { found = true; });
@@ -194,7 +194,7 @@ Result<void> FileStore::PutItem(const std::string& item, const std::string& reco
   const double now = WallClock();
   auto put = database.Run("INSERT OR IGNORE INTO items VALUES(?, ?, ?, ?)", {item, record, now, now});
   if (!put) return put.error();
-  // If another was first, its files are as good.
+  // If the item exists already, its files are equivalent.
   if (put.value() == 0) return {};
   for (const auto& [role, file] : files) {
     if (auto used = InsertUse(database, item, role, file); !used) return used;
@@ -245,7 +245,7 @@ std::optional<StoredModel> FileStore::FindModel(const std::string& owner, const 
 std::vector<ListedModel> FileStore::ListModels(const std::string& owner, const std::string& after,
                                                std::size_t limit) {
   const std::string prefix = ModelItem(owner, "");
-  // '0' is the character after '/', with which the prefix ends.
+  // The prefix ends with '/', and '0' is the next character.
   const std::string end = prefix.substr(0, prefix.size() - 1) + "0";
   std::vector<ListedModel> models;
   (void)directory_.reader().Query(
@@ -290,7 +290,7 @@ Result<void> FileStore::PutMesh(const std::string& owner, const std::string& id,
   Transaction transaction(database);
   if (!transaction.begun()) return transaction.begun();
   const std::string item = ModelItem(owner, id);
-  // A mesh lives and goes with its model.
+  // A mesh is deleted with its model.
   bool known = false;
   auto asked =
       database.Query("SELECT 1 FROM items WHERE id = ?", {item}, [&](const SqlRow&) { known = true; });
@@ -334,7 +334,7 @@ std::optional<StoredArtifact> FileStore::FindArtifact(const std::string& owner, 
   return artifact;
 }
 
-// ---- Giving up ----
+// ---- Deleting ----
 
 void FileStore::Touch(const std::string& item) {
   const std::lock_guard lock(touches_mutex_);
@@ -368,14 +368,14 @@ std::uint64_t FileStore::FreeBytes() {
   return std::uint64_t{disk.f_bavail} * disk.f_frsize;
 }
 
-// Makes a directory, as each upload does: that needs a disk that can be written and has entries left.
+// Checks by making a directory, as each upload does. This needs a disk that is writable and has free entries.
 Result<void> FileStore::Check() {
   auto scratch = Scratch();
   if (!scratch) return scratch.error();
   return {};
 }
 
-// Of a file that is kept twice for the same owner, once.
+// The size of the files of an owner. A file that the owner uses twice is counted once.
 std::uint64_t FileStore::BytesOf(const std::string& owner) {
   std::int64_t total = 0;
   const std::string first = owner + "/", last = owner + "0";

@@ -39,7 +39,7 @@ class StoreCheck {
   Result<void> Ask(const std::string& sql, const std::function<void(const SqlRow&)>& row) {
     return directory_.reader().Query(sql, {}, row);
   }
-  // A fault for each row of the answer, which is a name.
+  // Adds a fault for each row of the result; the row is the name of the fault's object.
   Result<void> FaultForEach(const char* kind, const std::string& detail, const std::string& sql) {
     return Ask(sql, [&](const SqlRow& row) { Fault(kind, row.Text(0), detail); });
   }
@@ -172,7 +172,7 @@ int StoreCheckCommand(const std::string& directory) {
   const auto answer = CheckStore(directory);
   if (!answer) {
     (void)PrintError(answer.error());
-    // A database that can't be read is what the check is there to find.
+    // An unreadable database is a fault that the check is meant to find.
     return answer.error().code == ErrorCode::kFormatBroken ? 1 : ExitCodeOf(answer.error());
   }
   std::printf("%s\n", JsonText(answer.value()).c_str());
