@@ -1,18 +1,19 @@
-// One view, start to end: what the command line and the HTTP service both call.
+// One view from start to end: rendering one representation, or comparing candidates with a reference. The
+// command line and the HTTP service both call these functions.
 //
 //  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
-//     samples > 1 the colour comes from a second, supersampled pass of the same camera.
-//  2. Times are of a steady clock, in ms, and disjoint: total is the whole call for that representation, files
-//     excluded. prepare and trace are of the pixel-centre pass; the second pass is color_ms, finding lines
-//     lines_ms, and shading (with resolve and encode) shade_ms.
-//  3. peak_bytes counts what a representation holds for this view at its fullest: exact surfaces the scene's
-//     leaves, bitmaps and buffers; triangles the mesh, Embree's own count at its highest, and buffers. The
-//     model and the program itself are not in it.
-//  4. An inspection is measured at pixel centres, its robust range included, and drawn where the colour comes
-//     from.
-//  5. A candidate that names no faces (a mesh of another program) has each of its pixels take the colour of
-//     the face that the reference shows there, and the commonest colour of the reference where it shows none.
-//     Alone, such a representation has the colour that most faces of the model have.
+//     samples > 1, the colour comes from a second, supersampled pass of the same camera.
+//  2. Times are measured by a steady clock, in ms, and are disjoint. total_ms is the whole call for the
+//     representation, without files. prepare_ms and trace_ms belong to the pixel-centre pass, color_ms to the
+//     second pass, lines_ms to finding lines, and shade_ms to shading (with resolve and encode).
+//  3. peak_bytes is the peak memory of a representation for this view: for exact surfaces, the scene's
+//     leaves, bitmaps and buffers; for triangles, the mesh, the peak memory that Embree reports, and buffers.
+//     It excludes the model and the program.
+//  4. An inspection and its robust range are measured at pixel centres. The picture is drawn at the samples
+//     of the colour.
+//  5. If a candidate has no face ids (a mesh of another program), each of its pixels has the colour of the
+//     face that the reference shows there, or the most common colour of the reference if it shows none.
+//     Without a reference, such a representation has the colour of most faces of the model.
 //  6. Section planes cut every representation (view/section.h). An audit counts the crossings of the whole
 //     model.
 //
@@ -43,20 +44,20 @@
 
 namespace facetless {
 
-// What a view needs to know whatever it looks at.
+// The options of a view that do not depend on the representation.
 struct ViewOptions {
   Execution execution;
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
   bool edges = false;
   LineMode lines = LineMode::kNone;  // drawn over all pictures, from the exact model
-  bool find_lines = false;           // fill View::lines of exact surfaces, whatever is drawn
+  bool find_lines = false;           // fill View::lines for exact surfaces, even if no lines are drawn
   Background background = Background::kStudio;
   Coloring coloring;
-  Inspection inspection;     // what all pictures show; the difference is measured all the same
-  bool uv = false;           // fill the samples' uv, where the representation has parameters
-  bool depth_error = false;  // fill the samples' depth_error, where the representation knows it
+  Inspection inspection;     // the inspection that all pictures show; it does not affect the difference
+  bool uv = false;           // fill the samples' uv, if the representation has parameters
+  bool depth_error = false;  // fill the samples' depth_error, if the representation provides it
   bool audit = false;        // fill odd_rays and reverse_mismatches of View::direct
-  // What is cut away; of exact surfaces and triangles the same planes belong into their own options.
+  // The section planes. The options of exact surfaces and triangles must contain the same planes.
   std::vector<SectionPlane> sections;
   ColorMetricOptions color;
   DifferencePictureOptions picture;
@@ -65,10 +66,10 @@ struct ViewOptions {
 struct SampleGrid {
   int x = 1, y = 1;
 };
-// The most even factors: 4 → 2×2, 8 → 4×2, 7 → 7×1.
+// The most even factorisation of the number of samples: 4 → 2×2, 8 → 4×2, 7 → 7×1.
 SampleGrid GridOf(int samples);
 
-// What one representation looks like from one camera.
+// The view of one representation from one camera.
 struct View {
   CameraFrame frame;
   SampleBuffer samples;                   // of the pixel centres
@@ -76,15 +77,15 @@ struct View {
   std::optional<DirectStats> direct;      // of exact surfaces, of the pixel-centre pass
   std::vector<std::string> unseen_names;  // of direct->unseen_faces, in that order
   Image8 image;
-  std::optional<InspectionView> inspection;  // none: the studio
+  std::optional<InspectionView> inspection;  // nothing for InspectionKind::kStudio
   SampleGrid grid;
   std::vector<ViewLine> lines;  // of exact surfaces; hidden ones only with LineMode::kHidden
   double color_ms = 0, lines_ms = 0, shade_ms = 0;
-  double total_ms = 0;  // without making the representation, which happens once for all views
+  double total_ms = 0;  // excludes making the representation, which happens once for all views
   std::uint64_t peak_bytes = 0;
 };
 
-// One representation beside the reference.
+// One candidate and its difference from the reference.
 struct CandidateView {
   std::string name, title;  // of the representation
   double make_ms = 0;
@@ -101,13 +102,13 @@ struct ViewComparison {
   std::vector<CandidateView> candidates;  // in the order in which they were given
 };
 
-// The view of one representation of `model`. Errors: those of Trace, Shade, Measure and Draw; kBadUsage (the
-// options, an inspection that the representation cannot show).
+// Renders the view of one representation of `model`. Errors: the errors of Trace, Shade, Measure and Draw;
+// kBadUsage (the options, or an inspection that the representation cannot show).
 Result<View> RenderView(const Representation& representation, const Model& model, const Camera& camera,
                         const ViewOptions& options);
 
-// The view of the reference, those of the candidates, and how each of these differs from the reference.
-// Errors: those of RenderView, ComputeDifference and DrawDifference.
+// Renders the reference and the candidates, and computes the difference of each candidate from the reference.
+// Errors: the errors of RenderView, ComputeDifference and DrawDifference.
 Result<ViewComparison> CompareView(const Representation& reference,
                                    std::span<const Representation* const> candidates, const Model& model,
                                    const Camera& camera, const ViewOptions& options);

@@ -1,7 +1,10 @@
-// What the baseline gets wrong: every number of a view's `difference`.
+// The difference between two traced views: every number of a view's `difference`.
 //
-//  1. Both buffers are of one camera; sizes are checked first, and a NaN anywhere fails.
-//  2. Signs: baseline − direct. A positive depth difference means that the mesh lies farther from the eye.
+//     Result<Difference> difference = ComputeDifference({direct, baseline, direct_image, baseline_image,
+//     frame, model}); if (difference) Print(difference.value().deviation_mm.max);
+//
+//  1. Both buffers must belong to the same camera. Sizes are checked first, and NaN is an error.
+//  2. Signs are baseline − direct: a positive depth difference means that the mesh lies farther from the eye.
 //  3. depth_mm is over every pixel that both hit. deviation_mm and normal_deg leave out *border* pixels,
 //     whose share is reported: pixels where the two tracers look past different sides of an edge. There the
 //     depth jumps from one surface to another, and says nothing about how far the two are apart. A pixel is a
@@ -28,25 +31,26 @@
 
 namespace facetless {
 
-// Of absolute values, except `mean`, which is signed for depth. Percentiles are nearest-rank: values that
-// occur.
+// Statistics of absolute values, except `mean`, which is signed for depth. Percentiles are by nearest rank,
+// so they are values that occur.
 struct Spread {
   double mean = 0, mean_abs = 0, rms = 0, p50 = 0, p95 = 0, p99 = 0, max = 0;
-  std::uint64_t count = 0;     // 0: all numbers are 0 and mean nothing
+  std::uint64_t count = 0;     // 0: all numbers are 0 and meaningless
   int max_x = -1, max_y = -1;  // the pixel of `max`
 };
 
 struct Silhouette {
   std::uint64_t pixels = 0;  // hit by exactly one tracer
   std::uint64_t only_direct = 0, only_baseline = 0;
-  double max_distance_px = 0;  // of such a pixel's centre to the nearest that the other tracer hits;
-                               // +inf: the other tracer hits nothing at all
+  double max_distance_px =
+      0;  // largest distance from such a pixel to the nearest pixel that the other tracer
+          // hits; +inf if the other tracer hits nothing
 };
 
 struct FaceDifference {
   std::uint32_t id = 0;  // placed face, as the direct image shows it
   std::string name;
-  std::uint64_t pixels = 0;             // that the direct tracer sees of it
+  std::uint64_t pixels = 0;             // pixels that show the face in the direct image
   std::uint64_t missed_pixels = 0;      // … and the baseline shows nothing there
   std::uint64_t other_face_pixels = 0;  // … and the baseline shows another face there (0 for a foreign mesh)
   std::uint64_t border_pixels = 0;
@@ -58,7 +62,7 @@ struct Difference {
   ColorMetrics color;
   Silhouette silhouette;
   Spread depth_mm, deviation_mm, normal_deg;
-  double noise_mm = 0;  // of float32 positions: what lies below says nothing
+  double noise_mm = 0;  // rounding of float32 positions; smaller differences are not significant
   std::uint64_t both_hit = 0;
   std::uint64_t border_pixels = 0;      // of both_hit
   std::uint64_t other_face_pixels = 0;  // of both_hit: the tracers show different faces
@@ -69,7 +73,7 @@ struct Difference {
           // pixels of closed solids, without border pixels; those of them where the mesh shows its other side
       0;
   double border_share = 0, other_face_share = 0;  // of both_hit
-  bool faces_known = false;                       // the mesh names the model's faces
+  bool faces_known = false;                       // the mesh has the face ids of the model
   std::vector<FaceDifference> faces;  // deviation_mm_max descending, then depth_mm_max, missed_pixels, id
 };
 
@@ -85,10 +89,10 @@ struct DifferenceInput {
   ColorMetricOptions color;
 };
 
-// Errors: kSizeMismatch, kNotFinite (names the pixel), kBadUsage (options).
+// Computes the difference. Errors: kSizeMismatch, kNotFinite (names the pixel), kBadUsage (options).
 Result<Difference> ComputeDifference(const DifferenceInput& input);
 
-// Per pixel, 1 where law 3 says border.
+// For each pixel, 1 if it is a border pixel (law 3).
 std::vector<std::uint8_t> BorderPixels(const SampleBuffer& direct, const SampleBuffer& baseline,
                                        const CameraFrame& frame, bool faces_known);
 

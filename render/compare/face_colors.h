@@ -1,11 +1,10 @@
-// Which colour a placed face is drawn in.
+// The colours in which placed faces are drawn.
 //
-//  1. kFile: the face's, else its instance's, else the default. kPart: one for each prototype, wherever it is
-//     placed. kOne: one for all.
-//  2. A part's colour follows from its place in the file alone: it does not change with what is shown beside
-//     it.
-//  3. The first twelve parts can be told apart with normal sight and without red, green or blue cones; then
-//     the colours repeat, darker.
+//  1. kFile: the colour of the face, or else of its instance, or else the default. kPart: one colour for each
+//     prototype, wherever it is placed. kOne: one colour for all faces.
+//  2. The colour of a part depends only on its position in the file, not on the other parts that are shown.
+//  3. The first twelve colours are distinct for normal vision and for all kinds of colour blindness. After
+//     that, the colours repeat, darker.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +21,7 @@ struct Coloring {
   Color one;  // of kOne
 };
 
-// By placed-face id, sRGB.
+// The sRGB colours, indexed by placed-face id.
 std::vector<Color> FaceColors(const Model& model, const Coloring& coloring = {});
 
 // The colour of prototype `part` under kPart.

@@ -1,5 +1,5 @@
-// The method "fast": exact surfaces, traced in single precision. Beside the reference it shows what the lower
-// precision loses.
+// The method "fast": exact surfaces, traced in single precision. A comparison with the reference shows the
+// effect of the lower precision.
 #pragma once
 
 #include "render/compare/method.h"

@@ -1,14 +1,15 @@
-// Methods: ways to make a representation of a model, by name. `compare --with NAME` compares any of them with
-// the exact surfaces beside the baseline, and `trade --with NAME` measures each at all of its settings.
+// Methods: named ways to make a representation of a model. `compare --with NAME` compares a method with the
+// exact surfaces, in addition to the baseline, and `trade --with NAME` measures it at all of its usual
+// settings.
 //
-//  1. A method's name is of [a-z0-9-] and no other method's, nor "direct", "baseline" or "difference": it
-//     stands in names of files and in roles of the report.
-//  2. A method that has a setting (a resolution, a size) names its usual values, coarse first; one that has
-//     none is measured once.
-//  3. What a method needs to begin with is the model as exact surfaces.
+//  1. The name of a method consists of [a-z0-9-] and is unique; it is not "direct", "baseline" or
+//     "difference". File names and roles of the report contain it.
+//  2. A method with a setting (a resolution, a size) lists its usual values, coarse first. A method without a
+//     setting is measured once.
+//  3. A method starts from the model as exact surfaces.
 //
-// A new method is one file and one row of kBuiltIn (method.cpp). Programs outside this library register
-// theirs:
+// A new method needs one file and one row of kBuiltIn (method.cpp). Programs outside this library register
+// their methods:
 //
 //   const RegisterMethod kPoints({.name = "points", .title = "Points", .help = "...", .make = MakePoints});
 #pragma once
@@ -28,52 +29,53 @@
 
 namespace facetless {
 
-// What a method makes a representation of; all of it must outlive the representation.
+// The input of a method. All references must outlive the representation.
 struct MethodInput {
   const Scene& scene;
-  const DirectOptions& direct;        // how the reference traces the exact surfaces, sections included
+  const DirectOptions&
+      direct;  // the options with which the reference traces the exact surfaces, sections included
   std::string name = {}, title = {};  // of the representation
   Execution execution;
-  std::uint64_t max_bytes = 0;  // what the representation may hold
+  std::uint64_t max_bytes = 0;  // memory limit of the representation
 };
 
 struct Method {
-  std::string name;           // law 1
-  std::string title;          // for people: "Voxels"
-  std::string help;           // one sentence
-  std::string setting;        // what its number is, with its unit: "cells per axis"; empty: it has none
-  std::vector<double> usual;  // law 2; the first is used where no number is given
+  std::string name;     // law 1
+  std::string title;    // readable name: "Voxels"
+  std::string help;     // one sentence
+  std::string setting;  // meaning and unit of its number: "cells per axis"; empty: the method has no number
+  std::vector<double> usual;  // usual values (law 2); the first is the default
   // Errors: kBadUsage (the number, or sections that the method cannot cut), kLimitExceeded, kCancelled.
   std::function<Result<std::unique_ptr<const Representation>>(const MethodInput& input, double setting)> make;
 };
 
-// A method and the number that it is used with.
+// A method and its setting.
 struct MethodChoice {
   const Method* method = nullptr;
   double setting = 0;  // meaningless for a method without one
-  bool given = false;  // false: `setting` is the method's usual one
+  bool given = false;  // false: `setting` is the default of the method
 
-  // The method's name, and its number where it has one: "voxels-128". A role in reports, and part of names of
-  // files.
+  // The name of the method and its number, if it has one: "voxels-128". It is used as a role in reports and
+  // as a part of file names.
   std::string Name() const;
-  // "Voxels 128".
+  // The readable name, such as "Voxels 128".
   std::string Title() const;
 };
 
 // All methods, built in and registered, by name.
 std::vector<const Method*> Methods();
 
-// Reads "NAME" or "NAME:NUMBER". Error: kBadUsage names the methods that there are.
+// Parses "NAME" or "NAME:NUMBER". Error: kBadUsage, which lists the methods.
 Result<MethodChoice> ParseMethod(const std::string& text);
-// "voxels:128", as ParseMethod reads it.
+// The text form, such as "voxels:128", which ParseMethod reads.
 std::string FormatMethod(const MethodChoice& choice);
 
-// The representation, under the name and the title of the choice. Errors: those of Method::make.
+// Makes the representation, with the name and the title of the choice. Errors: the errors of Method::make.
 Result<std::unique_ptr<const Representation>> MakeRepresentation(const MethodChoice& choice,
                                                                  MethodInput input);
 
-// Registers a method for the rest of the program, from a variable of static duration. Throws
-// std::invalid_argument where law 1 or 2 is broken, which ends the program before it begins.
+// Registers a method for the rest of the program. It must be a variable of static duration. It throws
+// std::invalid_argument if law 1 or 2 is violated, which ends the program before main.
 class RegisterMethod {
  public:
   explicit RegisterMethod(Method method);

@@ -1,11 +1,11 @@
-// report.json's parts that come from rendering. Names and units are those that docs/api promises: ms, mm,
+// The parts of report.json that come from rendering. docs/api.md documents their names and units: ms, mm,
 // bytes, pixels.
 //
 //  1. A number that does not exist is null: psnr of equal pictures, a distance to nothing, odd_rays without
 //     an audit.
-//  2. Objects list at least the promised names; more may follow, none is ever renamed.
-//  3. open_edges ends after kMostListedEdges; lists of faces end after kMostListedFaces entries (the worst,
-//     or those of the lowest ids), with the full number beside them.
+//  2. Objects have at least the documented names. New names may be added, but none is ever renamed.
+//  3. open_edges has at most kMostListedEdges entries, and lists of faces at most kMostListedFaces (the worst
+//     ones, or those with the lowest ids). The full number is next to the list.
 #pragma once
 
 #include <cstddef>
@@ -37,9 +37,9 @@ nlohmann::json DifferenceJson(const Difference& difference, const DifferencePict
 // "peak_bytes", "difference"}.
 nlohmann::json CandidateJson(const CandidateView& candidate);
 
-// One entry of "views". The reference must be exact surfaces. `baseline` is the scene of the triangles that
-// are the first candidate, which makes "baseline" and "difference"; null: no mesh was compared. Other
-// candidates are in "candidates", which is left out where there are none.
+// One entry of "views". The reference must be exact surfaces. `baseline` is the scene of the first candidate,
+// if that is a mesh, which gives "baseline" and "difference"; null if no mesh was compared. Other candidates
+// are in "candidates", which is absent if there are none.
 nlohmann::json ComparisonJson(const ViewComparison& comparison, const BaselineScene* baseline);
 
 }  // namespace facetless

@@ -1,8 +1,9 @@
-// A representation: a model as something that a camera can look at. Exact surfaces and triangles are two;
-// whatever comes after their samples (light, inspections, differences, reports) treats all of them alike.
+// A representation: a form of a model that a camera can view, such as exact surfaces or triangles. All later
+// steps (light, inspections, differences, reports) use its samples, and treat all representations alike.
 //
 //  1. Trace may be called from many threads at once, and its samples do not depend on the number of threads.
-//  2. What Trace cannot fill of a request (parameters of triangles, certificates of a mesh) it leaves empty.
+//  2. Trace leaves requested data empty that it cannot provide (surface parameters of triangles, certificates
+//     of a mesh).
 //  3. Depths are those of the camera's rays (view/samples.h), so that two representations of one model can be
 //     compared sample by sample.
 //
@@ -24,18 +25,18 @@
 
 namespace facetless {
 
-// What is wanted of a trace besides depths, normals and faces.
+// The data that a trace should provide in addition to depths, normals and faces.
 struct TraceRequest {
-  bool uv = false, depth_error = false;  // of the samples
-  bool audit = false;                    // count every crossing of every ray
-  bool certificates = true;              // false: of a pass for colour alone, whose certificates are not read
-  // By placed face: those that rays pass as if they were not there. Null: none.
+  bool uv = false, depth_error = false;  // fill these members of the samples
+  bool audit = false;                    // count all crossings of every ray
+  bool certificates = true;              // false for a pass for colour only, whose certificates are not used
+  // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored.
   const std::vector<bool>* leave_out = nullptr;
 };
 
-// What every representation counts while it traces.
+// The counters of every representation.
 struct TraceCounters {
-  double prepare_ms = 0;  // of what this view alone needs
+  double prepare_ms = 0;  // time of preparing this view
   double trace_ms = 0;
   std::uint64_t rays = 0, hits = 0;
 };
@@ -44,11 +45,11 @@ struct TracedView {
   CameraFrame frame;
   SampleBuffer samples;
   TraceCounters counters;
-  std::uint64_t structure_bytes = 0;  // what tracing held at its fullest, without the samples
-  std::optional<DirectStats> direct;  // of exact surfaces, which a report describes in detail
+  std::uint64_t structure_bytes = 0;  // peak memory of tracing, without the samples
+  std::optional<DirectStats> direct;  // detailed statistics of exact surfaces
 };
 
-// A number about a representation that reports show beside its costs, such as {"triangles", 1200}.
+// A number of a representation that reports show next to its costs, such as {"triangles", 1200}.
 struct RepresentationFact {
   std::string name;  // of [a-z_], with its unit at the end: "cell_mm"
   double value = 0;
@@ -58,22 +59,22 @@ class Representation {
  public:
   virtual ~Representation() = default;
 
-  // Its role in reports and in names of files, of [a-z0-9-]: "direct", "baseline".
+  // The role in reports and file names, which consists of [a-z0-9-]: "direct", "baseline".
   virtual std::string name() const = 0;
-  // The name for people.
+  // The readable name.
   virtual std::string title() const = 0;
-  // What making it took, once for all its views, in ms.
+  // The time of making the representation, once for all its views, ms.
   virtual double make_ms() const { return 0; }
-  // Differences of depth up to this many mm come from its number format, and not from its shape.
+  // Differences of depth up to this many mm are due to the number format, not to the shape.
   virtual double noise_mm() const { return 0; }
   virtual std::vector<RepresentationFact> facts() const { return {}; }
-  // The scene of exact surfaces that it looks at; null if there is none. Lines, and inspections that need a
-  // surface, ask for it.
+  // The scene of exact surfaces that it traces; null if there is none. Lines, and inspections that need a
+  // surface, use it.
   virtual const Scene* exact() const { return nullptr; }
-  // Whether its samples name the model's placed faces.
+  // Whether the samples have the placed-face ids of the model.
   virtual bool names_faces() const { return true; }
 
-  // Errors: those of the tracer behind it.
+  // Traces a view. Errors: the errors of the tracer.
   virtual Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                                    const Execution& execution) const = 0;
 };
@@ -81,8 +82,8 @@ class Representation {
 // The exact surfaces of a scene, which must outlive the representation.
 class ExactSurfaces final : public Representation {
  public:
-  // Of `options`: precision, check, tolerance, sections, and what the leaves may take; the rest is the
-  // request's.
+  // `options` supply the precision, the check, the tolerance, the sections, and the memory limit of leaves.
+  // All other options come from the request.
   ExactSurfaces(const Scene& scene, DirectOptions options, std::string name = "direct",
                 std::string title = "Direct")
       : scene_(scene), options_(std::move(options)), name_(std::move(name)), title_(std::move(title)) {}
@@ -103,8 +104,9 @@ class ExactSurfaces final : public Representation {
 // representation.
 class Triangles final : public Representation {
  public:
-  // `model`: the model that the mesh was made of, or is compared with; its solids have caps where `sections`
-  // cut them. `max_bytes`: what a tree without the faces of TraceRequest::leave_out may hold.
+  // `model` is the model from which the mesh was made, or with which it is compared; its solids get caps
+  // where `sections` cut them. `max_bytes` is the memory limit of a tree without the faces of
+  // TraceRequest::leave_out.
   Triangles(const BaselineScene& scene, const Model& model, std::span<const SectionPlane> sections,
             std::uint64_t max_bytes);
 
@@ -114,14 +116,14 @@ class Triangles final : public Representation {
   double noise_mm() const override { return scene_.noise_mm(); }
   std::vector<RepresentationFact> facts() const override;
   bool names_faces() const override { return scene_.mesh().from_model; }
-  // A request to leave out faces requires a mesh that names them.
+  // Requires a mesh with face ids if the request leaves out faces.
   Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                            const Execution& execution) const override;
 
  private:
   const BaselineScene& scene_;
   const std::span<const SectionPlane> sections_;
-  std::optional<SectionSolids> solids_;  // only where something is cut
+  std::optional<SectionSolids> solids_;  // only with sections
   const std::uint64_t max_bytes_;
 };
 

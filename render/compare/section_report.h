@@ -1,4 +1,4 @@
-// What a run says of its section planes: the report's "sections".
+// The object "sections" of the report, which describes the section planes of a run.
 #pragma once
 
 #include <atomic>
@@ -12,9 +12,9 @@
 
 namespace facetless {
 
-// One entry for each plane, as docs/sections.md has it: "area_mm2" and its error are null, and "no_area" says
-// why, where nothing but faces of open shells is cut; with a mesh "mesh_area_mm2", null where several planes
-// clip each other. Errors: those of MeasureSection.
+// One entry for each plane, as documented in docs/sections.md. If only faces of open shells are cut,
+// "area_mm2" and its error are null, and "no_area" has the reason. With a mesh there is also "mesh_area_mm2",
+// which is null if several planes clip each other. Errors: the errors of MeasureSection.
 Result<nlohmann::json> SectionsJson(const Scene& scene, const Mesh* mesh,
                                     std::span<const SectionPlane> planes, const SectionAreaOptions& options);
 

@@ -1,5 +1,5 @@
-// What is seen through transparent faces: one layer. A transparent face shows what lies behind all
-// transparent faces, dimmed by its own opacity; transparent faces behind each other are not added up.
+// Transparency, with a single layer: a transparent face shows what lies behind all transparent faces, dimmed
+// by its own opacity. The opacities of several transparent faces behind each other are not combined.
 #pragma once
 
 #include <span>
@@ -12,14 +12,14 @@
 
 namespace facetless {
 
-// By placed face: whether its colour is transparent; empty if none is.
+// For each placed face, whether its colour is transparent; empty if none is.
 std::vector<bool> TransparentFaces(std::span<const Color> colors);
 
-// The mesh without the triangles of those faces. Requires a mesh of the model's own (Mesh::from_model).
+// The mesh without the triangles of transparent faces. Requires a mesh of the model (Mesh::from_model).
 Mesh OpaqueMesh(const Mesh& mesh, const std::vector<bool>& transparent);
 
-// Lays `front` over `behind`, sample by sample, as opaque as the colour of the front's face says. Requires
-// equal sizes.
+// Blends `front` over `behind`, sample by sample, with the opacity of the colour of the front's face.
+// Requires equal sizes.
 void BlendOver(const SampleBuffer& front_samples, std::span<const Color> colors, const Film& behind,
                Film* front);
 

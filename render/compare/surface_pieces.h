@@ -1,13 +1,14 @@
-// The patches of one surface, cut into pieces in boxes that are turned with them: what lies near a point, and
-// what surely does not.
+// The patches of one surface, divided into pieces with oriented boxes, for finding the pieces near a point
+// and for proving that no piece is near.
 //
-//  1. Each piece lies in its box: the box holds the convex hull of its control points, and rounding is added.
-//  2. The distance of a point to a box is never more than its distance to the piece (to rounding:
+//  1. The box of a piece contains the convex hull of its control points, with rounding added.
+//  2. The distance of a point from a box is never larger than its distance from the piece (up to rounding:
 //     kBoxRounding of the coordinates).
-//  3. Pieces come with the native parameters of their middle, where Newton's method may start.
+//  3. Each piece has the native parameters of its middle, from which Newton's method may start.
 //
 //   SurfacePieces pieces(model, surface);
-//   pieces.VisitNear(point, best * best, [&](const SurfacePieces::Piece& piece, double squared) { … return new_best * new_best; });
+//   pieces.VisitNear(point, best * best, [&](const SurfacePieces::Piece& piece, double squared) { … return
+//   new_best * new_best; });
 #pragma once
 
 #include <algorithm>
@@ -23,7 +24,7 @@ namespace facetless {
 class SurfacePieces {
  public:
   struct Box {
-    Vec3 center, axis[3];  // axes: unit, at right angles
+    Vec3 center, axis[3];  // axes: perpendicular unit vectors
     double half[3] = {0, 0, 0};
     double SquaredTo(Vec3 point) const;
   };
@@ -35,16 +36,16 @@ class SurfacePieces {
     std::uint32_t first_child = 0;          // and the next one; 0: a leaf
   };
 
-  // `model` must outlive it.
+  // `model` must outlive this object.
   SurfacePieces(const Model& model, std::uint32_t surface);
 
-  // Visits leaves by rising distance of their boxes, while that is below the square that visit() returned
-  // last (`squared` at first).
+  // Visits leaf pieces by increasing distance of their boxes, as long as the squared distance is below the
+  // value that visit() last returned (initially `squared`).
   template <typename Visit>
   void VisitNear(Vec3 point, double squared, const Visit& visit) const;
 
-  // A lower bound of the distance of `point` to the surface, by dividing pieces until the bound is at least
-  // `enough` or `most_pieces` have been looked at.
+  // A lower bound of the distance of `point` from the surface. Pieces are divided until the bound is at least
+  // `enough`, or until `most_pieces` pieces have been examined.
   double LowerBound(Vec3 point, double enough, int most_pieces) const;
 
  private:

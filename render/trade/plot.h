@@ -1,13 +1,12 @@
 // A plot of points on two logarithmic axes, as SVG and PNG from one drawing (cairo).
 //
-//  1. Positive numbers lie where they belong. An x of at most x_floor, zero included, has no place on a
-//     logarithmic axis: it is drawn in a band of its own on the left, which says so, behind a break in the
-//     axis.
-//  2. Series differ in colour and in shape, points on the front are filled and others hollow: it reads in
-//     grey, too. The paper is white on any page.
-//  3. Labels avoid each other, the markers and the border as far as there is room; one that had to go farther
-//     has a line to its point.
-//  4. The same plot gives the same bytes, on one machine: fonts and cairo are the system's.
+//  1. Points with an x above x_floor are drawn on the logarithmic axis. Points with a smaller x, including
+//     zero, are drawn in a separate, labelled band on the left, beyond a break in the axis.
+//  2. Series differ in colour and in marker shape, and points on the front are filled while others are
+//     hollow, so the plot is legible in greyscale. The background is white.
+//  3. Labels avoid each other, the markers and the border as far as there is room. A label that is far from
+//     its point has a line to it.
+//  4. The same plot gives the same bytes on one machine; fonts and cairo depend on the system.
 #pragma once
 
 #include <cstddef>
@@ -37,17 +36,18 @@ struct LogPlot {
   std::string x_title, y_title, front_title;
   PlotUnit y_unit = PlotUnit::kMilliseconds;  // x is millimetres
   double x_floor = 0;
-  double pixels_per_mm = 0;       // above 0: a second scale, on top, in pixels
-  std::optional<double> x_limit;  // a line that the reader asked about
+  double pixels_per_mm = 0;       // if above 0, a second scale on top, in pixels
+  std::optional<double> x_limit;  // a vertical line at the user's limit
   std::string x_limit_label;
-  std::vector<PlotSeries> series;                // any number; colours and shapes repeat after a while
+  std::vector<PlotSeries> series;                // any number of series; colours and shapes repeat eventually
   std::vector<PlotPoint> points;                 // y > 0
   std::vector<std::size_t> front;                // points, in the order of its line
   std::vector<std::vector<std::size_t>> chains;  // points to join by a faint line
   std::vector<std::string> notes;                // lines below
 };
 
-// A whole file. Errors: kBadUsage (a number that is not finite, no y above 0, or no such series); kInternal (cairo's reason).
+// The plot as a file. Errors: kBadUsage (a number is not finite, a y is not above 0, or a series does not
+// exist); kInternal (cairo failed).
 Result<std::string> PlotSvg(const LogPlot& plot);
 Result<std::string> PlotPng(const LogPlot& plot);
 

@@ -1,4 +1,4 @@
-// Where the labels of a plot go.
+// Placement of the labels of a plot.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +19,12 @@ struct LabelRequest {
 
 struct LabelPlace {
   PlotBox box;
-  bool leader = false;  // so far from its point that a line should lead there
+  bool leader = false;  // the label is so far from its point that a line should connect them
 };
 
-// A place for each label, in the order given: the first of the places around its point, near ones first, that
-// costs least. What it costs is the area shared with labels already placed and with `obstacles`, what sticks
-// out of `bounds`, and a little for distance.
+// Chooses a place for each label, in the given order. The candidates are places around its point, near ones
+// first, and the first one with the least cost is chosen. The cost is the area shared with placed labels and
+// with `obstacles`, the area outside of `bounds`, and a small term for the distance.
 std::vector<LabelPlace> PlaceLabels(const std::vector<LabelRequest>& labels,
                                     const std::vector<PlotBox>& obstacles, const PlotBox& bounds);
 

@@ -1,11 +1,11 @@
-// Numbers for sentences and axes: two significant digits, with the unit that fits.
+// Numbers in sentences and on axes, with two significant digits and a suitable unit.
 #pragma once
 
 #include <string>
 
 namespace facetless {
 
-// "0", "0.031", "340", "4e-5"; "infinitely many" for what is no number.
+// A number such as "0", "0.031", "340" or "4e-5"; "infinitely many" if it is not finite.
 std::string NumberText(double number);
 
 std::string MillimetresText(double mm);  // "0.031 mm"

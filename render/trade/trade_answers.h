@@ -1,12 +1,12 @@
-// What the measured points of a view answer, as numbers and as sentences.
+// The answers that follow from the measured points of a view, as numbers and as sentences.
 //
-//  1. Between neighbouring measured points of one ladder, logarithms are interpolated linearly: time and
-//     error both follow powers of the deflection. Beyond the measured range nothing is extrapolated; the
-//     sentence says where it ends.
-//  2. A point that was not measured is no answer, but is named with its reason where a finer one was asked
-//     for.
-//  3. Sentences give two significant digits (quantity_text.h): times on a shared machine are not known
-//     better.
+//  1. Between neighbouring measured points of one series of deflections, logarithms are interpolated
+//     linearly, because time and error both follow powers of the deflection. Nothing is extrapolated beyond
+//     the measured range; the sentence states where it ends.
+//  2. A point that was not measured is never an answer. If a finer point would be needed, the sentence names
+//     it and the reason.
+//  3. Sentences have two significant digits (quantity_text.h), because times on a shared machine are not more
+//     accurate.
 #pragma once
 
 #include <optional>
@@ -28,26 +28,26 @@ struct TradeQuestionContext {
   double mm_per_pixel = 0;
 };
 
-// "Which deflection keeps this model under the limit, and what does it cost?"
+// The answer to "Which deflection keeps the error below the limit, and at what cost?"
 struct LimitAnswer {
   bool pixels = false;  // the limit's unit: pixels, or millimetres
   double limit = 0;
-  std::optional<std::size_t> mesh;    // the cheapest mesh measured that keeps it
-  std::optional<std::size_t> direct;  // the cheapest direct setting that keeps it
-  std::vector<std::size_t> methods;   // of each method, the cheapest setting that keeps it
-  std::optional<double> deflection;   // where the ladder crosses the limit, interpolated; for `angular_deg`
+  std::optional<std::size_t> mesh;    // the cheapest measured mesh that keeps the limit
+  std::optional<std::size_t> direct;  // the cheapest direct setting that keeps the limit
+  std::vector<std::size_t> methods;   // for each method, the cheapest setting that keeps the limit
+  std::optional<double> deflection;   // the interpolated deflection at the limit, for `angular_deg`
   double angular_deg = 0;
   std::string sentence;
 };
 LimitAnswer AnswerLimit(const std::vector<TradePoint>& points, bool pixels, double limit,
                         const TradeQuestionContext& context);
 
-// "From which accuracy on is direct cheaper?"
+// The answer to "From which accuracy on is the direct tracer cheaper?"
 enum class Crossover : std::uint8_t {
-  kUnknown,       // nothing of one of the tracers was measured
-  kAlwaysDirect,  // cheaper than every mesh measured
-  kAlwaysMesh,    // the mesh is cheaper, as far as it was measured
-  kAt,            // direct is cheaper where errors below error_mm are asked for
+  kUnknown,       // one of the tracers was not measured
+  kAlwaysDirect,  // the direct tracer is cheaper than every measured mesh
+  kAlwaysMesh,    // the mesh is cheaper in the whole measured range
+  kAt,            // the direct tracer is cheaper for errors below error_mm
 };
 struct CrossoverAnswer {
   TradeCost cost = TradeCost::kTime;
@@ -60,10 +60,11 @@ struct CrossoverAnswer {
 CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost cost,
                                 const TradeQuestionContext& context);
 
-// What a further view of the same model costs, where mesh, tree and trimming structures exist already.
+// A sentence about the cost of a further view of the same model, when mesh, tree and trimming structures
+// exist already.
 std::string NextViewSentence(const std::vector<TradePoint>& points, const std::vector<LimitAnswer>& answers);
 
-// "99 % of the pixels" and so on.
+// The measure in words, such as "99 % of the pixels".
 const char* MeasureText(ErrorMeasure measure);
 
 }  // namespace facetless

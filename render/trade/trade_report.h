@@ -1,4 +1,4 @@
-// The measured points for readers: as JSON, as a table for a terminal, and as a plot.
+// The report of the measured points: as JSON, as a table for a terminal, and as a plot.
 #pragma once
 
 #include <string>
@@ -21,20 +21,20 @@ struct TradeView {
   std::string next_view;  // NextViewSentence
 };
 
-// Marks the fronts and forms the answers. A limit that is not given takes no part.
+// Marks the fronts and computes the answers. Limits that are not given are ignored.
 void AnswerQuestions(TradeView& view, const TradeLimits& limits);
 
-// All sentences, in the order of reading.
+// All sentences, in reading order.
 std::vector<std::string> Sentences(const TradeView& view);
 
-// One entry of the report's trade.points: numbers in ms, mm, bytes, pixels; "skipped" with the reason in
-// place of numbers for a point that was not measured.
+// One entry of the report's trade.points, with numbers in ms, mm, bytes and pixels. A point that was not
+// measured has "skipped" with the reason instead.
 nlohmann::json TradePointJson(const TradePoint& point, const std::string& view);
 // One entry of the report's trade.answers.
 nlohmann::json LimitAnswerJson(const LimitAnswer& answer, const TradeView& view);
 nlohmann::json CrossoverAnswerJson(const CrossoverAnswer& answer, const TradeView& view);
 
-// Lines of at most about 110 columns.
+// The table, with lines of at most about 110 columns.
 std::string TradeTable(const TradeView& view);
 
 LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& model_name);
