@@ -34,7 +34,7 @@ std::uint64_t FilmBytes(const SampleBuffer& samples) {
 Result<void> CheckOptions(const ViewOptions& options) {
   if (options.samples < 1 || options.samples > kMaxSamples)
     return Error{ErrorCode::kBadUsage, std::to_string(options.samples) + " samples per pixel; 1 to " +
-                                           std::to_string(kMaxSamples) + " can be taken"};
+                                           std::to_string(kMaxSamples) + " are allowed"};
   if (options.execution.threads < 0)
     return Error{ErrorCode::kBadUsage, "the number of threads must not be negative"};
   return {};

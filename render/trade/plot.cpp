@@ -445,7 +445,7 @@ Result<void> Check(const LogPlot& plot) {
     if (!std::isfinite(point.x) || !std::isfinite(point.y) || !(point.y > 0) ||
         point.series >= plot.series.size())
       return Error{ErrorCode::kBadUsage,
-                   "the point '" + point.label + "' has no place on a logarithmic plot"};
+                   "the point '" + point.label + "' cannot be drawn on a logarithmic plot"};
   return {};
 }
 

@@ -1,10 +1,10 @@
-// `facetless bench`: the tables of docs/performance-files.md and docs/performance-published.md, measured here
-// and now.
+// `facetless bench`: measures the tables of docs/performance-files.md and docs/performance-published.md on
+// this machine.
 //
-//  1. Files are imported as for `render`; of every mesh the importer's process tells how long the mesher
-//     alone took, and OpenCASCADE's exact intersector is asked there, too.
-//  2. --published measures the papers' tables instead, on scenes of our own; a file then gives the leaves for
-//     the comparison of acceleration structures.
+//  1. Files are imported as for `render`. For every mesh, the importer's process reports the time of the
+//     mesher alone. OpenCASCADE's exact intersector also runs in that process.
+//  2. --published measures the tables of the published papers instead, on generated scenes. A file then
+//     supplies the leaves for the comparison of acceleration structures.
 #pragma once
 
 #include <string>
@@ -18,8 +18,8 @@ namespace facetless {
 
 struct BenchSettings {
   int repeats = 5;
-  double time_limit_s = 60;  // of one mesh
-  double exact_s = 6;        // of OpenCASCADE's exact intersector
+  double time_limit_s = 60;  // time limit of one mesh
+  double exact_s = 6;        // time limit of OpenCASCADE's exact intersector
   bool published = false;
   bool markdown = false;
   bool growth = true;  // row 9, on the first file and on generated faces
@@ -27,12 +27,13 @@ struct BenchSettings {
 
 struct BenchReport {
   nlohmann::json json;
-  std::string text;  // the tables, as the settings say
+  std::string text;  // the tables, in the form that the settings select
   std::string plot;  // SVG
 };
 
-// `request` has what all imports share (limits, cancel); options: cameras, size, threads. Errors: those of
-// Import, kBadUsage (cameras), kCancelled, and those of RenderView.
+// Runs the bench. `request` has the common settings of all imports (limits, cancel). Of `options`, cameras,
+// size and threads are used. Errors: the errors of Import, kBadUsage (cameras), kCancelled, and the errors of
+// RenderView.
 Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
                              const RunOptions& options, const BenchSettings& settings,
                              const RunContext& context);

@@ -1,5 +1,5 @@
-// Whether a mesh has anything to do with the model that it is compared with, and whether it is turned inside
-// out: judged of all views of a run together.
+// Checks whether a mesh is related to the model with which it is compared, and whether it is inside out. The
+// check uses all views of a run together.
 //
 //   MeshCheck check(model.Diagonal());
 //   for (const Difference& difference : differences) check.Add(difference);
@@ -19,9 +19,9 @@ class MeshCheck {
  public:
   explicit MeshCheck(double diagonal_mm) : diagonal_mm_(diagonal_mm) {}
 
-  // One view.
+  // Adds the difference of one view.
   void Add(const Difference& difference);
-  // Sentences; none where nothing is wrong.
+  // The problems as sentences; empty if there are none.
   std::vector<std::string> Problems() const;
 
  private:

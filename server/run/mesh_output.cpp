@@ -50,9 +50,8 @@ Result<std::vector<std::string>> WriteMeshFiles(const Model& model, Mesh mesh, M
   if (!show_hidden) {
     const std::size_t hidden = LeaveOutHidden(model, mesh);
     if (PlacedTriangleCount(mesh) == 0)
-      return Error{
-          ErrorCode::kBadUsage,
-          "the file hides everything that the mesh would show; --show-hidden writes it all the same"};
+      return Error{ErrorCode::kBadUsage,
+                   "the file hides everything that the mesh would show; use --show-hidden to write it"};
     if (hidden > 0)
       sentences.push_back(
           "the mesh leaves out " + std::to_string(hidden) +

@@ -1,7 +1,7 @@
-// What `facetless mesh` writes of an import.
+// The output of `facetless mesh`.
 //
-//  1. Placements that the file hides are left out, unless `show_hidden`.
-//  2. All files of the format appear in full or not at all, the one that the user named last.
+//  1. Placements that the file hides are left out, unless `show_hidden` is set.
+//  2. Each file is written completely or not at all; the file that the user named is written last.
 #pragma once
 
 #include <string>
@@ -14,13 +14,13 @@
 
 namespace facetless {
 
-// `mesh` without the placements that `model`'s file hides, and how many those are. Requires that the mesh is
-// the model's.
+// Removes the placements that the file of `model` hides, and returns their number. Requires a mesh of the
+// model.
 std::size_t LeaveOutHidden(const Model& model, Mesh& mesh);
 
-// Writes `mesh` to `path`, and says on return, in sentences for a person, what a reader of the files has to
-// know: triangles, whether they are watertight, what was left out, and what the format cannot hold. Errors:
-// kBadUsage (everything is hidden), those of EncodeMesh, kWriteFailed.
+// Writes `mesh` to `path`. Returns sentences for the user: the number of triangles, whether they are
+// watertight, what was left out, and what the format cannot represent. Errors: kBadUsage (everything is
+// hidden), the errors of EncodeMesh, kWriteFailed.
 Result<std::vector<std::string>> WriteMeshFiles(const Model& model, Mesh mesh, MeshFormat format,
                                                 bool show_hidden, const std::string& path);
 

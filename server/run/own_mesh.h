@@ -1,13 +1,13 @@
-// A comparison with our own tessellation, from the CAD file to the report. The exact half comes first and
-// stays.
+// A comparison with Facetless's own tessellation, from the CAD file to the report. The exact half is made
+// first, and is kept if the mesh fails.
 //
 //  1. The model is used as soon as the importer has written it. If the mesher is not done soon after, the
-//     exact pictures are made while it works, and a report that says "no_baseline": {"reason": "pending"}.
-//     When the mesh is there, the comparison takes over at once and replaces them: the early pictures cost no
-//     time of it, and its times are measured after the mesher has ended.
-//  2. If there will be no mesh, the exact half is the answer, and its report says why (run.h,
+//     exact pictures are made while it works, with a report that has "no_baseline": {"reason": "pending"}.
+//     When the mesh is done, the comparison starts at once and replaces them. The early pictures do not delay
+//     it, and its times are measured after the mesher has ended.
+//  2. If there will be no mesh, the exact half is the result, and its report has the reason (run.h,
 //     RunWithoutBaseline).
-//  3. What is wrong with the file or with the exact half is an Error, as of any run.
+//  3. A failure of the import or of the exact half is an Error, as in any run.
 #pragma once
 
 #include <string>
@@ -22,11 +22,11 @@ namespace facetless {
 
 struct OwnMeshComparison {
   nlohmann::json report;
-  std::vector<std::string> faces_unmeshed;  // names of faces of which the mesher made no triangle
+  std::vector<std::string> faces_unmeshed;  // names of faces without a triangle
 };
 
-// `request` names the file and the limits; its meshes are those of `options`. Errors: those of Import and
-// RunCompare.
+// Runs the comparison. `request` has the file and the limits; `options` determine its meshes. Errors: the
+// errors of Import and RunCompare.
 Result<OwnMeshComparison> CompareWithOwnMesh(const ImportRequest& request, const RunOptions& options,
                                              const std::string& directory, const RunContext& context);
 

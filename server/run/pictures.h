@@ -1,6 +1,6 @@
-// Pictures as they leave a run: what is drawn into them at last, the contact sheet, the turntable.
+// The final pictures of a run: scale bars and axes, the contact sheet, and the turntable.
 //
-//  1. Nothing here changes a number: pictures were compared before.
+//  1. These functions change no number, because the pictures have been compared before.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,20 @@
 
 namespace facetless {
 
-// Scale bar and axes, as the options say, into the picture of a view; a legend below the view stays as it is.
+// Draws the scale bar and the axes that the options select into the picture of a view. A legend below the
+// view is not changed.
 void Decorate(Image8& image, const Camera& camera, const CameraFrame& frame, const PictureOptions& options);
 
-// All views of a run on one picture, reduced as they come. Without --sheet it keeps nothing.
+// Collects all views of a run on one picture, reduced when they are added. It collects nothing without
+// --sheet.
 class ContactSheet {
  public:
-  // So many columns; 0: as many as make it about square.
+  // `columns` is the number of columns; 0 makes the sheet about square.
   ContactSheet(bool wanted, int columns) : wanted_(wanted), columns_(columns) {}
 
-  // The view's part of a picture.
+  // Adds the part of a picture that shows the view, without a legend.
   Result<void> Add(const Image8& picture, const Camera& camera, const std::string& label);
-  // Writes sheet.png and names it in `files`, under "sheet".
+  // Writes sheet.png and adds it to `files` under "sheet".
   Result<void> Write(const std::string& directory, nlohmann::json& files) const;
 
  private:
@@ -35,7 +37,7 @@ class ContactSheet {
   std::vector<SheetTile> tiles_;
 };
 
-// What a turntable is made with.
+// The input of a turntable.
 struct TurntableRun {
   const Representation& exact;
   const Model& model;
@@ -45,10 +47,10 @@ struct TurntableRun {
   std::function<void(double fraction)> progress;
 };
 
-// Writes turntable.001.png, … and turntable.webp around the first view; the report's "turntable": {"up",
-// "seconds", "frames": [names], "camera": of the first frame, "timing_ms"}, and the animation in `files`,
-// under "turntable". One frame is held at a time. Errors: those of ResolveCameras, RenderView, Animation and
-// WritePng.
+// Writes turntable.001.png, … and turntable.webp for a turn that starts at the first view. Returns the
+// report's "turntable": {"up", "seconds", "frames": [names], "camera": of the first frame, "timing_ms"}, and
+// adds the animation to `files` under "turntable". Only one frame is in memory at a time. Errors: the errors
+// of ResolveCameras, RenderView, Animation and WritePng.
 Result<nlohmann::json> RenderTurntable(const TurntableRun& run, nlohmann::json& files);
 
 }  // namespace facetless

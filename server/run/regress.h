@@ -1,10 +1,11 @@
-// `facetless regress`: renderings against references, for CI. docs/regression.md describes the manifest.
+// `facetless regress`: compares renderings with references, for CI. docs/regression.md describes the
+// manifest.
 //
 //  1. Paths in a manifest are relative to the manifest's directory.
-//  2. A reference is NAME.VIEW.png and, where depth_mm or silhouette_px is limited, NAME.VIEW.depth.tif.
-//  3. A view passes if every tolerance holds; a tolerance that is not given is 0 for "max" (the direct image
-//     has the same bytes everywhere) and absent for the rest. A missing reference fails. An error in one file
-//     does not keep others from running.
+//  2. A reference is NAME.VIEW.png and, if depth_mm or silhouette_px is limited, NAME.VIEW.depth.tif.
+//  3. A view passes if no tolerance is exceeded. The default tolerance is 0 for "max" (the direct image has
+//     the same bytes everywhere); the others have no default. A missing reference fails. An error in one file
+//     does not prevent the other files from running.
 #pragma once
 
 #include <string>
@@ -22,34 +23,35 @@ namespace facetless {
 
 struct RegressRequest {
   std::string manifest;
-  std::string out;      // report.html and pictures of what failed; empty: none
+  std::string out;      // directory of report.html and of the pictures of failed views; empty: not written
   bool update = false;  // write the references
   int threads = 0;
   ImportLimits import_limits;
   RunContext context;
 };
 
-// The verdict: {"facetless", "command", "manifest", "updated", "passed", "exit_code", "files": [{"file",
-// "name", "passed", "error"?, "lost", "views": [{"name", "passed", "status", "values", "broken",
-// "files"?}]}]}. exit_code: 0; 2 a tolerance is broken or a reference is missing; 3 sizes differ; 4 nothing
-// usable in one of the files. Errors: kFileUnreadable, kBadUsage (the manifest); kCancelled; kWriteFailed.
+// Runs the regression and returns the verdict: {"facetless", "command", "manifest", "updated", "passed",
+// "exit_code", "files": [{"file", "name", "passed", "error"?, "lost", "views": [{"name", "passed", "status",
+// "values", "broken", "files"?}]}]}. exit_code: 0; 2 a tolerance is broken or a reference is missing; 3 sizes
+// differ; 4 nothing usable in one of the files. Errors: kFileUnreadable, kBadUsage (the manifest);
+// kCancelled; kWriteFailed.
 Result<nlohmann::json> RunRegress(const RegressRequest& request);
 
-// One sentence for each tolerance that is broken, each reference that is missing, and each file with an
-// error.
+// One sentence for each exceeded tolerance, each missing reference, and each file with an error.
 std::vector<std::string> RegressSentences(const nlohmann::json& verdict);
 
-// The three next to each other, with a gap. All must be of one size; transparent pixels are shown on white.
+// The three pictures next to each other, with a gap. All must have the same size. Transparent pixels are
+// shown on white.
 Image8 SideBySide(const Image8& a, const Image8& b, const Image8& c);
 
-// FLIP's error as a picture: black where nothing differs, through red and yellow to white.
+// The FLIP error as a picture: from black, where nothing differs, through red and yellow to white.
 Image8 ErrorPicture(const std::vector<float>& errors, int width, int height);
 
 struct DepthDifference {
   double max_mm = 0;                    // where both hit
   std::uint64_t silhouette_pixels = 0;  // hit by exactly one
 };
-// Errors: kSizeMismatch, kNotFinite (NaN).
+// Compares two depth images. Errors: kSizeMismatch, kNotFinite (NaN).
 Result<DepthDifference> CompareDepths(const DepthImage& a, const DepthImage& b);
 
 }  // namespace facetless

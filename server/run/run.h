@@ -1,10 +1,13 @@
-// A run: from a CAD file, or a model that is already imported, to a directory of pictures, numbers and a
-// report.
+// A run: it renders or compares an imported model, and writes a directory of pictures, numbers and a report.
 //
-//  1. The command line and the HTTP service call these same functions.
-//  2. For each view, DIR receives NAME.direct.png, NAME.depth.tif, NAME.aov.exr if AOVs were asked for that
-//     need it, NAME.lines.svg if asked for, NAME.legend.png and NAME.inspection.tif of an inspection that has
-//     them, and for a comparison NAME.baseline.png, NAME.baseline-depth.tif, NAME.difference.png and
+//     Result<ImportedModel> imported = Import({.input = "part.step"});
+//     if (!imported) return imported.error();
+//     Result<nlohmann::json> report = RunRender(imported.value(), options, "out", {});
+//
+//  1. The command line and the HTTP service call the same functions.
+//  2. For each view, DIR receives NAME.direct.png, NAME.depth.tif, NAME.aov.exr if requested AOVs need it,
+//     NAME.lines.svg if requested, NAME.legend.png and NAME.inspection.tif if the inspection has them, and
+//     for a comparison NAME.baseline.png, NAME.baseline-depth.tif, NAME.difference.png and
 //     NAME.pixel-….png (render/compare/pixel_data.h; of views up to kMostPixelData pixels); with
 //     mesh_deviation mesh.bin (render/compare/mesh_deviation.h); for the run, report.json and report.html,
 //     these last. Each file is replaced as a whole. With --sheet there is sheet.png, with --turntable
@@ -26,37 +29,37 @@
 
 namespace facetless {
 
-// Reports progress: a stage's name and a fraction 0 … 1. May be empty.
+// Reports progress: the name of a stage and a fraction 0 … 1. May be empty.
 using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
 
-// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
-// report that is written while the mesher still works. `message` is one sentence, which names the file, what
-// ran out and the remedy.
+// The reason why a comparison has no baseline. `reason` is a reason of MeshFailure; unusable (no triangle);
+// or pending, in a report that is written while the mesher still works. `message` is a sentence that names
+// the file, the cause and the remedy.
 struct NoBaseline {
   std::string reason, message;
 };
 NoBaseline NoBaselineFor(const MeshFailure& failure);
-// Of a mesh that was made and cannot be used.
+// The reason for a mesh that was made but cannot be used.
 NoBaseline NoBaselineFor(const Error& unusable);
 NoBaseline PendingBaseline(const std::string& file);
 
-// A model read from an importer's file, on the heap: scenes point to it.
+// An imported model. The model is on the heap, because scenes point to it.
 struct ImportedModel {
   std::unique_ptr<const Model> model;
   std::vector<Mesh> meshes;  // one for each TessellationOptions
   double import_ms = 0;      // wall time of the importer process
-  bool import_kept = false;  // an earlier run has paid that
-  double load_ms = 0;        // of reading its files
+  bool import_kept = false;  // the import was made by an earlier run
+  double load_ms = 0;        // time of reading the importer's files
   std::uint64_t import_peak_bytes = 0, import_peak_address_bytes = 0;
 };
 
-// Runs the importer and reads what it wrote. Errors: those of RunImporter, ReadModel and LoadMesh.
+// Runs the importer and reads its files. Errors: the errors of RunImporter, ReadModel and LoadMesh.
 Result<ImportedModel> Import(const ImportRequest& request);
 
-// Loads a mesh of our own, or says why it is of no use.
+// Loads a mesh that the importer made. Errors: the errors of LoadMesh, and the reason if the mesh is
+// unusable.
 Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model);
-// Whether the failure of a baseline of our own, of the given code, leaves the exact half of a comparison as
-// it is.
+// Whether an error with this code in making the baseline leaves the exact half of a comparison valid.
 bool CostsTheBaselineOnly(ErrorCode code);
 
 struct RunContext {
@@ -65,30 +68,32 @@ struct RunContext {
   ProgressCallback progress;
 };
 
-// The report's "model". import_ms and import_peak_bytes are those of the process.
+// The report's "model". import_ms and import_peak_bytes belong to the importer's process.
 nlohmann::json ImportedModelJson(const ImportedModel& imported);
 
-// What was lost on the way in: faces, loops, edges.
+// The number of faces, loops and edges that the import lost.
 std::size_t LossCount(const Model& model);
-// False if the file has no length unit that could be read, and none was given: a failure under --strict.
+// Whether the length unit is known. It is not known if the file has no readable unit and none was given,
+// which is a failure under --strict.
 bool KnowsUnit(const Model& model);
 
-// Both write into `directory`, which they create, and return the report. Errors: kBadUsage (cameras),
-// kLimitExceeded, kCancelled, kWriteFailed, and those of RenderView and CompareView.
+// RunRender and RunCompare create `directory`, write the files to it, and return the report. Errors:
+// kBadUsage (cameras), kLimitExceeded, kCancelled, kWriteFailed, and the errors of RenderView and
+// CompareView.
 Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions& options,
                                  const std::string& directory, const RunContext& context);
-// Without a baseline where a mesh of our own cannot be traced.
+// If a mesh made by Facetless cannot be traced, the comparison has no baseline.
 Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
                                   const std::string& directory, const RunContext& context);
-// The exact half of a comparison: the report says in "no_baseline" why there is no other, and its verdict has
+// Runs the exact half of a comparison. The report has the reason in "no_baseline", and its verdict has the
 // exit code kExitNoBaseline.
 Result<nlohmann::json> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
                                           const RunOptions& options, const std::string& directory,
                                           const RunContext& context);
-// Such a report of `directory` with another reason, written anew.
+// Writes a report of RunWithoutBaseline in `directory` again, with another reason.
 Result<nlohmann::json> WithReason(nlohmann::json report, const NoBaseline& why, const std::string& directory);
 
-// Writes report.json and report.html of a report whose pictures lie in `directory`. Errors: kWriteFailed,
+// Writes report.json and report.html for a report whose pictures are in `directory`. Errors: kWriteFailed,
 // kFileUnreadable (a picture).
 Result<void> WriteReport(const nlohmann::json& report, const std::string& directory);
 

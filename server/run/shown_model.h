@@ -1,4 +1,4 @@
-// What a run shows of an import: all of it, or what --parts, --hide and --explode make of it.
+// The model that a run shows: the whole import, or the arrangement that --parts, --hide and --explode select.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,14 @@ namespace facetless {
 
 class ShownModel {
  public:
-  // `mesh` may be null; both must outlive the result. Errors: those of Arrange, and of Arranged for the mesh.
+  // Arranges the model and its mesh. `mesh` may be null; both must outlive the result. Errors: the errors of
+  // Arrange, and of Arranged for the mesh.
   static Result<ShownModel> Of(const ImportedModel& imported, const Mesh* mesh,
                                const ArrangementRequest& request);
 
   const ImportedModel& imported() const { return arranged_ ? *arranged_ : *imported_; }
   const Mesh& mesh() const { return mesh_ ? *mesh_ : *original_mesh_; }
-  // The report's "arrangement"; null where everything is as in the file.
+  // The report's "arrangement"; null if everything is shown as in the file.
   const nlohmann::json& report() const { return report_; }
 
  private:

@@ -1,15 +1,15 @@
-// `facetless trade`: speed against accuracy, measured for one file. docs/trade.md describes what it gives.
+// `facetless trade`: measures speed against accuracy for one file. docs/trade.md describes the results.
 //
 //  1. DIR receives report.json (with "trade"), report.html, for each view NAME.direct.png (the reference),
 //     and trade-time and trade-memory as .svg and .png; with several views NAME.trade-time and so on.
-//  2. Each tessellation is an import of its own, so that one that explodes takes none of the others with it.
-//     They are made coarse first; what refines one that exceeded its budget is not tried. A point that was
-//     not measured is in the report with its reason.
-//  3. The budgets are of a point: seconds of meshing, of building the tree, of one view traced and shaded;
-//     bytes of the mesher beyond what reading the file takes, of the mesh and its tree, of the leaves. The
-//     reference has no budget but options.timeout_s.
-//  4. What the file hides is measured by neither tracer, unless the options show it. The mesher is timed on
-//     all that the file holds.
+//  2. Each tessellation is a separate import, so that the failure of one does not affect the others. Coarse
+//     ones are made first; if one exceeds its budget, its refinements are not tried. A point that was not
+//     measured is in the report with the reason.
+//  3. The budgets apply to each point: the seconds of meshing, of building the tree, and of tracing and
+//     shading one view; the memory of the mesher beyond that of reading the file, of the mesh and its tree,
+//     and of the leaves. The reference has no budget except options.timeout_s.
+//  4. Parts that the file hides are not measured, unless the options show them. The time of the mesher is for
+//     the whole file.
 #pragma once
 
 #include <string>
@@ -25,8 +25,9 @@ struct TradeResult {
   std::string text;  // tables and answers, for a terminal
 };
 
-// `request` is of the file, without meshes; `imported` is what it gave. Errors: kBadUsage (cameras, nothing
-// is shown), kLimitExceeded, kCancelled, kWriteFailed, and those of RenderView.
+// Runs the measurements. `request` is the import of the file without meshes, and `imported` its result.
+// Errors: kBadUsage (cameras, or nothing is shown), kLimitExceeded, kCancelled, kWriteFailed, and the errors
+// of RenderView.
 Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& imported,
                              const RunOptions& options, const std::string& directory,
                              const RunContext& context);

@@ -1,9 +1,9 @@
-// The verdict on a run: what decides its exit code, and the sentences that say so.
+// The verdict on a run: its exit code, and the sentences that explain it.
 //
-//  1. A run fails where a threshold is broken, where there is a problem, and under --strict where something
-//     was lost, a face has no triangle, or the file's unit is not known. Besides, a comparison without a
-//     baseline has not passed, whatever the thresholds are; it has an exit code of its own.
-//  2. Whatever makes a run fail has a sentence, which names the option to change or the place to look.
+//  1. A run fails if a threshold is exceeded or if there is a problem. Under --strict it also fails if
+//     something was lost, if a face has no triangle, or if the unit of the file is unknown. A comparison
+//     without a baseline does not pass, whatever the thresholds are; it has a separate exit code.
+//  2. Every reason for a failure has a sentence that names the option to change or the place to look.
 #pragma once
 
 #include <cstddef>
@@ -15,19 +15,19 @@
 
 namespace facetless {
 
-// What thresholds are compared with.
+// The values that are compared with thresholds.
 struct ViewValues {
   std::string view;
   double deviation_mm = 0, depth_mm = 0, silhouette_px = 0, flip = 0, share = 0;
 };
 
-// What a run has found out besides.
+// The other findings of a run.
 struct Findings {
   std::vector<std::string> problems;  // sentences; each fails the run
-  std::size_t lost = 0;               // faces, loops and edges on the way in
-  std::size_t unmeshed = 0;           // faces of the model that our tessellation lacks
-  std::string no_baseline = {};       // why a comparison has nothing to compare with; empty: it has
-  bool unit_known = true;             // the file says in which unit it is, or --unit does
+  std::size_t lost = 0;               // number of faces, loops and edges that the import lost
+  std::size_t unmeshed = 0;           // number of faces without a triangle in the tessellation
+  std::string no_baseline = {};       // the reason why a comparison has no baseline; empty if it has one
+  bool unit_known = true;             // the file or --unit states the unit
 };
 
 // The report's "verdict": {"passed", "strict", "lost", "unmeshed", "unit_known", "problems": [sentence],
@@ -37,7 +37,7 @@ struct Findings {
 nlohmann::json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& values,
                            const Findings& findings = {});
 
-// Law 2: one sentence for each reason for which `verdict` has failed; none where it has passed.
+// One sentence for each reason for which `verdict` failed (law 2); empty if it passed.
 std::vector<std::string> VerdictSentences(const nlohmann::json& verdict);
 
 }  // namespace facetless

@@ -1,6 +1,6 @@
-// One view's files, written all at once and in parallel.
+// Writes the files of one view, all together and in parallel.
 //
-//  1. What is handed over by reference must live until Write returns.
+//  1. Data that is passed by reference must exist until Write returns.
 //  2. A file's name is VIEW.ROLE.EXTENSION; each is replaced as a whole, or not at all.
 #pragma once
 
@@ -26,16 +26,18 @@ class ViewFiles {
 
   void Png(const std::string& role, const Image8& image);
   void Depth(const std::string& role, const SampleBuffer& samples);
-  // The legend, and the numbers as they are.
+  // Adds the legend and the numbers.
   void Inspection(const std::optional<InspectionView>& inspection, const SampleBuffer& samples);
   void Svg(const std::string& role, std::string svg);
-  // One file for each plane; of a further candidate those planes that are its own, under its name.
+  // Adds one file for each plane. For further candidates, only the planes that depend on the candidate are
+  // added, under its name.
   void Pixels(const PixelData& data, const std::string& candidate);
-  // The AOVs that are asked for. The depth is a file of its own already, in double.
+  // Adds the requested AOVs as one EXR file, and a picture of the certificates if they are requested. Depth()
+  // adds the depth in double precision.
   void Aovs(const SampleBuffer& samples, const RunOptions& options);
 
-  // Adds "files", a name by role, and timing_ms.files to the view's entry of the report. Errors: those of the
-  // writers.
+  // Writes the files, and adds "files" (names by role) and timing_ms.files to the view's entry of the report.
+  // Errors: the errors of the writers.
   Result<void> Write(nlohmann::json& view, int threads) const;
 
  private:
