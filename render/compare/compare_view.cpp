@@ -40,7 +40,7 @@ Result<void> CheckOptions(const ViewOptions& options) {
   return {};
 }
 
-// What the pictures of all representations share.
+// The data that the pictures of all representations share.
 struct Subject {
   Subject(const Model& m, const ViewOptions& options) : model(m), colors(FaceColors(m, options.coloring)) {
     if (options.sections.empty()) {
@@ -49,7 +49,8 @@ struct Subject {
     }
     for (Color& color : colors) color.a = 1;
     solids.emplace(m);
-    // A cap has its solid's commonest colour in the file, else that of one of its faces.
+    // A cap has the commonest colour of its solid if the colours are those of the file; otherwise it has the
+    // colour of one of the solid's faces.
     std::vector<Color> caps;
     for (std::uint32_t solid = 0; solid < solids->stride(); ++solid) caps.push_back(solids->ColorOf(solid));
     if (options.coloring.source != ColorSource::kFile)
@@ -60,22 +61,25 @@ struct Subject {
   }
   const Model& model;
   std::vector<Color> colors;  // by placed face, then by cap
-  // By placed face; empty: none is, or sections would lose their solids without it.
+  // By placed face. Empty if no face is transparent, or if there are sections, which need all faces of a
+  // solid.
   std::vector<bool> transparent;
-  std::optional<SectionSolids> solids;  // whose caps are shown; none where nothing is cut
+  std::optional<SectionSolids> solids;  // the solids whose caps are shown; empty without sections
 };
 
-// What a picture is made from: samples at the grid's resolution, and what they were traced with.
+// The input of a picture: samples at the grid's resolution, and what they were traced with.
 struct Exposure {
   const SampleBuffer& samples;
   const CameraFrame& frame;
   SampleGrid grid;
   const Scene* scene;  // null for a mesh
   const std::vector<ViewLine>& lines;
-  const SampleBuffer* behind;  // what transparent faces hide, for the same rays; null: nothing is transparent
+  // What transparent faces hide, for the same rays; null if nothing is transparent.
+  const SampleBuffer* behind;
 };
 
-// Shades, resolves, draws lines and encodes. `inspection` is null for the studio's light.
+// Shades the samples, resolves them to pixels, draws lines and encodes the image. `inspection` is null for
+// the studio's light.
 Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const InspectionView* inspection,
                        const ViewOptions& options) {
   ShadeOptions shade;
@@ -108,7 +112,7 @@ Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const I
   return *std::move(image);
 }
 
-// What the options' inspection finds at pixel centres; none for the studio.
+// Returns the result of the inspection at pixel centres; empty for the studio's light.
 Result<std::optional<InspectionView>> Inspected(const Model& model, const Scene* scene,
                                                 const SampleBuffer& centres, const CameraFrame& frame,
                                                 const ViewOptions& options) {
@@ -123,8 +127,8 @@ const InspectionView* Address(const std::optional<InspectionView>& view) {
   return view ? &*view : nullptr;
 }
 
-// For a mesh that names no faces: those that the direct image shows at the same sample, else the one it shows
-// most often.
+// Returns the faces for a mesh that names none: the face that the direct image shows at the same sample, or,
+// where it shows none, the face that it shows most often.
 PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
   std::map<std::uint32_t, std::size_t> counts;
   for (std::uint32_t face : direct.face)
@@ -142,7 +146,8 @@ PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuf
   return faces;
 }
 
-// One of the faces that have the commonest colour. `colors` are those of the faces, and of caps behind them.
+// Returns the first face that has the commonest colour. `colors` has the colours of the faces, then of the
+// caps.
 std::uint32_t CommonestFace(const std::vector<Color>& colors) {
   std::map<std::array<float, 4>, std::pair<std::size_t, std::uint32_t>> counts;
   std::uint32_t commonest = 0;
@@ -158,7 +163,7 @@ std::uint32_t CommonestFace(const std::vector<Color>& colors) {
   return commonest;
 }
 
-// Every hit shows `face`.
+// Returns `face` for every hit, kNoIndex elsewhere.
 PerSample<std::uint32_t> OneFace(const SampleBuffer& samples, std::uint32_t face) {
   PerSample<std::uint32_t> faces = samples.face;
   for (std::uint32_t& one : faces)
@@ -166,11 +171,11 @@ PerSample<std::uint32_t> OneFace(const SampleBuffer& samples, std::uint32_t face
   return faces;
 }
 
-// The reference's part in the view of a candidate: its lines are drawn, and it lends its faces to samples
-// that name none.
+// What the view of a candidate takes from the reference: its lines are drawn, and its faces stand in for
+// those of samples that name none.
 struct ReferenceView {
   const View& view;
-  const SampleBuffer& color;  // the samples that its colours are of
+  const SampleBuffer& color;  // the samples that its colours come from
 };
 
 // Makes the view of one representation.
@@ -184,7 +189,7 @@ class ViewMaker {
         options_(options),
         grid_(GridOf(options.samples)) {}
 
-  // `reference` is null for a view on its own, which finds its own lines.
+  // Makes the view. `reference` is null for a view without a comparison, for which lines are found here.
   Result<View> Make(const ReferenceView* reference) {
     const Stopwatch stopwatch;
     if (auto done = TraceCentres(); !done.ok()) return done.error();
@@ -196,8 +201,8 @@ class ViewMaker {
     view_.total_ms = stopwatch.Milliseconds();
     return std::move(view_);
   }
-  // After Make, where the colours are of a pass of their own: its samples. Empty where they are of the pixel
-  // centres.
+  // Returns the samples of the separate colour pass after Make; empty if the colours are those of the
+  // pixel-centre pass.
   const SampleBuffer& color_samples() const { return color_samples_; }
 
  private:
@@ -221,7 +226,7 @@ class ViewMaker {
     return {};
   }
 
-  // The report's certificates are those of the pixel centres.
+  // The report's certificates are those of the pixel centres, so that the colour pass needs none.
   TraceRequest ColorRequest() const {
     return {.uv = NeedsExactSurface(options_.inspection.kind), .certificates = false};
   }
@@ -241,7 +246,8 @@ class ViewMaker {
     return {};
   }
 
-  // What lies behind transparent faces. Those of a representation that names no faces are not known.
+  // Traces what lies behind transparent faces. If a representation names no faces, its transparent faces are
+  // not known.
   Result<void> TraceBehind() {
     if (subject_.transparent.empty() || !representation_.names_faces()) return {};
     const Stopwatch stopwatch;
@@ -304,7 +310,7 @@ class ViewMaker {
   SampleBuffer behind_;         // empty where nothing is transparent
 };
 
-// Whether the view of a representation can be made at all.
+// Checks whether the view of a representation can be made.
 Result<void> CheckCanShow(const Representation& representation, const ViewOptions& options) {
   if (representation.exact() != nullptr) return {};
   return CheckMeshCanShow(options.inspection, representation.names_faces());
@@ -319,7 +325,7 @@ void NameCaps(const SectionSolids& solids, Difference* difference) {
   }
 }
 
-// The view of a candidate, and how it differs from the reference.
+// Makes the view of a candidate, and compares it with the reference.
 Result<CandidateView> CompareCandidate(const ReferenceView& reference, const Representation& representation,
                                        const Subject& subject, const Camera& camera,
                                        const ViewOptions& options) {

@@ -16,7 +16,7 @@ namespace facetless {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-// Only jumps matter for borders: no angle counts as a crease.
+// Borders are found by jumps alone: with this value no angle counts as a crease.
 constexpr double kNoCrease = -2;
 
 bool Hit(const SampleBuffer& samples, std::size_t i) {
@@ -52,7 +52,7 @@ Result<void> CheckSameSize(const SampleBuffer& direct, const SampleBuffer& basel
   return {};
 }
 
-// Collects the values of one quantity and boils them down.
+// Collects the values of one quantity and computes their statistics.
 class Collector {
  public:
   void Add(double value, std::size_t pixel) {
@@ -123,7 +123,7 @@ Silhouette CompareSilhouettes(const SampleBuffer& direct, const SampleBuffer& ba
   return silhouette;
 }
 
-// The indices of the up to eight neighbours of `i`.
+// Calls `visit` with the indices of the up to eight neighbours of `i`.
 template <typename Visit>
 void ForNeighbours(int width, int height, std::size_t i, const Visit& visit) {
   const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
@@ -140,8 +140,8 @@ bool ShowsNearby(const SampleBuffer& samples, std::size_t i, std::uint32_t face)
   return shows;
 }
 
-// Whether `depth` lies nearer to what `samples` shows across a jump beside pixel i than to what it shows at
-// i.
+// Returns true if pixel i has a neighbour across a jump of depth in `samples` whose depth is nearer to
+// `depth` than that of pixel i.
 bool LiesAcrossJump(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i, double depth) {
   bool across = false;
   ForNeighbours(samples.width, samples.height, i, [&](std::size_t other) {
@@ -158,7 +158,8 @@ bool IsBorder(const SampleBuffer& direct, const SampleBuffer& baseline, const Ca
   if (faces_known && direct.face[i] != baseline.face[i] &&
       (ShowsNearby(direct, i, baseline.face[i]) || ShowsNearby(baseline, i, direct.face[i])))
     return true;
-  // A jump is more than two pixels' width of depth; who lies across it differs by more than half of that.
+  // A jump is a change of depth by more than two pixels' width. A depth that lies nearer to its far side
+  // differs from the near side by more than half of that.
   const double change = std::fabs(direct.depth[i] - baseline.depth[i]);
   const double pixel =
       std::max(frame.pixel_x, frame.pixel_y) *
@@ -173,7 +174,7 @@ double NormalAngle(const std::array<float, 3>& a, const std::array<float, 3>& b,
   return oriented ? angle : std::min(angle, 180 - angle);
 }
 
-// Per-face numbers while they are collected.
+// The values of one face while they are collected.
 struct FaceSums {
   FaceDifference face;
   double deviation_sum = 0;
@@ -228,7 +229,7 @@ Result<Difference> ComputeDifference(const DifferenceInput& input) {
   const std::vector<std::uint8_t> border = BorderPixels(direct, baseline, input.frame, input.faces_known);
   Collector depth, deviation, normal;
   std::map<std::uint32_t, FaceSums> faces;
-  // Only a closed solid says which side is its outside.
+  // Only a closed solid defines which side is outside.
   std::vector<bool> closed(input.model.PlacedFaceCount(), false);
   for (const Instance& instance : input.model.instances) {
     for (const PlacedFace placed : PlacedFacesOf(input.model, instance)) {

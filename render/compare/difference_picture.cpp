@@ -16,12 +16,13 @@ namespace {
 using Rgb = std::array<std::uint8_t, 3>;
 constexpr Rgb kBackground = {222, 221, 217}, kPaper = {250, 249, 246}, kInk = {40, 40, 44};
 constexpr Rgb kOnlyDirect = {24, 24, 28}, kOnlyBaseline = {250, 200, 20};
-constexpr Rgb kBorder = {150, 152, 158};  // as the page's heat map has it
-// Lines of the surface, faint, so that one sees what one looks at: the share of the light that they leave.
+constexpr Rgb kBorder = {150, 152, 158};  // the same as in the page's heat map
+// Lines of the surface are drawn faintly, so that the part can be recognized: kLineLight is the share of the
+// light that remains.
 constexpr double kLineLight = 0.80, kLineCosine = 0.94;  // creases of more than 20 degrees
-constexpr double kSmallestRange = 1e-9;                  // mm, where the pictures agree in every digit
+constexpr double kSmallestRange = 1e-9;                  // mm, for pictures that agree in every digit
 
-// The next of 1, 2, 5, 10, 20, … times a power of ten.
+// Rounds up to 1, 2 or 5 times a power of ten.
 double RoundUp(double x) {
   double power = kSmallestRange;
   while (10 * power < x) power *= 10;
@@ -30,7 +31,7 @@ double RoundUp(double x) {
   return 10 * power;
 }
 
-// Law 2 of the header.
+// Computes the picture's range by law 2 of the header.
 double RobustRange(const SampleBuffer& direct, const SampleBuffer& baseline,
                    const std::vector<std::uint8_t>& border, const Difference& difference) {
   std::vector<double> sizes;
@@ -63,7 +64,7 @@ Rgb Dimmed(const Rgb& color) {
   return out;
 }
 
-// Whether a line of the direct image runs right of or below pixel (x, y).
+// Returns true if a line of the direct image runs to the right of pixel (x, y) or below it.
 bool OnLine(const SampleBuffer& direct, const CameraFrame& frame, int x, int y) {
   const std::size_t i = static_cast<std::size_t>(y) * direct.width + x;
   return (x + 1 < direct.width && StepBetween(direct, frame, i, i + 1, kLineCosine) != Step::kNone) ||
@@ -91,14 +92,14 @@ void DrawView(Image8& image, const SampleBuffer& direct, const SampleBuffer& bas
   });
 }
 
-// A number as people write it: at most four digits, and a true minus.
+// Formats a number for people: at most four digits, and a typographic minus.
 std::string Number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", std::fabs(value));
   return value < 0 ? "−" + std::string(text) : std::string(text);
 }
 
-// The legend's measures, px; everything follows from the size of its text.
+// The legend's dimensions, px; all of them follow from the size of its text.
 struct Layout {
   double text = 11;
   int margin = 0, bar_height = 0, height = 0;
@@ -122,7 +123,7 @@ void DrawLegend(Image8& image, int top, const Layout& layout, const Difference& 
   TextStyle style;
   style.size_px = layout.text;
 
-  // Title and what the colours say.
+  // The title, and the meaning of the colours.
   const double line = 1.75 * layout.text;
   double y = top + layout.margin + layout.text;
   DrawCentered(image, image.width / 2.0, y, "depth of mesh − depth of surface, mm", style);
@@ -142,7 +143,7 @@ void DrawLegend(Image8& image, int top, const Layout& layout, const Difference& 
     DrawCentered(image, x, y + 0.1 * layout.text, Number(range * tick / 2), style);
   }
 
-  // Pixels that only one of both hits.
+  // The pixels that only one of the two representations hits.
   y += line;
   const std::string only_direct =
       "only surface: " + std::to_string(difference.silhouette.only_direct) + " px";

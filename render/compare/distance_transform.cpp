@@ -6,10 +6,10 @@
 namespace facetless {
 namespace {
 
-// Farther than any pixel of the largest picture, and small enough to square.
+// Larger than any distance in the largest picture, and small enough to square.
 constexpr std::int64_t kFar = std::int64_t{1} << 20;
 
-// Along one column: the distance to the nearest set pixel of the column itself.
+// Computes, along one column, the distance to the nearest set pixel of that column.
 void ColumnDistances(const std::vector<std::uint8_t>& mask, int width, int height, int x,
                      std::vector<std::int64_t>& out) {
   std::int64_t distance = kFar;
@@ -26,7 +26,7 @@ void ColumnDistances(const std::vector<std::uint8_t>& mask, int width, int heigh
   }
 }
 
-// The lower envelope of the parabolas (x − i)² + height[i] over one row.
+// Computes the lower envelope of the parabolas (x − i)² + height[i] over one row.
 class Envelope {
  public:
   explicit Envelope(int width) : apex_(width), begin_(width) {}
@@ -34,7 +34,7 @@ class Envelope {
   void Lower(const std::int64_t* height, int width, std::int64_t* out) {
     int last = -1;
     for (int i = 0; i < width; ++i) {
-      // Drop parabolas that the new one undercuts where they begin.
+      // Drop the parabolas that the new one undercuts where they begin.
       std::int64_t begin = 0;
       while (last >= 0) {
         begin = TakesOver(height, apex_[last], i);
@@ -55,7 +55,7 @@ class Envelope {
   }
 
  private:
-  // The first integer at which the parabola of `later` is lower than that of `earlier`.
+  // Returns the first integer at which the parabola of `later` is lower than that of `earlier`.
   static std::int64_t TakesOver(const std::int64_t* height, int earlier, int later) {
     const std::int64_t numerator =
         (height[later] + std::int64_t{later} * later) - (height[earlier] + std::int64_t{earlier} * earlier);

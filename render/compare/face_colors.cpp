@@ -6,13 +6,14 @@
 namespace facetless {
 namespace {
 
-// Found by a search: each is, of all colours of medium lightness and little chroma, the one farthest in
-// CIELAB from those before it, the least of four kinds of sight counting. The nearest two are 13 apart;
-// tests/unit/compare/face_colors_test.cpp measures it again.
+// The colours were found by a search. Each is, of all colours of medium lightness and little chroma, the one
+// farthest in CIELAB from those before it, where the smallest distance of four kinds of colour vision counts.
+// The nearest two are 13 apart; tests/unit/compare/face_colors_test.cpp checks it.
 constexpr std::uint8_t kPartColors[][3] = {
     {112, 142, 190}, {154, 94, 52}, {220, 208, 178}, {130, 220, 232}, {172, 136, 136}, {220, 154, 106},
     {112, 94, 118},  {82, 106, 82}, {166, 154, 178}, {70, 100, 148},  {160, 178, 232}, {232, 172, 184}};
-// A further round through the colours keeps so much of their light, and so on down to the last.
+// Each further round through the colours multiplies their light by the next of these shares; the last one
+// stays.
 constexpr float kNextRound = 0.8f;
 constexpr std::uint32_t kRounds = 4;
 

@@ -20,28 +20,30 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
-// Places along each border where starts, and the proof of closing, are taken.
+// The number of sample points along each border: they serve as starts, and to prove that the surface closes.
 constexpr int kPerSpan = 4, kFewest = 6, kMost = 40;
-// Pieces of the surface from which one point is tried, the nearest first, after the last point's foot.
+// The number of pieces of the surface from which Newton's method starts for one point: the nearest first,
+// after the foot point of the previous point.
 constexpr int kMostStarts = 8;
-// How far a normal is looked for beside a collapsed border, and where tangents span no plane.
+// The first distance from a collapsed border at which a normal is looked for, and the bound below which the
+// tangents span no plane.
 constexpr double kBackFromPole = 0x1p-16,
                  kSingular = 0x1p-26;  // shares of a parameter's range; of the tangents' squares
-// Triangles whose foot points are proven, the largest deviations first: to kProven of the distance, by that
-// many pieces.
+// The number of triangles whose foot points are proven, those of the largest deviations first. The lower
+// bound is proven to the share kProven of the distance, with at most kMostProofPieces pieces.
 constexpr std::size_t kMostProven = 256;
 constexpr double kProven = 0x1p-10;
 constexpr int kMostProofPieces = 1 << 12;
 constexpr int kMostIterations = 24, kMostHalvings = 4;
-// At a collapsed border all parameters are one point, and no step leads on: nobody goes there before the
-// other parameter has settled.
+// On a collapsed border all parameters give the same point, and no step leads away from it. In its first
+// iterations Descend therefore goes at most half the way to a border, until the other parameter has settled.
 constexpr int kTimidIterations = 8;
 // A step of less than this share of the parameters' range moves the foot point by less than its rounding.
 constexpr double kSmallestStep = 0x1p-44;
-// Points of a surface that differ by less, relative to its coordinates, are one: a file's own digits are
-// fewer.
+// Points of a surface that differ by less than this, relative to its coordinates, are the same point: files
+// store fewer digits.
 constexpr double kSamePoint = 1e-9;
-// Triangles that one task takes: they hand their foot points on as starts.
+// The number of triangles of one task. Each passes its foot points to the next as starts.
 constexpr std::size_t kTrianglesPerTask = 1024;
 
 struct Parameters {
@@ -56,8 +58,9 @@ class Direction {
 
   void Close() { closed_ = true; }
   double At(double share) const { return begin_ + (end_ - begin_) * share; }
-  // The parameter in the grid that stands for `t`, less than once around from `from`, which is in it. Who is
-  // timid goes half the way to a border at most.
+  // Maps `t` into the grid: around a closed parameter, else onto the border. Requires `from` in the grid, and
+  // `t` less than one period away from it. If `timid`, a step beyond a border ends halfway between `from` and
+  // the border.
   double Within(double from, double t, bool timid) const {
     if (closed_ && t < begin_) t += end_ - begin_;
     if (closed_ && t > end_) t -= end_ - begin_;
@@ -65,7 +68,7 @@ class Direction {
     if (timid && t > end_) return (from + end_) / 2;
     return std::clamp(t, begin_, end_);
   }
-  // Whether a gradient leads out over a border.
+  // Returns true if `t` is on a border and descent along the gradient would leave the grid there.
   bool Held(double t, double gradient) const {
     return !closed_ && ((t <= begin_ && gradient > 0) || (t >= end_ && gradient < 0));
   }
@@ -82,7 +85,7 @@ struct Start {
   Vec3 point;
 };
 
-// One side of the grid: points on it, and how far apart they are at most.
+// One side of the grid: points on it, and the largest distance between neighbours.
 struct Border {
   std::vector<Start> starts;
   double spacing = 0;
@@ -97,7 +100,8 @@ class FaceSurface {
     u_ = {surface_.u_begin(), surface_.u_end()};
     v_ = {surface_.v_begin(), surface_.v_end()};
     const int nu = Count(grid.u_spans.count), nv = Count(grid.v_spans.count);
-    // Where both ends are one curve, the way goes on over it.
+    // Where both ends of a parameter are the same curve, the parameter is closed, and steps may cross the
+    // curve.
     const auto meet = [&](Vec3 a, Vec3 b) { return Length(a - b) <= kSamePoint * surface_.magnitude(); };
     bool closed_u = true, closed_v = true;
     for (int j = 0; j < nv; ++j) {
@@ -125,11 +129,11 @@ class FaceSurface {
     }
   }
 
-  // The signed distance of `point`. `hint` is a start that may be near, and becomes the foot point.
+  // Returns the signed distance of `point`. `hint` is a start that may be near; it is set to the foot point.
   double Distance(Vec3 point, Start& hint, int most_starts = kMostStarts) const {
     Foot foot = Descend(point, hint);
     int starts = 0;
-    // A box that lies nearer than the foot point may hold a nearer one.
+    // A box that lies nearer than the foot point may contain a nearer one.
     pieces_.VisitNear(point, foot.squared, [&](const SurfacePieces::Piece& piece, double) {
       const Foot other = Descend(point, {{piece.u, piece.v}, surface_.Position(piece.u, piece.v)});
       if (other.squared < foot.squared) foot = other;
@@ -141,7 +145,7 @@ class FaceSurface {
     const Vec3 off = point - foot.surface.position;
     return std::copysign(std::sqrt(foot.squared), sign_ * Dot(off, NormalAt(foot)));
   }
-  // A lower bound of the distance, which is `found` at most.
+  // Returns a lower bound of the distance. Requires that the distance is at most `found`.
   double LeastDistance(Vec3 point, double found) const {
     return std::min(found, pieces_.LowerBound(point, (1 - kProven) * found, kMostProofPieces));
   }
@@ -162,7 +166,8 @@ class FaceSurface {
     double squared = 0;
   };
 
-  // At a collapsed border the tangents span no plane: the normal is that of a place a little inside.
+  // On a collapsed border the tangents span no plane; the normal of a point slightly inside is returned
+  // there.
   Vec3 NormalAt(const Foot& foot) const {
     Vec3 normal = Cross(foot.surface.du, foot.surface.dv);
     const double longest =
@@ -175,8 +180,8 @@ class FaceSurface {
     return normal;
   }
 
-  // The nearest of the borders' points, where they may be nearer than `best`; else `best`. A border is a
-  // curve of its own: on it Newton's method has one parameter, and none where it has collapsed.
+  // Returns the nearest point of the borders if it is nearer than `best`, else `best`. On a border, which is
+  // a curve, Newton's method has one parameter; on a collapsed border it has none.
   Foot NearestOnBorders(Vec3 point, const Foot& best) const {
     Foot nearest = best;
     for (int side = 0; side < 4; ++side) {
@@ -200,8 +205,9 @@ class FaceSurface {
     return nearest;
   }
 
-  // Goes down half the squared distance, within the grid: by Newton's step if it leads nearer, else by
-  // Gauss's, which leaves out the second derivatives, else along each parameter for itself.
+  // Minimizes half the squared distance within the grid. Each iteration takes Newton's step if it leads
+  // nearer, else the Gauss–Newton step, which leaves out the second derivatives, else a step along each
+  // parameter separately.
   Foot Descend(Vec3 point, const Start& start) const {
     Foot foot = {start, surface_.Second(start.at.u, start.at.v), SquaredTo(point, start.point)};
     for (int i = 0; i < kMostIterations; ++i) {
@@ -226,7 +232,7 @@ class FaceSurface {
     }
     return foot;
   }
-  // Goes by the step, or by a part of it, if that leads nearer.
+  // Takes the step, or a fraction of it, if that leads nearer; returns whether it did.
   bool Improve(Vec3 point, Parameters step, bool timid, Foot& foot) const {
     const Parameters here = foot.at.at;
     for (int halving = 0; halving <= kMostHalvings; ++halving, step = {step.u / 2, step.v / 2}) {
@@ -254,8 +260,8 @@ Vec3 Corner(const MeshPart& part, std::uint32_t vertex) {
   return {p[0], p[1], p[2]};
 }
 
-// Of a part of the mesh, the prototype, and what leads to its coordinates: the mesh keeps its positions
-// relative to a centre of its own, which the node's placement has.
+// The prototype of a part of the mesh, and the placement that leads to the prototype's coordinates: the
+// positions of the mesh are relative to a centre of the part, which is in the node's placement.
 struct Prototype {
   Range faces;
   Placement to;
@@ -269,7 +275,7 @@ Result<Prototype> PrototypeOf(const Model& model, const Mesh& mesh, std::size_t 
       if (instance.first_placed_face == node.first_placed_face) placed = &instance;
     }
     if (placed == nullptr || placed->part >= model.parts.size()) break;
-    // The inverse of the instance's linear part has the cross products of its rows as columns.
+    // The columns of the inverse of the instance's linear part are cross products of its rows.
     const auto& m = placed->placement.m;
     const Vec3 row[3] = {
         {m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
@@ -292,7 +298,7 @@ Result<Prototype> PrototypeOf(const Model& model, const Mesh& mesh, std::size_t 
   return Error{ErrorCode::kInternal, "a part of the mesh belongs to no part of the model"};
 }
 
-// The four places of a triangle at which it is measured.
+// Returns the four points of a triangle at which its deviation is measured.
 std::array<Vec3, 4> PlacesOf(const MeshPart& part, const Placement& place, std::size_t triangle) {
   const auto& t = part.triangles[triangle];
   const Vec3 a = place.Point(Corner(part, t[0])), b = place.Point(Corner(part, t[1])),
@@ -310,7 +316,7 @@ float TriangleDeviation(const FaceSurface& surface, const MeshPart& part, const 
   return static_cast<float>(largest);
 }
 
-// The triangles of one face, [begin, end).
+// The range [begin, end) of the triangles of one face.
 struct FaceRun {
   std::size_t begin = 0, end = 0;
 };
@@ -324,8 +330,8 @@ std::vector<FaceRun> FaceRuns(const MeshPart& part) {
   return runs;
 }
 
-// Looks again at the triangles of the largest deviations, from as many starts as there are, and proves lower
-// bounds of what is left, until one of them is as large as whatever comes next. False: cancelled.
+// Measures the triangles of the largest deviations again, from all starts, and proves lower bounds of their
+// distances, until a bound is at least as large as the next deviation. Returns false if cancelled.
 bool ProveLargest(const Model& model, const Mesh& mesh, const std::vector<Prototype>& prototypes,
                   const std::atomic<bool>* cancel, MeshDeviation* deviation) {
   struct Candidate {

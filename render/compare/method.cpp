@@ -23,7 +23,7 @@ bool IsName(const std::string& name) {
                      [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; });
 }
 
-// Pointers to its elements must last: methods are never removed, and lie on the heap.
+// Pointers to the elements stay valid: methods are never removed, and each is allocated on the heap.
 std::vector<std::unique_ptr<const Method>>& Registry() {
   static std::vector<std::unique_ptr<const Method>> methods = [] {
     std::vector<std::unique_ptr<const Method>> built_in;
@@ -39,7 +39,7 @@ const Method* FindMethod(std::string_view name) {
   return nullptr;
 }
 
-// As short as it reads back.
+// Returns the shortest decimal text that reads back as the same number.
 std::string NumberText(double number) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, number);
@@ -51,7 +51,7 @@ std::string NumberText(double number) {
 std::string MethodChoice::Name() const {
   if (method->setting.empty()) return method->name;
   std::string name = method->name + "-" + NumberText(setting);
-  // In names of files and roles a point or a plus would be in the way.
+  // Points and plus signs are replaced, because they are not wanted in the names of files and roles.
   std::replace(name.begin(), name.end(), '.', '_');
   std::erase(name, '+');
   return name;

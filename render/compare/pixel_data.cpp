@@ -12,9 +12,9 @@ namespace facetless {
 namespace {
 
 constexpr std::uint32_t kMost24 = (1u << 24) - 1;
-// Rounding finer than the mesh's own noise would only store the noise.
+// The step of rounding is the mesh's noise divided by this: finer steps would only store the noise.
 constexpr double kNoiseSteps = 8;
-// A float32 keeps 24 significant bits.
+// The number of bits to drop of the 24 significant bits of a float32.
 constexpr int kDroppedBits = 24 - 13, kReducedDroppedBits = 24 - 8;
 
 void Put(Image8& image, std::size_t pixel, std::uint32_t value) {
@@ -28,13 +28,14 @@ std::uint32_t Get(const std::uint8_t* bytes) {
   return std::uint32_t(bytes[0]) << 16 | std::uint32_t(bytes[1]) << 8 | bytes[2];
 }
 
-// The nearest float whose last `dropped` bits are zero. A carry runs into the exponent, as it should.
+// Returns the bits of the nearest float whose last `dropped` bits are zero. A carry into the exponent gives
+// the correct result.
 std::uint32_t RoundedBits(float value, int dropped) {
   const std::uint32_t half = 1u << (dropped - 1);
   return (std::bit_cast<std::uint32_t>(value) + half) & ~((1u << dropped) - 1);
 }
 
-// Octahedral: the unit sphere onto a square, by the 1-norm.
+// Maps the unit sphere onto a square by the octahedral mapping (division by the 1-norm).
 std::uint32_t NormalCode(const std::array<float, 3>& normal) {
   const double x = normal[0], y = normal[1], z = normal[2];
   const double sum = std::fabs(x) + std::fabs(y) + std::fabs(z);
@@ -101,7 +102,7 @@ Result<PixelData> MakePixelData(const SampleBuffer& direct, const SampleBuffer& 
   }
   const auto plane = [&](PixelPlane which) -> Image8& { return data.planes[static_cast<int>(which)]; };
 
-  // The depths' range.
+  // Find the range of the depths.
   double near = INFINITY, far = -INFINITY;
   for (std::size_t i = 0; i < direct.size(); ++i) {
     if (!Hit(direct, i)) continue;

@@ -19,7 +19,7 @@ json Vector(Vec3 v) {
   return json::array({v.x, v.y, v.z});
 }
 
-// null for what is no finite number: JSON knows no other.
+// Returns null unless the number is finite: JSON has no other numbers.
 json Finite(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
 }
@@ -97,7 +97,7 @@ json CameraJson(const Camera& camera) {
   return out;
 }
 
-// Faces of the file in all placements: a face that the importer had to split counts once.
+// Counts the faces of the file in all placements. A face that the importer had to split counts once.
 std::uint64_t PlacedFilesFaces(const Model& model) {
   std::vector<std::uint64_t> of_part;
   for (const Part& part : model.parts) {
@@ -117,7 +117,8 @@ std::uint64_t PlacedFilesFaces(const Model& model) {
   return faces;
 }
 
-// Why the faces in the picture are not as many as the file declares, as a sentence; null if they are.
+// Returns a sentence that says why the picture does not have as many faces as the file declares; null if it
+// has.
 json FacesNote(const Model& model) {
   const ImportInfo& info = model.info;
   const std::uint64_t faces = PlacedFilesFaces(model), pieces = model.PlacedFaceCount();
@@ -198,7 +199,7 @@ json DoubtsJson(const DirectStats& stats) {
   return doubts;
 }
 
-// What the independent check of certificates said; null where it was not asked.
+// Returns the result of the independent check of certificates; null if it was not requested.
 json CheckJson(const CheckStats& check) {
   if (check.roots == 0 && check.rays == 0) return nullptr;
   return {{"roots", check.roots},

@@ -48,7 +48,7 @@ Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& re
     Result<BaselineScene> built = BaselineScene::Build(rest, execution.threads, false, max_bytes_);
     if (!built.ok()) {
       if (built.error().code != ErrorCode::kNothingUsable) return built.error();
-      view.samples.Resize(camera.width_px, camera.height_px);  // every face is left out
+      view.samples.Resize(camera.width_px, camera.height_px);  // no face is shown
       return view;
     }
     rest_scene.emplace(std::move(built).value());

@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostListed = 100;  // solids, and faces in the plane, of one section
+constexpr std::size_t kMostListed = 100;  // solids, and faces in the plane, per section
 
 json Vector(Vec3 v) {
   return json::array({v.x, v.y, v.z});
@@ -25,7 +25,7 @@ Result<json> SectionsJson(const Scene& scene, const Mesh* mesh, std::span<const 
     const Result<SectionArea> measured = MeasureSection(scene, planes, i, options);
     if (!measured.ok()) return measured.error();
     const SectionArea& area = measured.value();
-    // The largest first.
+    // Sort the solids by area, the largest first.
     std::vector<SectionArea::OfSolid> cut = area.solids;
     std::stable_sort(cut.begin(), cut.end(),
                      [](const auto& a, const auto& b) { return a.area_mm2 > b.area_mm2; });
@@ -38,7 +38,7 @@ Result<json> SectionsJson(const Scene& scene, const Mesh* mesh, std::span<const 
     };
     for (std::size_t k = 0; k < std::min(cut.size(), kMostListed); ++k)
       cuts.push_back({{"name", solids.Name(cut[k].solid)}, {"area_mm2", cut[k].area_mm2}});
-    // What is cut of open shells alone encloses nothing that has an area.
+    // A cut through open shells alone encloses no area.
     const bool no_area = !area.open_faces.empty() && area.solids.empty() && area.touching_faces.empty() &&
                          area.coincident_faces.empty();
     const SectionArea::ErrorParts& parts = area.error_parts;

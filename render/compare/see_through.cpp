@@ -17,7 +17,8 @@ std::vector<bool> TransparentFaces(std::span<const Color> colors) {
 Mesh OpaqueMesh(const Mesh& mesh, const std::vector<bool>& transparent) {
   Mesh opaque = mesh;
   opaque.parts.clear();
-  // Placements of one part may differ in what is transparent: each gets a part of its own.
+  // The placements of one part may differ in which faces are transparent, so each placement gets its own
+  // part.
   for (MeshNode& node : opaque.nodes) {
     const MeshPart& whole = mesh.parts[node.part];
     MeshPart part = whole;

@@ -12,12 +12,12 @@
 namespace facetless {
 namespace {
 
-// Roundings of a control point on its way into a box.
+// The relative rounding error of a control point when it is put into a box.
 constexpr double kBoxRounding = 64 * std::numeric_limits<double>::epsilon();
-// A piece is flat enough for a start when along either parameter its control points turn by no more than
-// this, radians about.
+// A piece is flat enough for a start if its control points turn along either parameter by no more than about
+// this angle, radians.
 constexpr double kMostTurn = 0.125;
-// Halvings of one patch, and pieces of a surface.
+// Limits of the halvings of one patch, and of the pieces of a surface.
 constexpr int kMostLevels = 12;
 constexpr std::size_t kMostPieces = 1 << 16;
 
@@ -26,7 +26,7 @@ Vec3 PointOf(const BezierNet& net, int k, int l) {
   return (1 / net.at(i, kW)) * Vec3{net.at(i, kX), net.at(i, kY), net.at(i, kQ)};
 }
 
-// Along which parameter the control points lie farther apart.
+// Returns the parameter along which the control points lie farther apart.
 Direction LongerOf(const BezierNet& net) {
   double u = 0, v = 0;
   for (int l = 0; l <= net.degree_v; ++l) {
@@ -42,8 +42,8 @@ Direction LongerOf(const BezierNet& net) {
   return u >= v ? Direction::kU : Direction::kV;
 }
 
-// By how much the control points turn along a parameter: the largest second difference as a share of the
-// longest line.
+// Returns by how much the control points turn along a parameter, as the largest second difference divided by
+// the longest line of control points.
 double TurnAlong(const BezierNet& net, Direction direction) {
   const bool along_u = direction == Direction::kU;
   const int degree = along_u ? net.degree_u : net.degree_v, lines = along_u ? net.degree_v : net.degree_u;
@@ -74,7 +74,7 @@ double SurfacePieces::Box::SquaredTo(Vec3 point) const {
 }
 
 SurfacePieces::Box SurfacePieces::BoxOf(const BezierNet& net) {
-  // Turned as the net's sides run; a collapsed side takes what is left.
+  // The box is aligned with the sides of the net. If a side has collapsed, its axis follows from the others.
   const Vec3 corner[4] = {PointOf(net, 0, 0), PointOf(net, net.degree_u, 0), PointOf(net, 0, net.degree_v),
                           PointOf(net, net.degree_u, net.degree_v)};
   const Vec3 u = corner[1] - corner[0] + corner[3] - corner[2],
@@ -148,7 +148,7 @@ SurfacePieces::SurfacePieces(const Model& model, std::uint32_t surface)
     SetMiddle(&pieces_[patch]);
     level.push_back({std::move(net), patch, 0});
   }
-  // Halve what is not flat, all patches alike, level by level.
+  // Halve the pieces that are not flat, level by level, with all patches at the same level.
   for (int depth = 0; depth < kMostLevels && !level.empty(); ++depth) {
     for (Open& open : level) {
       const Piece piece = pieces_[open.piece];

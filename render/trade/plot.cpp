@@ -15,7 +15,7 @@
 namespace facetless {
 namespace {
 
-// The paper in points of the drawing; a PNG has kPngScale pixels for each, so that it prints sharply.
+// The size of the drawing in points. A PNG has kPngScale pixels per point, so that it prints sharply.
 constexpr double kWidth = 960, kHeight = 600, kPngScale = 2;
 constexpr double kLeft = 92, kRight = 28, kTop = 128, kBottom = 74, kNoteHeight = 17, kLegendHeight = 18;
 constexpr double kBandWidth = 118, kBandGap = 14;
@@ -25,8 +25,8 @@ struct Rgb {
 };
 constexpr Rgb kInk = {0.12, 0.14, 0.16}, kSoft = {0.40, 0.43, 0.46}, kGrid = {0.88, 0.88, 0.87},
               kFinerGrid = {0.945, 0.945, 0.94}, kBand = {0.955, 0.95, 0.935}, kLimit = {0.55, 0.12, 0.35};
-// Colours whose differences in lightness every common form of colour blindness keeps. There are five of them
-// and four shapes, so that the pair repeats after twenty series.
+// Colours that differ in lightness, so that people with any common form of colour blindness can tell them
+// apart. There are five colours and four shapes, so that the pairs repeat after twenty series.
 constexpr Rgb kSeries[] = {
     {0.07, 0.40, 0.56}, {0.80, 0.36, 0.05}, {0.00, 0.52, 0.38}, {0.62, 0.22, 0.52}, {0.36, 0.30, 0.10}};
 constexpr std::size_t kShapes = 4;
@@ -35,8 +35,8 @@ const Rgb& SeriesColor(std::size_t series) {
   return kSeries[series % std::size(kSeries)];
 }
 
-// What the legend takes beyond the two lines that the paper has room for. Letters are taken to be wide, so
-// that the drawing needs no more lines than this says.
+// Returns the height that the legend needs beyond the two lines that always have room. Letters are assumed to
+// be wide, so that the drawing never needs more lines than this.
 double MoreLegend(const LogPlot& plot) {
   constexpr double kLetter = 8, kEntry = 40, kRoom = kWidth - kLeft - kRight;
   double x = 0;
@@ -63,7 +63,7 @@ struct Axis {
   }
 };
 
-// The range of `values`, widened by a fraction of a decade so that markers stay clear of the border.
+// Returns the range of `values`, widened by a fraction of a decade so that markers stay clear of the border.
 void Fit(Axis& axis, const std::vector<double>& values, double least_decades) {
   constexpr double kMargin = 0.18;
   double low = INFINITY, high = 0;
@@ -83,7 +83,8 @@ struct Tick {
   bool major;
 };
 
-// Powers of ten, and between them 2 and 5 as major ticks where there are few, or all nine as minor ones.
+// Returns the ticks: powers of ten; between them 2 and 5 as major ticks where there are few, or all multiples
+// as minor ticks.
 std::vector<Tick> Ticks(const Axis& axis) {
   const double decades = std::log10(axis.high / axis.low);
   const bool fine = decades < 2.2;
@@ -113,7 +114,7 @@ std::string TickText(double value, PlotUnit unit) {
   return MemoryText(value);
 }
 
-// The drawing, for any surface.
+// Draws the plot on any Cairo surface.
 class Drawing {
  public:
   Drawing(cairo_t* cairo, const LogPlot& plot) : cr_(cairo), plot_(plot) {
@@ -171,7 +172,8 @@ class Drawing {
     return extents;
   }
 
-  // `align`: 0 begins at x, 0.5 is centred there, 1 ends there. y is the baseline.
+  // Writes a text. With `align` 0 it begins at x, with 0.5 it is centred at x, with 1 it ends at x; y is the
+  // baseline.
   void Text(double x, double y, const std::string& text, double size, const Rgb& color, double align = 0,
             bool bold = false) {
     cairo_select_font_face(cr_, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
@@ -225,7 +227,7 @@ class Drawing {
     Line(kLeft, top_, kLeft, bottom_, kInk, 1.2);
     if (!band_) return;
     Line(kLeft, bottom_, kLeft + kBandWidth, bottom_, kInk, 1.2);
-    // The break: two strokes across the gap.
+    // Draw the break of the axis: two strokes across the gap.
     for (const double x : {kLeft + kBandWidth, x_.begin})
       Line(x - 4, bottom_ + 6, x + 4, bottom_ - 6, kInk, 1.2);
     const double middle = kLeft + kBandWidth / 2;
@@ -256,7 +258,8 @@ class Drawing {
       }
   }
 
-  // Steps: up to the next point's error, what the last one costs is the least.
+  // Draws the front as steps: from the error of one point to that of the next, the cost of the first is the
+  // smallest.
   void Front() {
     if (plot_.front.empty()) return;
     Color(kInk);
@@ -311,13 +314,13 @@ class Drawing {
   }
 
   void Markers() {
-    // Those on the front on top.
+    // Draw the points of the front last, on top.
     for (const bool filled : {false, true})
       for (const PlotPoint& point : plot_.points)
         if (point.filled == filled) Marker(X(point), Y(point), point.series, filled);
   }
 
-  // Points of one series that lie on each other share a label: their names, one below the other.
+  // Points of one series that coincide share a label with their names one below the other.
   std::vector<std::vector<std::size_t>> Clusters() const {
     constexpr double kNear = 8;
     std::vector<std::vector<std::size_t>> clusters;
@@ -360,11 +363,11 @@ class Drawing {
     }
     for (std::size_t k = 0; k < places.size(); ++k) {
       const PlotBox& box = places[k].box;
-      // A pale ground, so that lines below don't cross the letters.
+      // Draw a pale ground, so that lines do not cross the letters.
       cairo_set_source_rgba(cr_, 1, 1, 1, 0.8);
       cairo_rectangle(cr_, box.x, box.y, box.width, box.height);
       cairo_fill(cr_);
-      // Beside the point, lines begin at its side.
+      // Beside the point, the text begins or ends at the side that faces it.
       const bool left = box.x + box.width < requests[k].x;
       double y = box.y + kSize - 1;
       for (const std::size_t i : clusters[k]) {
@@ -374,7 +377,7 @@ class Drawing {
         y += kLine;
       }
     }
-    // Leaders may have run over markers.
+    // Draw the markers again, because leaders may have crossed them.
     Markers();
   }
 
@@ -384,7 +387,7 @@ class Drawing {
     return Extents(point.label, size).x_advance;
   }
 
-  // Boxes along the front's steps.
+  // Returns boxes along the steps of the front, which labels avoid.
   void AddLineObstacles(std::vector<PlotBox>& obstacles) const {
     for (std::size_t i = 0; i + 1 < plot_.front.size(); ++i) {
       const PlotPoint &a = plot_.points[plot_.front[i]], &b = plot_.points[plot_.front[i + 1]];
@@ -396,7 +399,7 @@ class Drawing {
   void Titles() {
     Text(kLeft, 30, plot_.title, 18, kInk, 0, true);
     Text(kLeft, 50, plot_.subtitle, 12.5, kSoft);
-    // The legend, in one line where it has room.
+    // Draw the legend, in one line if there is room.
     double x = kLeft + 6, y_legend = 74;
     const auto wrap = [&](double width) {
       if (x + width <= x_.end || x == kLeft + 6) return;
@@ -483,7 +486,7 @@ Result<std::string> PlotSvg(const LogPlot& plot) {
   cairo_surface_finish(surface.get());
   if (const cairo_status_t status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS)
     return CannotWrite(status);
-  // Cairo numbers its surfaces through the life of the process.
+  // Cairo numbers its surfaces over the lifetime of the process.
   const std::string id = "id=\"surface";
   if (const std::size_t at = bytes.find(id); at != std::string::npos)
     bytes.erase(at + id.size(), bytes.find('"', at + id.size()) - at - id.size());

@@ -6,13 +6,13 @@
 namespace facetless {
 namespace {
 
-// From the point's centre to the nearest label, and from ring to ring, px.
+// The distances from the point's centre to the nearest label, and from ring to ring, px.
 constexpr double kGap = 9, kRingStep = 15;
 constexpr int kRings = 7;
-// A label on the first ring is read with its point; others need a line.
+// A label on the first ring is close enough to its point; labels farther out need a leader line.
 constexpr int kRingsWithoutLeader = 1;
 
-// The box of a label that hangs at (x, y) on the side where (dx, dy) points, both −1 … 1.
+// Returns the box of a label that is attached at (x, y), on the side to which (dx, dy) points, both −1 … 1.
 PlotBox Hung(double x, double y, double dx, double dy, const LabelRequest& label) {
   return {x + (dx - 1) * 0.5 * label.width, y + (dy - 1) * 0.5 * label.height, label.width, label.height};
 }
@@ -27,7 +27,7 @@ double OverlapArea(const PlotBox& a, const PlotBox& b) {
 
 std::vector<LabelPlace> PlaceLabels(const std::vector<LabelRequest>& labels,
                                     const std::vector<PlotBox>& obstacles, const PlotBox& bounds) {
-  // Right and left first, where a line of text is read on from its point.
+  // Right and left come first: text beside its point is the easiest to read.
   constexpr double kSides[][2] = {{1, 0}, {-1, 0}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}, {0, -1}, {0, 1}};
   std::vector<LabelPlace> places;
   for (const LabelRequest& label : labels) {
@@ -43,7 +43,7 @@ std::vector<LabelPlace> PlaceLabels(const std::vector<LabelRequest>& labels,
         double cost = 20 * (area - OverlapArea(box, bounds));
         for (const LabelPlace& placed : places) cost += 20 * OverlapArea(box, placed.box);
         for (const PlotBox& obstacle : obstacles) cost += 2 * OverlapArea(box, obstacle);
-        // A ring farther out is worth an eighth of the label's area.
+        // Each further ring costs as much as an overlap with an eighth of the label's area.
         cost += ring * area / 8;
         if (cost < least) {
           least = cost;

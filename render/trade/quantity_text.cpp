@@ -13,7 +13,7 @@ std::string Printed(const char* format, double number) {
   return text;
 }
 
-// `number` rounded to two significant digits.
+// Returns `number` rounded to two significant digits.
 double Rounded(double number) {
   return std::strtod(Printed("%.1e", number).c_str(), nullptr);
 }
@@ -26,7 +26,7 @@ std::string NumberText(double number) {
   if (rounded == 0) return "0";
   if (size >= 1e-3 && size < 1e5) return Printed("%.6g", rounded);
   std::string text = Printed("%.1e", rounded);
-  // "4.0e-05" becomes "4e-5".
+  // Shorten "4.0e-05" to "4e-5".
   if (const std::size_t fraction = text.find(".0e"); fraction != std::string::npos) text.erase(fraction, 2);
   const std::size_t sign = text.find('e') + 1;
   if (text[sign] == '+') text.erase(sign, 1);

@@ -9,13 +9,13 @@
 namespace facetless {
 namespace {
 
-// "1e-4", "0.003", "12": as short as it reads back.
+// Returns the shortest text that reads back as the same number, such as "1e-4", "0.003" or "12".
 std::string Short(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", number);
   std::string plain = text;
   std::snprintf(text, sizeof text, "%.0e", number);
-  // One digit and a small power of ten, without the zero in front of the exponent: as options are written.
+  // Write one digit and a small power of ten without the leading zero of the exponent, as in options.
   std::string power = text;
   if (std::strtod(power.c_str(), nullptr) != number || (number >= 0.1 && number < 1e4)) return plain;
   const std::size_t zero = power.find("e-0");
@@ -91,7 +91,7 @@ std::vector<std::size_t> ParetoFront(const std::vector<TradePoint>& points, Trad
                                      ErrorMeasure measure, double floor_mm) {
   const auto error_of = [&](std::size_t i) { return std::fmax(points[i].ErrorMm(measure), floor_mm); };
   const auto cost_of = [&](std::size_t i) { return CostOf(points[i], cost); };
-  // By cost; then a point is on the front if its error is below that of everything cheaper.
+  // Sort by cost. A point is then on the front if its error is smaller than those of all cheaper points.
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i].measured()) order.push_back(i);
@@ -116,7 +116,7 @@ void MarkFronts(std::vector<TradePoint>& points, ErrorMeasure measure, double fl
 }
 
 std::vector<MeshSetting> MeshSettings(std::vector<double> deflections, std::vector<double> angles_deg) {
-  // Radii relative to the diagonal, between which a narrower angle is tried.
+  // The radii, relative to the diagonal, between which a narrower angle is tried.
   constexpr double kSmallestRadius = 0.01, kLargestRadius = 1.0 / 3;
   SortDescending(deflections);
   SortDescending(angles_deg);

@@ -13,7 +13,7 @@ double ErrorOf(const TradePoint& point, bool pixels, ErrorMeasure measure) {
   return pixels ? point.ErrorPx(measure) : point.ErrorMm(measure);
 }
 
-// The measured point with the least time among those within the limit that `belongs` takes.
+// Returns the measured point with the smallest time among those within the limit for which `belongs` is true.
 std::optional<std::size_t> CheapestWithin(const std::vector<TradePoint>& points,
                                           bool (*belongs)(const TradeSetting& setting), bool pixels,
                                           double limit, ErrorMeasure measure) {
@@ -21,14 +21,14 @@ std::optional<std::size_t> CheapestWithin(const std::vector<TradePoint>& points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const TradePoint& point = points[i];
     if (!point.measured() || !belongs(point.setting)) continue;
-    // In this form a NaN keeps no limit.
+    // Written this way, a NaN exceeds every limit.
     if (!(ErrorOf(point, pixels, measure) <= limit)) continue;
     if (!best || point.total_ms < points[*best].total_ms) best = i;
   }
   return best;
 }
 
-// Of each method, the measured point with the least time among those within the limit.
+// Returns, for each method, the measured point with the smallest time among those within the limit.
 std::vector<std::size_t> CheapestMethodsWithin(const std::vector<TradePoint>& points, bool pixels,
                                                double limit, ErrorMeasure measure) {
   std::map<std::string, std::size_t> cheapest;
@@ -44,8 +44,8 @@ std::vector<std::size_t> CheapestMethodsWithin(const std::vector<TradePoint>& po
   return found;
 }
 
-// y at x on the line through two points, all in logarithms. Requires positive numbers, and x between x0 and
-// x1.
+// Returns y at x on the line through two points in log–log scale. Requires positive numbers, and x between x0
+// and x1.
 double LogInterpolate(double x, double x0, double y0, double x1, double y1) {
   if (x0 == x1) return y1;
   const double t = (std::log(x) - std::log(x0)) / (std::log(x1) - std::log(x0));
@@ -56,7 +56,7 @@ const MeshSetting& MeshOf(const TradePoint& point) {
   return std::get<MeshSetting>(point.setting);
 }
 
-// The measured meshes of one angle, coarse first.
+// Returns the measured meshes of one angle, the coarsest first.
 std::vector<std::size_t> Ladder(const std::vector<TradePoint>& points, double angular_deg) {
   std::vector<std::size_t> ladder;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -68,8 +68,8 @@ std::vector<std::size_t> Ladder(const std::vector<TradePoint>& points, double an
   return ladder;
 }
 
-// The deflection at which the ladder of `angular_deg` crosses the limit, if two measured neighbours enclose
-// it.
+// Returns the deflection at which the meshes of `angular_deg` cross the limit, if two measured neighbours
+// enclose it.
 std::optional<double> CrossingDeflection(const std::vector<TradePoint>& points, double angular_deg,
                                          bool pixels, double limit, ErrorMeasure measure) {
   const std::vector<std::size_t> ladder = Ladder(points, angular_deg);
@@ -82,7 +82,7 @@ std::optional<double> CrossingDeflection(const std::vector<TradePoint>& points, 
   return std::nullopt;
 }
 
-// "; mesh 1e-5, 30° was not measured: …", for the coarsest skipped mesh.
+// Returns "; mesh 1e-5, 30° was not measured: …" for the coarsest skipped mesh.
 std::string SkippedText(const std::vector<TradePoint>& points) {
   for (const TradePoint& point : points)
     if (IsMesh(point.setting) && !point.measured())
@@ -90,7 +90,7 @@ std::string SkippedText(const std::vector<TradePoint>& points) {
   return "";
 }
 
-// The measured mesh with the smallest error.
+// Returns the measured mesh with the smallest error.
 std::optional<std::size_t> FinestMesh(const std::vector<TradePoint>& points, bool pixels,
                                       ErrorMeasure measure) {
   std::optional<std::size_t> best;
@@ -147,7 +147,8 @@ std::string LimitSentence(const std::vector<TradePoint>& points, const LimitAnsw
   return sentence;
 }
 
-// What direct costs at least for an error of up to `error_mm`; infinite if nothing is that good.
+// Returns the smallest cost of direct rendering with an error of at most `error_mm`; infinite if no setting
+// has so small an error.
 double DirectCost(const std::vector<TradePoint>& points, TradeCost cost, double error_mm,
                   const TradeQuestionContext& context) {
   double least = INFINITY;
@@ -219,7 +220,8 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
                                 const TradeQuestionContext& context) {
   CrossoverAnswer answer;
   answer.cost = cost;
-  // The meshes that no other mesh beats, coarse first; and whether anything direct was measured.
+  // Find the meshes that no other mesh beats, the coarsest first, and whether any direct setting was
+  // measured.
   std::vector<TradePoint> meshes = points;
   bool any_direct = false;
   for (TradePoint& point : meshes) {
@@ -236,8 +238,9 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   }
   answer.finest_mm = error_of(front.back());
 
-  // Between breakpoints what direct costs is constant, and what the mesh costs falls as errors grow: so
-  // direct is cheaper up to a breakpoint if it is there, with what is good enough below it.
+  // Between breakpoints the cost of direct is constant, and that of the mesh falls as errors grow. So direct
+  // is cheaper on the whole interval below a breakpoint if it is cheaper at the breakpoint, with the settings
+  // that are accurate enough below it.
   std::vector<double> breakpoints;
   for (const std::size_t i : front) breakpoints.push_back(error_of(i));
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -259,7 +262,7 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   for (std::size_t k = 0; k + 1 < breakpoints.size() && answer.kind == Crossover::kAlwaysDirect; ++k) {
     const double direct_cost = DirectCost(points, cost, breakpoints[k], context);
     if (breakpoints[k] == breakpoints[k + 1] || direct_cost < mesh_cost(breakpoints[k + 1])) continue;
-    // Halve the interval of log(error) until the costs meet. A double has no more halves than this.
+    // Bisect the interval of log(error) until the costs are equal. A double cannot be halved more often.
     answer.kind = Crossover::kAt;
     double low = std::log(breakpoints[k]), high = std::log(breakpoints[k + 1]);
     for (int step = 0; step < 60; ++step) {

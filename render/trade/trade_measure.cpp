@@ -25,7 +25,7 @@ std::uint64_t OutlinePixels(const SampleBuffer& samples) {
   return count;
 }
 
-// Of a timed run with one sample per pixel.
+// The options of a timed run with one sample per pixel.
 ViewOptions TimedOptions(const TradeViewOptions& options) {
   ViewOptions view;
   view.samples = 1;
@@ -34,7 +34,7 @@ ViewOptions TimedOptions(const TradeViewOptions& options) {
   return view;
 }
 
-// Of the antialiased picture, which no budget limits.
+// The options of the antialiased picture, which no budget limits.
 ViewOptions PictureOptions(int samples, const TradeViewOptions& options) {
   ViewOptions view;
   view.samples = samples;
@@ -42,14 +42,14 @@ ViewOptions PictureOptions(int samples, const TradeViewOptions& options) {
   return view;
 }
 
-// What one timed run gives.
+// The times of one run.
 struct Times {
   double leaves_ms = 0, trace_ms = 0, shade_ms = 0;
   std::uint64_t peak_bytes = 0;
   double total() const { return leaves_ms + trace_ms + shade_ms; }
 };
 
-// Repeats `run`, which returns Result<Times>, by law 1, and stores the median into `point`.
+// Repeats `run`, which returns Result<Times>, by law 1 of the header, and stores the median in `point`.
 template <typename Run>
 Result<void> Repeat(const Run& run, TradePoint& point) {
   const Stopwatch stopwatch;
@@ -59,7 +59,7 @@ Result<void> Repeat(const Run& run, TradePoint& point) {
   if (stopwatch.Milliseconds() < kCheapMs) {
     for (int i = 0; i < kRepetitions; ++i) {
       Result<Times> again = run();
-      // The budget is of one run, and the first was within it: what there is will do.
+      // The budget is for one run, and the first was within it, so the runs so far are enough.
       if (!again.ok() && again.error().code == ErrorCode::kCancelled) break;
       if (!again.ok()) return again.error();
       runs.push_back(again.value());
@@ -80,7 +80,7 @@ Result<void> Repeat(const Run& run, TradePoint& point) {
   return {};
 }
 
-// Fills the errors from the pixel-centre samples and the antialiased picture.
+// Computes the errors from the pixel-centre samples and the antialiased picture.
 Result<void> StoreErrors(const TradeReference& reference, const SampleBuffer& samples, const Image8& image,
                          const Model& model, TradePoint& point) {
   const Result<Difference> compared = ComputeDifference({reference.view.samples,
@@ -131,7 +131,7 @@ Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera
   reference.mm_per_pixel =
       std::max(frame.pixel_x, frame.pixel_y) * (perspective ? Length(camera.target - camera.eye) : 1.0);
   // A certified root is known to the solver's tolerance, in the parameters of a leaf that is no larger than
-  // the model. The factor 4 is for the depth's own rounding.
+  // the model. The factor 4 covers the rounding of the depth.
   reference.floor_mm = 4 * kDoubleArithmetic.tolerance * scene.model().Diagonal();
   return reference;
 }
@@ -150,7 +150,7 @@ Result<TradePoint> MeasurePoint(const Representation& timed, const Representatio
   };
   if (Result<void> repeated = Repeat(run, point); !repeated.ok()) return repeated.error();
 
-  // The picture and the errors.
+  // Make the picture, and compute the errors.
   const Result<View> view =
       RenderView(picture, model, reference.camera, PictureOptions(reference.samples, options));
   if (!view.ok()) return view.error();

@@ -46,7 +46,7 @@ json OrNull(const std::optional<T>& value) {
   return value ? json(*value) : json(nullptr);
 }
 
-// Left-aligned in `width` columns; UTF-8 counts by characters.
+// Pads a UTF-8 text on the right to `width` columns, counted in characters.
 std::string Padded(const std::string& text, std::size_t width, bool right = false) {
   std::size_t columns = 0;
   for (const char c : text) columns += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -186,7 +186,7 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
   plot.x_floor = view.context.floor_mm;
   plot.pixels_per_mm = 1 / view.context.mm_per_pixel;
   plot.series = {{"direct"}, {"mesh: deflection, angle"}};
-  // Each method has a series of its own.
+  // Add one series for each method.
   std::map<std::string, std::size_t> series_of = {{"direct", 0}, {"mesh", 1}};
   for (const TradePoint& point : view.points)
     if (const auto* choice = std::get_if<MethodChoice>(&point.setting);
@@ -201,7 +201,8 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
         "limit " + (limit.pixels ? NumberText(limit.limit) + " px" : MillimetresText(limit.limit));
   }
 
-  // The points, the meshes of one angle and the settings of one method as a chain, and what was not measured.
+  // Add the points; chains of the meshes of one angle and of the settings of one method; and notes of what
+  // was not measured.
   std::map<std::pair<std::size_t, double>, std::vector<std::size_t>> chains;
   std::vector<std::size_t> plotted(view.points.size());
   for (std::size_t i = 0; i < view.points.size(); ++i) {
