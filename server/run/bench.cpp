@@ -28,7 +28,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-// "Intel(R) Xeon(R) Processor", from the system; empty if it does not tell.
+// Returns the processor's name as the system gives it, such as "Intel(R) Xeon(R) Processor"; empty if
+// unknown.
 std::string ProcessorName() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {
@@ -45,20 +46,20 @@ Json MachineJson(double load) {
           {"load_at_start", load}};
 }
 
-// The importer's process for one file.
+// Runs the importer for one file, and remembers how long meshing took.
 class FileImporter {
  public:
   FileImporter(const ImportRequest& request, const Model& model, const BenchSettings& settings)
       : request_(request), model_(model), settings_(settings) {}
 
   Result<BenchMesh> Tessellate(double deflection) {
-    // A mesher that has just started waits for its memory: where it is quick, the second of two meshes
-    // counts.
+    // A mesher that has just started waits for its memory. If meshing was quick last time, two meshes are
+    // made and the second one counts.
     constexpr double kQuickMeshMs = 200;
     double& last_ms = last_mesh_ms_[deflection];
     ImportRequest request = request_;
     request.meshes.assign(last_ms > 0 && last_ms < kQuickMeshMs ? 2 : 1, {.deflection = deflection});
-    // The limit is of meshing, whatever reading takes.
+    // The limit applies to meshing alone; reading may take longer.
     request.limits.mesh_timeout_s = settings_.time_limit_s * static_cast<double>(request.meshes.size());
     request.model_suffices = true;
     auto files = RunImporter(request);
@@ -119,7 +120,7 @@ class Bench {
     Step(std::filesystem::path(path).filename().string());
     ImportRequest request = request_;
     request.input = path;
-    // A model file, or what the importer makes of a CAD file.
+    // The input is a model file, or the model that the importer makes of a CAD file.
     Result<Model> read = ReadModel(path);
     const bool imported = !read;
     ImportedModel from_file;
@@ -218,10 +219,11 @@ class Bench {
   }
 
  private:
-  // Of the processes that run or want to: more than this is more than the bench's own and half of another.
+  // The load average, in processes, above which the machine is called busy: the bench itself counts as one,
+  // and half a process is tolerated.
   static constexpr double kQuiet = 1.5;
 
-  // Which machine and program the tables are of.
+  // Returns the heading, which names the machine and the program.
   std::string Heading() const {
     const Json& machine = json_.at("machine");
     const Json& program = json_.at("facetless");

@@ -6,10 +6,10 @@
 namespace facetless {
 namespace {
 
-// A coarse mesh shares nine tenths of its pixels with the model, a part of an assembly rarely less than a
-// tenth.
+// Even a coarse mesh shares nine tenths of its pixels with the model; a part of an assembly rarely shares
+// less than a tenth.
 constexpr double kLeastShared = 0.05;
-// Shares of the model's size, and of the pixels.
+// The thresholds, as shares of the model's size and of the pixels.
 constexpr double kMostApart = 0.1, kMostOpposite = 0.9;
 
 }  // namespace

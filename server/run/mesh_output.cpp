@@ -12,10 +12,10 @@
 namespace facetless {
 namespace {
 
-// A format that rounds by more than this share of the chord error spoils the mesh.
+// A format whose rounding exceeds this share of the chord error makes the mesh noticeably less accurate.
 constexpr double kMostRounding = 0.1;
 
-// How far STL's single precision about the model's origin moves a corner, mm.
+// Returns the largest distance in mm by which STL's single precision moves a corner.
 double StlRounding(const Mesh& mesh) {
   const Box3 bounds = MeshBounds(mesh);
   if (bounds.empty()) return 0;
@@ -23,7 +23,7 @@ double StlRounding(const Mesh& mesh) {
   for (const Vec3& corner : {bounds.low, bounds.high})
     largest = std::max({largest, std::fabs(corner.x), std::fabs(corner.y), std::fabs(corner.z)});
   const auto stored = static_cast<float>(largest);
-  // Half a unit in the last place, in each of three directions.
+  // The error is half a unit in the last place in each of the three directions.
   return std::sqrt(3.0) / 2 * (static_cast<double>(std::nextafter(stored, INFINITY)) - stored);
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A mesh that is there sooner is waited for: most are.
+// The time to wait for the mesh before exact pictures are made. Most meshes are finished sooner.
 constexpr std::chrono::milliseconds kPatience{1000};
 
 class Comparing {
@@ -55,19 +55,19 @@ class Comparing {
   }
 
  private:
-  // ---- On the importer's thread ----
+  // ---- These methods run on the importer's thread ----
 
   void Import() {
     auto files = RunImporter(request_);
     const bool has_mesh = files.ok() && !files.value().mesh_failure;
     const std::lock_guard lock(mutex_);
     files_ = std::move(files);
-    // The exact pictures stay only where there is no mesh.
+    // Stop making the exact pictures if there is a mesh or the import failed: then they are not used.
     if (has_mesh || !*files_) exact_stop_.Expire();
     changed_.notify_all();
   }
 
-  // The importer still runs and could change its file, so that a copy is what is read.
+  // Copies the model file, because the importer still runs and could change it.
   void TakeModel(const std::string& path) {
     std::error_code error;
     std::filesystem::copy_file(path, ModelCopy(), error);
@@ -76,7 +76,7 @@ class Comparing {
     changed_.notify_all();
   }
 
-  // ---- On the caller's ----
+  // ---- These methods run on the caller's thread ----
 
   std::string ModelCopy() const { return scratch_.File("model.flm"); }
 
@@ -87,7 +87,7 @@ class Comparing {
     return !files_;
   }
 
-  // The exact pictures, unless the mesh comes first.
+  // Makes the exact pictures, unless the mesh is finished first.
   Result<void> MakeExactHalf() {
     ImportedModel early;
     early.import_ms = stopwatch_.Milliseconds();

@@ -22,7 +22,7 @@ std::string FrameFile(std::size_t frame) {
   return name;
 }
 
-// The cameras of all frames. A named view is fitted anew: what turns is wider than what stands.
+// Returns the cameras of all frames. A named view is fitted again, because a turning model needs more width.
 Result<std::vector<Camera>> FrameCameras(const RunOptions& options, const Box3& bounds) {
   auto views = ResolveCameras(options, bounds);
   if (!views) return views.error();

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxManifestBytes = 16 << 20;
 
-// The tolerances' names; "lost" is per file, the others per view.
+// The names of the tolerances; "lost" applies to a file, the others to a view.
 constexpr std::array<const char*, 8> kTolerances = {
     "max", "mean", "rms", "share_over_threshold", "flip", "depth_mm", "silhouette_px", "lost"};
 
@@ -41,7 +41,7 @@ Error BadManifest(const std::string& what) {
   return {ErrorCode::kBadUsage, "the manifest: " + what};
 }
 
-// `over` on top of `under`.
+// Returns `under` with the values of `over` in place of its own.
 Json Merged(Json under, const Json& over) {
   for (const auto& [key, value] : over.items()) {
     if (key == "tolerances" && under.contains(key)) {
@@ -64,7 +64,7 @@ Result<Json> Tolerances(const Json& given) {
       return BadManifest("the tolerance " + name + " must be a number of at least 0");
   }
   Json tolerances = given;
-  // What is not said is exact.
+  // The tolerances "max" and "lost" are 0 unless they are given.
   for (const char* name : {"max", "lost"}) {
     if (!tolerances.contains(name)) tolerances[name] = 0;
   }
@@ -89,7 +89,7 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
   if (!tolerances) return tolerances.error();
   entry.tolerances = std::move(tolerances).value();
 
-  // What is left are the options of a rendering.
+  // The remaining keys are options of a rendering.
   for (const char* key : {"file", "name", "references", "tolerances"}) json.erase(key);
   for (const char* key :
        {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit", "mesh_deviation"}) {
@@ -141,7 +141,7 @@ bool NeedsDepth(const Json& tolerances) {
 }
 
 struct Outcome {
-  Json view;  // the verdict's entry
+  Json view;  // the view's entry in the verdict
   int exit_code = 0;
 };
 
@@ -156,7 +156,7 @@ Result<void> WriteReference(const Entry& entry, const std::string& stem, const V
   return WriteDepth(stem + ".depth.tif", view.samples.width, view.samples.height, view.samples.depth);
 }
 
-// Image, reference and difference, and the three side by side.
+// The image, the reference and the difference, and a picture of the three side by side.
 Result<Json> WriteFailure(const std::string& out, const std::string& stem, const Image8& image,
                           const Image8& reference, double pixels_per_degree) {
   if (auto made = MakeDirectories(out); !made) return made.error();
@@ -177,7 +177,7 @@ Result<Json> WriteFailure(const std::string& out, const std::string& stem, const
   return files;
 }
 
-// One view against its reference.
+// Compares one view with its reference.
 Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& view, const std::string& stem,
                         const std::string& out) {
   auto reference = ReadPng(stem + ".png");
@@ -203,7 +203,7 @@ Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& vi
     values["silhouette_px"] = difference.value().silhouette_pixels;
   }
 
-  // Every tolerance, in the form that NaN breaks.
+  // Check every tolerance in the form that fails for NaN.
   Json broken = Json::array();
   for (const auto& [name, limit] : entry.tolerances.items()) {
     if (name == "lost" || values.at(name).get<double>() <= limit.get<double>()) continue;
@@ -225,7 +225,7 @@ Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& vi
   return outcome;
 }
 
-// One file with all its views. An Error is the file's own, or kCancelled.
+// Checks one file with all its views. Errors: a failure of this file alone, or kCancelled.
 Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   ImportRequest import;
   import.input = entry.file;
@@ -345,7 +345,7 @@ std::vector<std::string> RegressSentences(const Json& verdict) {
                             " is broken: the value is " + broken.at("value").dump() + ", the limit is " +
                             broken.at("limit").dump());
     }
-    // What is left is the tolerance that belongs to no view.
+    // The remaining tolerance belongs to no view.
     if (views == 0)
       sentences.push_back(name + ": the tolerance \"lost\" is broken: the import lost " +
                           file.at("lost").dump() + " faces, loops or edges");

@@ -41,8 +41,8 @@ Image8 ErrorPicture(const std::vector<float>& errors, int width, int height) {
   picture.channels = 3;
   picture.bytes.reserve(errors.size() * 3);
   for (const float error : errors) {
-    // Red rises over the first third, green over the second, blue over the last: lightness grows all the way.
-    // The square root shows small errors, too.
+    // Red rises over the first third, green over the second, blue over the last, so that lightness always
+    // grows. The square root makes small errors visible.
     const float ramp = 3 * std::sqrt(std::clamp(error, 0.0f, 1.0f));
     for (int c = 0; c < 3; ++c)
       picture.bytes.push_back(

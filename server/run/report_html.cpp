@@ -18,11 +18,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A picture of 65,536 × 65,536 pixels does not fit, and no browser would show it.
+// The size limit of an embedded picture. One of 65,536 × 65,536 pixels exceeds it, and no browser would show
+// it.
 constexpr std::size_t kMaxPictureBytes = std::size_t{1} << 30;
 
-// JSON that is safe inside <script>: without "<" there is neither "</script" nor "<!--". In JSON it occurs in
-// strings only.
+// Returns JSON that is safe inside <script>: without "<" there is neither "</script" nor "<!--". In JSON, "<"
+// occurs only in strings.
 std::string ScriptSafe(const Json& json) {
   std::string safe;
   for (const char c : JsonText(json, -1)) {
@@ -58,7 +59,7 @@ std::string EscapedHtml(const std::string& text) {
   return html;
 }
 
-// Replaces {{KEY}}, once each, in one pass: what was put in is not looked at again.
+// Replaces each {{KEY}} once, in one pass: the replacements are not searched for further keys.
 std::string Filled(std::string_view text,
                    const std::vector<std::pair<std::string_view, std::string>>& values) {
   std::string filled;
@@ -77,9 +78,9 @@ std::string Filled(std::string_view text,
   return filled;
 }
 
-// Reports are mailed around: of all views together, so many pixels of data at first, and fewer where the
-// whole would become larger than so many bytes. What is reduced beyond the last stride says too little; then
-// the report is larger.
+// Reports are sent by mail, so their size is limited. All views together begin with at most
+// kMostEmbeddedPixels pixels of data; the stride is increased while the report would exceed kMostBytes.
+// Beyond kMostStride the data would say too little, so a report that is still too large stays so.
 constexpr double kMostEmbeddedPixels = 1.1e6;
 constexpr std::size_t kMostBytes = 2'700'000;
 constexpr int kMostStride = 6;
@@ -88,7 +89,7 @@ std::size_t Base64Size(std::size_t bytes) {
   return (bytes + 2) / 3 * 4;
 }
 
-// "pixel-deviation" and, of a further candidate, "fast-pixel-deviation".
+// Returns the plane of a role such as "pixel-deviation" or, for a further candidate, "fast-pixel-deviation".
 std::optional<PixelPlane> PlaneOf(const std::string& role) {
   for (std::size_t i = 0; i < kPixelPlanes; ++i) {
     const std::string name = PixelPlaneName(PixelPlane(i));
@@ -97,7 +98,7 @@ std::optional<PixelPlane> PlaneOf(const std::string& role) {
   return std::nullopt;
 }
 
-// Every so many pixels' data are embedded.
+// Returns the stride, in pixels along either direction, with which the pixel data are embedded at first.
 int StrideOf(const Json& views) {
   double pixels = 0;
   for (const Json& view : views) {
@@ -107,12 +108,12 @@ int StrideOf(const Json& views) {
   return std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMostEmbeddedPixels))));
 }
 
-// Pictures as data URIs, by the name of their file.
+// Collects pictures as data URIs by the names of their files.
 class Pictures {
  public:
   explicit Pictures(const std::string& directory) : directory_(directory) {}
 
-  // A file that is no PNG is left out.
+  // Adds a PNG file; other files are ignored.
   Result<void> Add(const std::string& name) {
     if (!name.ends_with(".png")) return {};
     auto bytes = ReadFile(Path(name), kMaxPictureBytes);
@@ -120,7 +121,7 @@ class Pictures {
     Put(name, bytes.value());
     return {};
   }
-  // Reduced until they fit into `room` bytes.
+  // Adds pixel planes, reduced until they fit into `room` bytes.
   Result<void> AddPlanes(const std::vector<std::pair<PixelPlane, std::string>>& planes, int stride,
                          std::size_t room) {
     for (; stride <= kMostStride; ++stride) {
@@ -173,7 +174,7 @@ std::string Base64(const std::string& bytes) {
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    // Three bytes, the missing ones zero, make four digits of six bits.
+    // Three bytes, with zeros for missing ones, make four digits of six bits.
     std::uint32_t bits = 0;
     for (std::size_t j = 0; j < 3; ++j)
       bits = bits << 8 | (i + j < bytes.size() ? static_cast<std::uint8_t>(bytes[i + j]) : 0u);
@@ -194,7 +195,7 @@ Result<std::string> ReportHtml(const Json& report, const std::string& directory)
         planes.emplace_back(*plane, file);
         continue;
       }
-      // Heat maps are drawn from the pixel data.
+      // The page draws the heat maps from the pixel data.
       if ((role == "difference" || role.ends_with("-difference")) && heat_map) continue;
       if (auto embedded = pictures.Add(file); !embedded) return embedded.error();
     }

@@ -51,7 +51,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   return view;
 }
 
-// How the exact surfaces are traced, where `taken_bytes` of the memory of a view are taken already.
+// Returns how the exact surfaces are traced if `taken_bytes` of the memory for a view are already in use.
 DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
                               std::uint64_t taken_bytes) {
   DirectOptions direct;
@@ -69,7 +69,7 @@ std::string SvgOf(const ImportedModel& imported, const Camera& camera, const Vie
                   imported.model->info.file + ", " + camera.name);
 }
 
-// Measures every triangle, and writes the file of it: the report's "mesh_deviation".
+// Measures the deviation of every triangle and writes its file. Returns the report's "mesh_deviation".
 Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std::string& directory,
                                 const std::atomic<bool>* cancel) {
   const auto measured = MeasureMeshDeviation(model, mesh, cancel);
@@ -86,7 +86,8 @@ Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std:
               {"faces_missing_named", deviation.faces_missing}};
 }
 
-// A view that finds no memory beside the tree may well find it without.
+// Adds to an error that the memory was shared with the search tree: without the tree, the view may have
+// enough.
 Error BesideTree(const ImportedModel& imported, const BaselineScene& tree, const Error& error) {
   char text[100];
   std::snprintf(text, sizeof text, ": beside the mesh's search tree of %.4g MB, ",
@@ -98,14 +99,14 @@ Json NoBaselineJson(const NoBaseline& why) {
   return {{"reason", why.reason}, {"message", why.message}};
 }
 
-// Whether there is a view, and the exact picture of each is empty.
+// Returns true if there is a view, and the exact picture of every view is empty.
 bool ShowsNothing(const Json& views) {
   for (const Json& view : views)
     if (view.at("direct").at("hits").get<std::uint64_t>() > 0) return false;
   return !views.empty();
 }
 
-// What both kinds of run share: cameras, the clock, the report's envelope and its files.
+// What all runs share, with a mesh or without: cameras, the clock, the report's envelope and its files.
 class Run {
  public:
   Run(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
@@ -119,7 +120,7 @@ class Run {
         deadline_(timeout_s_, context.cancel) {}
 
   const std::atomic<bool>* cancel() const { return deadline_.flag(); }
-  // What does not depend on the view.
+  // Makes the scene, which does not depend on the view.
   Scene MakeScene() {
     const Stopwatch stopwatch;
     Scene scene(*imported_.model);
@@ -127,14 +128,14 @@ class Run {
     return scene;
   }
   const std::string& directory() const { return directory_; }
-  // Says under `key` of the report what is not of one view; null says nothing.
+  // Stores a value that belongs to no single view under `key` of the report; null is not stored.
   void Note(const std::string& key, Json value) {
     if (!value.is_null()) notes_[key] = std::move(value);
   }
-  // The report's "files": what is not of one view.
+  // Returns the report's "files": those that belong to no single view.
   Json& files() { return notes_["files"]; }
 
-  // All frames around the first view.
+  // Renders all frames around the first view.
   Result<void> Turntable(const Representation& exact, const ViewOptions& view) {
     if (options_.picture.turntable == 0) return {};
     const auto progress = [this](double fraction) {
@@ -147,7 +148,7 @@ class Run {
     return {};
   }
 
-  // Resolves the section planes and measures their cuts, through the mesh too where there is one.
+  // Resolves the section planes and measures their cuts through the model and, if there is one, the mesh.
   Result<std::vector<SectionPlane>> Sections(const Scene& scene, const Mesh* mesh) {
     auto planes = ResolveSections(options_.sections, imported_.model->bounds);
     if (!planes || planes.value().empty()) return planes;
@@ -159,7 +160,7 @@ class Run {
     return planes;
   }
 
-  // Calls `one` for each camera; it returns the view's entry of the report.
+  // Calls `one` for each camera; `one` returns the view's entry in the report.
   template <typename One>
   Result<Json> ForEachView(One one) {
     if (auto made = MakeDirectories(directory_); !made) return made.error();
@@ -176,14 +177,13 @@ class Run {
     return views;
   }
 
-  // Says a sentence that fails the run, once.
+  // Adds a sentence of the verdict that fails the run. It is written once, not per view.
   void Problem(const std::string& sentence) { findings_.problems.push_back(sentence); }
   void LacksBaseline(const NoBaseline& why) {
     findings_.no_baseline = why.message;
     Note("no_baseline", NoBaselineJson(why));
   }
-  // What is to be said of the mesh itself, and its deviation where it is asked for. With sections an empty
-  // picture is the planes' doing.
+  // Adds the findings about the mesh itself and, if requested, its deviation.
   Result<void> JudgeMesh(const Mesh& mesh, const MeshCheck& check) {
     if (options_.mesh_deviation) {
       auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, cancel());
@@ -199,7 +199,8 @@ class Run {
     return {};
   }
 
-  // What this run took. An import that was made for an earlier one took no time of it, and stands apart.
+  // Returns the times of this run. An import that was made for an earlier run took none of its time, and is
+  // listed separately.
   Json TimingJson() const {
     const double import_ms = imported_.import_kept ? 0 : imported_.import_ms;
     Json timing = {{"import", import_ms},
@@ -239,7 +240,7 @@ class Run {
     return report;
   }
 
-  // A stop that the clock caused names the option that allows more.
+  // Returns an error that names --timeout if the time limit stopped the run; otherwise returns `error`.
   Error Explained(const Error& error) const {
     if (error.code != ErrorCode::kCancelled || !deadline_.expired()) return error;
     char seconds[32];
@@ -253,7 +254,7 @@ class Run {
     if (context_.progress) context_.progress(command_, fraction);
   }
 
-  // A certificate that does not hold is a defect of this program, and fails the run.
+  // Records certificates that the check contradicts. They are a defect of this program, and fail the run.
   void NoteContradictions(const Json& view) {
     const Json& check = view.at("direct").at("check");
     if (check.is_null()) return;
@@ -278,11 +279,11 @@ class Run {
   Deadline deadline_;
 };
 
-// What a comparison compares with beside the mesh.
+// The candidates of a comparison other than the mesh.
 class Candidates {
  public:
-  // What `input` refers to must outlive this. A method that its limits stop is left out, and `run` says why; other errors
-  // are returned.
+  // Makes the representations. The objects that `input` refers to must outlive the result. A method that
+  // exceeds its limits is left out, and `run` receives a sentence that says why. Errors: all others.
   static Result<Candidates> Make(const std::vector<MethodChoice>& choices, const MethodInput& input,
                                  Run& run) {
     Candidates candidates;
@@ -299,7 +300,7 @@ class Candidates {
     return candidates;
   }
 
-  // `mesh`, where there is one, and then the methods.
+  // Returns `mesh`, if there is one, followed by the methods.
   std::vector<const Representation*> All(const Representation* mesh) const {
     std::vector<const Representation*> all;
     if (mesh != nullptr) all.push_back(mesh);
@@ -311,15 +312,16 @@ class Candidates {
   std::vector<std::unique_ptr<const Representation>> owned_;
 };
 
-// Writes the files of one view and makes its entry of the report.
+// Writes the files of one view and makes its entry in the report.
 class ViewReport {
  public:
-  // `baseline`: the tree of the mesh that is the first candidate; null: there is none.
+  // `baseline` is the tree of the mesh, the first candidate; null if there is no mesh.
   ViewReport(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
              const BaselineScene* baseline)
       : imported_(imported), options_(options), directory_(directory), baseline_(baseline) {}
 
-  // The pictures of `view` are compared: they may be drawn into.
+  // Writes the files, and returns the view's entry. Draws into the pictures of `view`, whose comparison is
+  // finished.
   Result<Json> Write(ViewComparison& view, ContactSheet& sheet) const {
     const Camera& camera = view.camera;
     if (auto drawn = Finish(view.reference.image, camera, view, sheet, "exact"); !drawn) return drawn.error();
@@ -355,14 +357,14 @@ class ViewReport {
  private:
   static bool IsBaseline(const CandidateView& candidate) { return candidate.name == "baseline"; }
 
-  // Scale bar and axes, and the place on the contact sheet.
+  // Draws the scale bar and the axes, and adds the picture to the contact sheet.
   Result<void> Finish(Image8& image, const Camera& camera, const ViewComparison& view, ContactSheet& sheet,
                       const std::string& what) const {
     Decorate(image, camera, view.reference.frame, options_.picture);
     return sheet.Add(image, camera, view.candidates.empty() ? camera.name : camera.name + ": " + what);
   }
 
-  // The candidate's files. Its pixel data, of views that have some.
+  // Adds the candidate's files, and its pixel data if the view has any.
   Result<std::optional<PixelData>> AddCandidate(const ViewComparison& view, const CandidateView& candidate,
                                                 ViewFiles& files) const {
     const bool baseline = IsBaseline(candidate);
@@ -392,15 +394,15 @@ class ViewReport {
   const BaselineScene* baseline_;
 };
 
-// What a run looks at beside the exact surfaces, and why it lacks a mesh where it should have one.
+// The mesh that a run shows beside the exact surfaces, or the reason why it has none although it should.
 struct RunSubject {
   const char* command;
-  const Mesh* mesh = nullptr;       // of the whole model; null: there is none
-  const NoBaseline* why = nullptr;  // null: none is missing
+  const Mesh* mesh = nullptr;       // the mesh of the whole model; null: there is none
+  const NoBaseline* why = nullptr;  // null: no mesh is missing
 };
 
-// The exact surfaces, alone or beside a mesh and what --with names. Without the mesh where a mesh of our own
-// cannot be traced.
+// Makes the views of the exact surfaces, alone or compared with a mesh and the methods of --with. A mesh of
+// our own that cannot be traced is left out.
 Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, const RunOptions& options,
                       const std::string& directory, const RunContext& context) {
   const auto shown = ShownModel::Of(whole, subject.mesh, options.picture.arrangement);
@@ -430,7 +432,7 @@ Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, con
   const auto sections = run.Sections(scene, mesh);
   if (!sections) return sections.error();
 
-  // The leaves have what the tree leaves of the memory.
+  // The leaves may use the memory that the tree does not.
   const DirectOptions direct = ToDirectOptions(options, sections.value(), tree ? tree->bvh_bytes() : 0);
   const ExactSurfaces exact(scene, direct);
   std::optional<Triangles> triangles;

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of the occurrences that are left out, the report lists so many by name.
+// The number of hidden occurrences that the report lists by name.
 constexpr std::size_t kMostListed = 100;
 
 Json ArrangementJson(const Model& model, const ArrangementRequest& request, const Arrangement& arrangement) {
@@ -46,7 +46,7 @@ Result<ShownModel> ShownModel::Of(const ImportedModel& imported, const Mesh* mes
   if (!request.ChangesAnything(model)) return shown;
   auto arrangement = Arrange(model, request);
   if (!arrangement) return arrangement.error();
-  // A mesh of another program shows what it shows: nobody knows what of it the file hides.
+  // A mesh of another program is shown whole: which of its parts the file hides is not known.
   if (mesh != nullptr && (mesh->from_model || request.IsAskedFor())) {
     auto arranged = Arranged(*mesh, model, arrangement.value());
     if (!arranged) return arranged.error();

@@ -28,7 +28,7 @@ using Json = nlohmann::json;
 
 constexpr std::uint64_t kMegabyte = 1024 * 1024;
 
-// Half a pixel: what an image cannot show anyway.
+// Half a pixel: an image cannot show smaller errors.
 constexpr double kDefaultLimitPx = 0.5;
 
 std::string Seconds(double seconds) {
@@ -37,18 +37,18 @@ std::string Seconds(double seconds) {
 
 // One tessellation, from the importer to a tree that can be traced.
 struct Tessellation {
-  std::unique_ptr<const Mesh> mesh;  // stays where it is: the tree points to it
+  std::unique_ptr<const Mesh> mesh;  // must not move, because the tree points to it
   std::optional<BaselineScene> tree;
   double mesh_ms = 0, build_ms = 0;
   int repetitions = 1;
   std::uint64_t mesher_peak_bytes = 0;
-  // Set instead if a budget was exceeded.
+  // The reason if a budget was exceeded, else empty.
   std::string over_budget;
 };
 
 class Sweep {
  public:
-  // `whole` is the import, `shown` what of it is measured.
+  // `whole` is the import; `shown` is the part of it that is measured.
   Sweep(const ImportRequest& request, const ImportedModel& whole, const ShownModel& shown,
         const RunOptions& options, const std::string& directory, const RunContext& context)
       : request_(request),
@@ -90,7 +90,7 @@ class Sweep {
     const std::vector<MethodChoice> methods = MethodSettings(options_.with);
     steps_ = static_cast<int>(cameras.value().size() * (1 + direct.size()) + meshes.size() + methods.size());
 
-    // What lasts for all views, and the references.
+    // Make the scene, which all views share, and the references.
     const Scene scene(model());
     scene_ms_ = MedianMs([&] { const Scene again(model()); });
     for (const Camera& camera : cameras.value()) {
@@ -103,7 +103,7 @@ class Sweep {
       view.reference = std::move(reference).value();
       views_.push_back(std::move(view));
     }
-    // The points.
+    // Measure the points.
     for (TradeView& view : views_)
       for (const DirectSetting& setting : direct)
         if (auto measured = MeasureDirectPoint(scene, setting, view); !measured) return measured;
@@ -114,8 +114,8 @@ class Sweep {
     return {};
   }
 
-  // One point of one view; `skipped` of it says where the budget did not suffice. `timed` has the budget's
-  // memory, `picture` has not. An error ends the run.
+  // Measures one point of one view. Its `skipped` says which budget was exceeded, if any. `timed` is limited
+  // to the budget's memory, `picture` is not. An error ends the run.
   Result<TradePoint> MeasureWithin(const Representation& timed, const Representation& picture,
                                    const TradeSetting& setting, const TradeView& view) {
     const Deadline budget(trade().budget_s, deadline_.flag());
@@ -148,7 +148,7 @@ class Sweep {
     return {};
   }
 
-  // Meshes once, and measures every view of it.
+  // Makes one mesh, and measures every view with it.
   Result<void> MeasureMeshPoints(const MeshSetting& setting) {
     Step("meshes");
     std::string reason = RefusedBefore(setting);
@@ -184,7 +184,7 @@ class Sweep {
     CompleteCosts(point);
   }
 
-  // Makes the representation once, and measures every view of it.
+  // Makes the representation once, and measures every view with it.
   Result<void> MeasureMethodPoints(const Scene& scene, const MethodChoice& choice) {
     Step("methods");
     const Deadline budget(trade().budget_s, deadline_.flag());
@@ -210,7 +210,7 @@ class Sweep {
     return {};
   }
 
-  // Why a setting need not be tried; empty if it must.
+  // Returns the reason why a setting need not be tried; empty if it must be.
   std::string RefusedBefore(const MeshSetting& setting) const {
     for (const MeshSetting& refused : over_budget_)
       if (Refines(setting, refused))
@@ -220,8 +220,8 @@ class Sweep {
 
   // Runs the importer for one deflection, and builds the tree.
   Result<Tessellation> Tessellate(const MeshSetting& setting) {
-    // Where meshing was quick last time, several meshes of one import make a median: one step of the sweep
-    // multiplies the time by much less than 600.
+    // If meshing was quick last time, several meshes of one import give a median. From one setting to the
+    // next the time grows by far less than a factor of 600.
     constexpr double kQuickMeshMs = 100;
     constexpr int kMeshRepetitions = 3;
     const int repetitions = last_mesh_ms_ < kQuickMeshMs ? kMeshRepetitions : 1;
@@ -229,12 +229,12 @@ class Sweep {
     request.meshes.assign(
         static_cast<std::size_t>(repetitions),
         {.deflection = setting.deflection, .deflection_mm = 0, .angular_deg = setting.angular_deg});
-    // The budget is of meshing: whatever reading takes is neither tracer's.
+    // The budget applies to meshing alone: neither method is charged for reading the file.
     request.cancel = deadline_.flag();
     request.progress = nullptr;
     request.limits.mesh_timeout_s = trade().budget_s * repetitions;
     request.model_suffices = true;
-    // What reading the file took, and the budget on top; never more than --import-memory.
+    // The memory limit is what reading the file took plus the budget, but never more than --import-memory.
     const std::uint64_t reading_mb = imported_.import_peak_address_bytes / kMegabyte;
     if (reading_mb > 0)
       request.limits.memory_mb = std::min(request.limits.memory_mb, reading_mb + trade().budget_mb);
@@ -257,7 +257,7 @@ class Sweep {
     last_mesh_ms_ = tessellation.mesh_ms;
     tessellation.repetitions = repetitions;
 
-    // Read it and build the tree.
+    // Read the mesh and build the tree.
     auto mesh = LoadMesh(files.value().mesh_paths.front(),
                          {.max_memory_bytes = trade().budget_mb * kMegabyte}, whole_.model.get());
     if (!mesh) return Refused(mesh.error(), std::move(tessellation));
@@ -267,7 +267,7 @@ class Sweep {
     return BuildTree(std::move(tessellation));
   }
 
-  // What is shown of a mesh of the whole model.
+  // Returns the part of a mesh of the whole model that is shown.
   Result<Mesh> Shown(Mesh mesh) const {
     const auto shown = ShownModel::Of(whole_, &mesh, options_.picture.arrangement);
     if (!shown) return shown.error();
@@ -279,7 +279,7 @@ class Sweep {
     std::vector<double> times;
     for (const Json& mesh : summary.value("meshes", Json::array())) {
       times.push_back(mesh.value("mesh_ms", 0.0));
-      // The first alone had nothing to use again; a later one cannot need more.
+      // Later meshes reuse memory of the first one, so the largest peak is that of the first.
       tessellation.mesher_peak_bytes =
           std::max(tessellation.mesher_peak_bytes, mesh.value("peak_bytes", std::uint64_t{0}));
     }
@@ -308,7 +308,8 @@ class Sweep {
     return tessellation;
   }
 
-  // An error of a mesh that was made: of its size, or a real one.
+  // Handles an error after meshing: a mesh that is too large or empty exceeds the budget, other errors are
+  // returned.
   Result<Tessellation> Refused(const Error& error, Tessellation tessellation) const {
     if (error.code != ErrorCode::kLimitExceeded && error.code != ErrorCode::kNothingUsable) return error;
     tessellation.over_budget = error.code == ErrorCode::kLimitExceeded ? MemoryReason() : error.message;
@@ -319,14 +320,14 @@ class Sweep {
     return "it needs more than " + std::to_string(trade().budget_mb) + " MB (--budget-memory)";
   }
 
-  // True if the error ends the run, and not just the point.
+  // Returns true if the error ends the run, and not just the point.
   bool Stopped(const Error& error, const Deadline& budget) const {
     if (*deadline_.flag()) return true;
     return error.code != ErrorCode::kLimitExceeded &&
            !(error.code == ErrorCode::kCancelled && budget.expired());
   }
 
-  // A stop that the clock caused names the option that allows more.
+  // Returns an error that names --timeout if the time limit stopped the run; otherwise returns `error`.
   Error Explained(const Error& error) const {
     if (!deadline_.expired()) return error;
     return {ErrorCode::kLimitExceeded, model().info.file + ": the measurements took longer than " +
@@ -379,8 +380,8 @@ class Sweep {
     return result;
   }
 
-  // A sentence if other programs had work for more than half of a core. Reading the file is part of the
-  // minute, too.
+  // Returns a sentence if other programs used more than half of a core. The load average of the last minute
+  // includes reading the file.
   std::string BusyText() const {
     constexpr double kQuiet = 1.5;
     if (load_at_start_ <= kQuiet) return "";
@@ -389,7 +390,7 @@ class Sweep {
            " cores): times are longer than they need be.\n";
   }
 
-  // The view's entry of the report; writes its picture and plots.
+  // Writes the picture and the plots of a view, and returns its entry in the report.
   Result<Json> ViewJson(const TradeView& view) {
     const TradeReference& reference = view.reference;
     const std::string name = view.context.view, picture = name + ".direct.png";
@@ -428,7 +429,7 @@ class Sweep {
 
   const ImportRequest& request_;
   const ImportedModel &whole_, &imported_;
-  const Json& arrangement_;  // null where everything is shown as in the file
+  const Json& arrangement_;  // null if everything is shown as in the file
   const RunOptions& options_;
   const std::string directory_;
   const RunContext& context_;

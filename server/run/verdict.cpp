@@ -17,7 +17,7 @@ std::string NumberText(double value) {
   return text;
 }
 
-// "fail_depth_mm" is --fail-depth-mm on the command line.
+// Returns the option of a threshold: "fail_depth_mm" is --fail-depth-mm on the command line.
 std::string OptionOf(std::string threshold) {
   for (char& c : threshold) c = c == '_' ? '-' : c;
   return "--" + threshold;
@@ -29,7 +29,7 @@ Json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& value
   Json broken = Json::array();
   for (const ViewValues& view : values) {
     const auto check = [&](const char* name, const std::optional<double>& limit, double value) {
-      // In this form a NaN breaks the threshold.
+      // Written this way, a NaN exceeds the threshold.
       if (!limit || value <= *limit) return;
       broken.push_back({{"view", view.view},
                         {"threshold", name},
