@@ -226,7 +226,7 @@ Error TooLarge(std::uint64_t max_bytes) {
   char text[160];
   std::snprintf(text, sizeof text,
                 "the mesh's search tree needs more than the %.4g MB of memory that it may take; "
-                "--max-view-memory allows more, and a coarser mesh needs less",
+                "use --max-view-memory to allow more, and a coarser mesh needs less",
                 static_cast<double>(max_bytes) / kMegabyte);
   return {ErrorCode::kLimitExceeded, text};
 }

@@ -246,7 +246,7 @@ class Run {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%g", timeout_s_);
     return {ErrorCode::kLimitExceeded, imported_.model->info.file + ": rendering took longer than " +
-                                           seconds + " s; --timeout allows more"};
+                                           seconds + " s; use --timeout to allow more"};
   }
 
  private:

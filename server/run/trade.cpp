@@ -331,7 +331,7 @@ class Sweep {
   Error Explained(const Error& error) const {
     if (!deadline_.expired()) return error;
     return {ErrorCode::kLimitExceeded, model().info.file + ": the measurements took longer than " +
-                                           NumberText(timeout_s_) + " s; --timeout allows more"};
+                                           NumberText(timeout_s_) + " s; use --timeout to allow more"};
   }
 
   Result<TradeResult> Report() {

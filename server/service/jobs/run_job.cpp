@@ -236,9 +236,10 @@ class JobRun {
     // The request's own option cannot allow what the service does not.
     if (files && files.value().mesh_failure && files.value().mesh_failure->reason == "timeout" &&
         request_.options.import_limits.mesh_timeout_s > MostMeshing())
-      files.value().mesh_failure->error.message =
-          name + ": meshing took longer than " + NumberText(MostMeshing()) +
-          " s, half of what a job may take; --timeout allows more, and a coarser --deflection needs less";
+      files.value().mesh_failure->error.message = name + ": meshing took longer than " +
+                                                  NumberText(MostMeshing()) +
+                                                  " s, half of what a job may take; use --timeout to allow "
+                                                  "more, and a coarser --deflection needs less";
     return files;
   }
 

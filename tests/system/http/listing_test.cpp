@@ -64,7 +64,8 @@ TEST_F(Listing, JobsComeNewestFirstWithoutTheirResults) {
   const Json job = server_.Get("/v1/jobs?limit=1").Json().at("jobs").at(0);
   EXPECT_EQ(job.at("state"), "done");
   EXPECT_FALSE(job.contains("result"));
-  EXPECT_THAT(server_.Get("/v1/jobs?after=" + std::string(32, '0')).body, HasSubstr("no job of yours"));
+  EXPECT_THAT(server_.Get("/v1/jobs?after=" + std::string(32, '0')).body,
+              HasSubstr("after must name one of your jobs"));
 }
 
 TEST_F(Listing, ParametersAreChecked) {

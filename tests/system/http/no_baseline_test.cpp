@@ -43,7 +43,7 @@ TEST_F(HttpNoBaseline, SaysWhyForEachEndOfTheMesher) {
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash",
                   "the mesher was killed by SIGSEGV");
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}}), "timeout",
-                  "meshing took longer than 0.3 s; mesh_timeout allows more");
+                  "meshing took longer than 0.3 s; use mesh_timeout to allow more");
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-unusable write-failed"), "failed", "");
   const Json fine = Post(server, "/v1/comparisons", "mesh-ok").Json();
   EXPECT_FALSE(fine.contains("no_baseline"));
@@ -53,7 +53,7 @@ TEST_F(HttpNoBaseline, SaysWhyForEachEndOfTheMesher) {
 TEST_F(HttpNoBaseline, SaysWhyOfAModelThatIsThereAlready) {
   LiveServer server({}, FakeImporter());
   ASSERT_EQ(Post(server, "/v1/renders", "mesh-crash").status, 200);
-  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash", "the mesher died");
+  ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash", "the mesher was killed");
   // The model was kept by a comparison, too, and asked again the answer is known.
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}}), "timeout",
                   "meshing took longer");
@@ -66,7 +66,7 @@ TEST_F(HttpNoBaseline, LeavesHalfOfTheJobsTimeToTheExactHalf) {
   LiveServer server({"--timeout", "4"}, FakeImporter());
   const Reply reply = Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 1000}});
   ExpectExactHalf(server, reply, "timeout", "meshing took longer than 2 s, half of what a job may take");
-  EXPECT_THAT(reply.body, HasSubstr("the service's own option --timeout allows more"));
+  EXPECT_THAT(reply.body, HasSubstr("use the service's own option --timeout to allow more"));
 }
 
 TEST_F(HttpNoBaseline, NamesTheOperatorsOptionWhereTheSearchTreeIsTooLarge) {
@@ -79,8 +79,8 @@ TEST_F(HttpNoBaseline, NamesTheOperatorsOptionWhereTheSearchTreeIsTooLarge) {
   EXPECT_EQ(reply.Json().at("no_baseline").at("reason"), "memory");
   EXPECT_THAT(reply.Json().at("no_baseline").at("message").get<std::string>(),
               HasSubstr("sphere.step: the mesh's search tree needs more than the 1 MB of memory that it may "
-                        "take; the service's own "
-                        "option --max-view-memory allows more"));
+                        "take; use the service's own "
+                        "option --max-view-memory to allow more"));
   const std::string page = server.Get(reply.Json().at("links").at("page")).body;
   EXPECT_THAT(page, HasSubstr("the service's own option --max-view-memory"));
 }

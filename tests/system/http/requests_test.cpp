@@ -19,7 +19,7 @@ TEST(HttpTerms, OptionsAreNamedAsRequestsNameThem) {
             "try the other one of mesh_up y, mesh_up z");
   EXPECT_EQ(InHttpTerms("--parts and --hide leave nothing"), "parts and hide leave nothing");
   EXPECT_EQ(InHttpTerms("use --import-memory to allow more"),
-            "the service's own option use --import-memory to allow more");
+            "use the service's own option --import-memory to allow more");
   EXPECT_EQ(InHttpTerms("as (--mesh) says"), "as (the part mesh) says");
   EXPECT_EQ(InHttpTerms("a--strict b -- --nonsense"), "a--strict b -- --nonsense");
   EXPECT_TRUE(IsRequestOption("mesh_unit"));

@@ -181,7 +181,7 @@ TEST_F(OwnMesh, WhoseSearchTreeIsTooLargeLeavesTheExactHalf) {
   EXPECT_THAT(
       outcome.error_tail,
       HasSubstr("sphere.step: the mesh's search tree needs more than the 1 MB of memory that it may take; "
-                "--max-view-memory allows more, and a coarser mesh needs less; "));
+                "use --max-view-memory to allow more, and a coarser mesh needs less; "));
   EXPECT_EQ(Report().at("no_baseline").at("reason"), "memory");
   EXPECT_GT(Report().at("views").at(0).at("direct").at("hits"), 0);
   EXPECT_EQ(RunProgram(Program("facetless"), fine, out_.path()).exit_code, kExitDone);

@@ -131,7 +131,7 @@ TEST_F(Trade, SaysInOneSentenceWhatIsWrong) {
   EXPECT_EQ(std::count(broken.error_tail.begin(), broken.error_tail.end(), '\n'), 1) << broken.error_tail;
   const ChildOutcome late = Run({"--timeout", "0.01", "--size", "256x256"});
   EXPECT_EQ(late.exit_code, kExitUnusable);
-  EXPECT_THAT(late.error_tail, HasSubstr("--timeout allows more"));
+  EXPECT_THAT(late.error_tail, HasSubstr("use --timeout to allow more"));
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }
 

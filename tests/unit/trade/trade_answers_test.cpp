@@ -82,7 +82,7 @@ TEST(LimitAnswer, SaysWhenNothingWasMeasured) {
   const LimitAnswer answer =
       AnswerLimit({Skipped(MeshPoint(1e-2, 0, 0), "the importer was killed by SIGSEGV")}, false, 1, kContext);
   EXPECT_THAT(answer.sentence,
-              HasSubstr("no mesh was measured; mesh 1e-2, 30° was not measured: the importer died"));
+              HasSubstr("no mesh was measured; mesh 1e-2, 30° was not measured: the importer was killed"));
   EXPECT_THAT(answer.sentence, HasSubstr("No direct setting that was measured keeps it."));
 }
 
