@@ -10,12 +10,13 @@ namespace facetless {
 
 inline constexpr std::uint32_t kReplacementCharacter = 0xfffd, kLastCharacter = 0x10ffff;
 
-// Whether the code is a UTF-16 surrogate, which is not a character.
+// Returns whether the code is a UTF-16 surrogate, which is not a character.
 inline bool IsSurrogate(std::uint32_t code) {
   return code >= 0xd800 && code < 0xe000;
 }
 
-// Whether the character is a control character, which a terminal or a log may act on instead of displaying.
+// Returns whether the character is a control character, which a terminal or a log may act on instead of
+// displaying.
 inline bool IsControlCharacter(std::uint32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0);
 }

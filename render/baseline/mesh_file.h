@@ -53,8 +53,8 @@ Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, c
 // one unit of the mesh file. The check succeeds if either box is empty or a single point.
 Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model);
 
-// Whether a mesh that refers to faces (Mesh::from_model) refers to those of `model`: each node is an instance
-// of the model, and each face exists in its part. The mesh may lack instances.
+// Returns whether a mesh that refers to faces (Mesh::from_model) refers to those of `model`: each node is an
+// instance of the model, and each face exists in its part. The mesh may lack instances.
 bool NamesFacesOf(const Mesh& mesh, const Model& model);
 
 // The number of triangles whose orientation contradicts the normals at their corners, if that is true of at

@@ -73,8 +73,8 @@ float LargestCoordinate(const MeshPart& part) {
   return largest;
 }
 
-// Whether the inverse of the placement keeps rays that start within `reach` of the origin in the valid range:
-// the inverse must not enlarge them beyond the range or reduce them to nothing.
+// Returns whether the inverse of the placement keeps rays that start within `reach` of the origin in the
+// valid range: the inverse must not enlarge them beyond the range or reduce them to nothing.
 bool CanBeUndone(const Placement& placement, double reach) {
   const auto& m = placement.m;
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};

@@ -24,8 +24,8 @@ std::size_t BinaryLength(Bytes bytes) {
   return length <= bytes.size() ? length : 0;
 }
 
-// Whether the file starts with "solid" and continues soon with "facet" or "endsolid". The second word is
-// needed because the headers of many binary files start with "solid", too.
+// Returns whether the file starts with "solid" and continues soon with "facet" or "endsolid". The second word
+// is needed because the headers of many binary files start with "solid", too.
 bool LooksLikeAscii(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                               std::min<std::size_t>(bytes.size(), 2048));

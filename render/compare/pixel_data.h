@@ -36,7 +36,7 @@ enum class PixelPlane : std::uint8_t { kFaces, kDepths, kNormals, kDeviation, kS
 constexpr std::size_t kPixelPlanes = 5;
 // The name in reports and file names: "pixel-faces", …
 const char* PixelPlaneName(PixelPlane plane);
-// Whether a plane depends on the candidate with which the exact surfaces are compared.
+// Returns whether a plane depends on the candidate with which the exact surfaces are compared.
 constexpr bool IsOfCandidate(PixelPlane plane) {
   return plane == PixelPlane::kDeviation || plane == PixelPlane::kStatus;
 }

@@ -71,7 +71,7 @@ class Representation {
   // The scene of exact surfaces that it traces; null if there is none. Lines, and inspections that need a
   // surface, use it.
   virtual const Scene* exact() const { return nullptr; }
-  // Whether the samples have the placed-face ids of the model.
+  // Returns whether the samples have the placed-face ids of the model.
   virtual bool names_faces() const { return true; }
 
   // Traces a view. Errors: the errors of the tracer.

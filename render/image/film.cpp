@@ -105,7 +105,7 @@ Result<Film> Resolve(Film samples, int samples_x, int samples_y) {
 
 namespace {
 
-// Whether each of `count` numbers is finite.
+// Returns whether each of `count` numbers is finite.
 bool AllFinite(const float* numbers, std::size_t count) {
   constexpr std::uint32_t kExponent = 0x7f800000;
   bool found = false;

@@ -23,7 +23,7 @@ struct TextStyle {
   std::uint8_t color[3] = {40, 40, 44};  // sRGB
 };
 
-// Whether the font has all characters of the text.
+// Returns whether the font has all characters of the text.
 bool CanDraw(std::string_view utf8);
 
 // The width of the text as drawn by DrawText, px.

@@ -163,7 +163,7 @@ bool IsNumber(const SampleBuffer& samples, std::size_t i) {
   return std::isfinite(samples.depth[i]) && std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);
 }
 
-// Whether the id is that of a section cap. Caps have ids above those of the faces.
+// Returns whether the id is that of a section cap. Caps have ids above those of the faces.
 bool IsCap(const Model& model, std::uint32_t face) {
   return face != kNoIndex && face >= model.PlacedFaceCount();
 }

@@ -40,12 +40,12 @@ struct Quantity {
 bool HasValues(InspectionKind kind);
 Quantity QuantityOf(const Inspection& inspection);
 
-// Whether the viewer sees the surface from inside, by more than the rounding error of a float32 normal
-// (kSettled).
+// Returns whether the viewer sees the surface from inside, by more than the rounding error of a float32
+// normal (kSettled).
 inline constexpr double kSettled = 0x1p-20;  // eight units in the last place
 bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i);
 
-// Whether the tracer must fill SampleBuffer::uv so that InspectionValues is exact.
+// Returns whether the tracer must fill SampleBuffer::uv so that InspectionValues is exact.
 bool WantsUv(InspectionKind kind);
 
 // Computes the value of each sample. Requires a kind for which HasValues is true. `scene` is the scene of the

@@ -469,7 +469,8 @@ inline Planes Size(Planes low, Planes high) {
   return Max(Abs(low), Abs(high));
 }
 
-// Whether a range, widened by its error, excludes zero in X or in Y, or, if `all` is set, in any component.
+// Returns whether a range, widened by its error, excludes zero in X or in Y, or, if `all` is set, in any
+// component.
 inline bool LeavesOutZero(Planes low, Planes high, Planes error, bool all) {
   double least[kNetComponents], most[kNetComponents], slack[kNetComponents];
   Store(low, least);

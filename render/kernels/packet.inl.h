@@ -214,7 +214,7 @@ class Packet {
     return kept != 0;
   }
 
-  // Whether a hit may be the nearest one, or may coincide with the nearest one.
+  // Returns whether a hit may be the nearest one, or may coincide with the nearest one.
   bool Matters(int lane, const TileHit& hit) const {
     return job_.coincidences ? hit.depth - hit.error <= Reach(lane) : hit.depth < depth_[lane];
   }

@@ -124,7 +124,7 @@ class Projector {
     Flatten(high, halvings + 1, lines);
   }
 
-  // Whether the control points are close enough to the chord, on the screen and in depth (in pixels).
+  // Returns whether the control points are close enough to the chord, on the screen and in depth (in pixels).
   bool IsFlat(const std::vector<PixelPoint>& pixels) const {
     const PixelPoint &a = pixels.front(), &b = pixels.back();
     const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;

@@ -41,7 +41,7 @@ class Judge {
   double width() const { return samples_.width / scale_x_; }
   double height() const { return samples_.height / scale_y_; }
 
-  // Whether the point p of `line` is visible.
+  // Returns whether the point p of `line` is visible.
   bool Sees(const ViewLine& line, const LinePoint& p) const {
     const double x = p.x * scale_x_, y = p.y * scale_y_;
     // Outside the picture, use the nearest sample.
@@ -72,7 +72,7 @@ class Judge {
     return p.depth <= depth + std::max(change, 0.0) + 2 * std::fabs(change) + kSlack * pixel;
   }
 
-  // Whether the line at p, with the direction (dx, dy), is an outline of the visible surface.
+  // Returns whether the line at p, with the direction (dx, dy), is an outline of the visible surface.
   bool IsOutline(const LinePoint& p, double dx, double dy) const {
     const double length = std::sqrt(dx * dx + dy * dy);
     if (!(length > 0)) return false;

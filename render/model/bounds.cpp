@@ -151,8 +151,8 @@ void AppendSurfaceHull(const Model& model, const Face& face, SpanToBezier to_bez
   }
 }
 
-// Whether the extent of the surface in every direction is attained on the border of a face. This is true of
-// surfaces that consist of straight lines, which leave the face through its loops.
+// Returns whether the extent of the surface in every direction is attained on the border of a face. This is
+// true of surfaces that consist of straight lines, which leave the face through its loops.
 bool IsDevelopable(SurfaceKind kind) {
   return kind == SurfaceKind::kPlane || kind == SurfaceKind::kCylinder || kind == SurfaceKind::kCone ||
          kind == SurfaceKind::kExtrusion;

@@ -60,7 +60,7 @@ enum class SurfaceKind : std::uint8_t {
 };
 const char* SurfaceKindName(SurfaceKind kind);  // "plane", "cylinder", …: the keys of report.json
 
-// How the Bézier parameter t ∈ [0,1] of a span maps to its native interval [begin, end].
+// The map from the Bézier parameter t ∈ [0,1] of a span to its native interval [begin, end].
 enum class SpanMap : std::uint8_t {
   kLinear,  // native = begin + t·(end − begin)
   // NURBS arc: with m the centre and h half the width, (2t − 1)·tan(h/2) = tan((native − m)/2); h < π/2

@@ -318,7 +318,7 @@ bool FaceTrim::Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd,
   return true;
 }
 
-// Where `rect`, grown by the piece's band, lies.
+// Returns where `rect`, enlarged by the band of the piece, lies relative to the piece.
 FaceTrim::PieceSide FaceTrim::SideOfRect(std::uint32_t i, const Rect& rect, double band_scale,
                                          TrimPath& path) const {
   const TrimPiece& piece = pieces_.pieces[i];
@@ -357,8 +357,8 @@ FaceTrim::PieceSide FaceTrim::SideOfRect(std::uint32_t i, const Rect& rect, doub
   return PieceSide::kMeets;
 }
 
-// Whether the half-line from `point` towards +u crosses the piece. Within rounding of the curve the chord
-// decides.
+// Returns whether the half-line from `point` towards +u crosses the piece. Within rounding of the curve the
+// chord decides.
 bool FaceTrim::CrossesRightOf(std::uint32_t i, Vec2 point, TrimPath& path) const {
   const TrimPiece& piece = pieces_.pieces[i];
   if (!Spans(piece, point.y)) return false;

@@ -77,8 +77,8 @@ class FaceTrim {
   // (u,v) is not finite, the answer is outside and not certain.
   TrimAnswer Query(double u, double v, double error_u, double error_v, double band_scale = 1) const;
 
-  // Whether the loops are the border of the patch grid. If so, every point inside the grid and outside the
-  // bands is inside the face.
+  // Returns whether the loops are the border of the patch grid. If so, every point inside the grid and
+  // outside the bands is inside the face.
   bool whole() const { return whole_; }
 
   std::size_t bytes() const;

@@ -86,7 +86,7 @@ Bend BendOf(const Net& net) {
   return bend;
 }
 
-// Whether origin + t·direction meets the box for a t in [low, high]. `inverse` may hold infinities.
+// Returns whether origin + t·direction meets the box for a t in [low, high]. `inverse` may hold infinities.
 bool Meets(const Box3& box, Vec3 origin, Vec3 inverse, double low, double high) {
   const auto slab = [&](double a, double b, double o, double i) {
     const double t0 = (a - o) * i, t1 = (b - o) * i;

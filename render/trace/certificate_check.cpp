@@ -212,8 +212,8 @@ RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double dep
   return RayCheck::kClear;
 }
 
-// Whether the ray certainly hits the patch at a smaller depth than `limit`. The patch is halved repeatedly,
-// in coordinates relative to two planes through the ray.
+// Returns whether the ray certainly hits the patch at a smaller depth than `limit`. The patch is halved
+// repeatedly, in coordinates relative to two planes through the ray.
 bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face, std::uint32_t patch,
                                      double x, double y, double limit, Budget* budget) const {
   const Model& model = *scene_.model;

@@ -18,7 +18,7 @@
 
 namespace facetless {
 
-// Whether `edge` crosses the half-line from the pixel coordinates (x, y) an odd number of times.
+// Returns whether `edge` crosses the half-line from the pixel coordinates (x, y) an odd number of times.
 std::optional<bool> CrossesHalfLine(const ProjectedEdges& edges, std::uint32_t edge, double x, double y);
 
 }  // namespace facetless

@@ -112,7 +112,8 @@ class Preparation {
     }
   }
 
-  // Whether the box may be visible. Returns false only if its image is proven to lie outside the window.
+  // Returns whether the box may be visible. Returns false only if its image is proven to lie outside the
+  // window.
   bool BoxCanBeSeen(const Box3& box, const ViewProjection& projection) const {
     bool left = true, right = true, above = true, below = true, behind = window_.perspective;
     double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;

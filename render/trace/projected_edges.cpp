@@ -210,9 +210,9 @@ bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobia
 
 namespace {
 
-// Whether the ray passes the edge so far away that the p-curve and the edge cannot disagree, because they are
-// at most a gap apart. Twice the gap allows for the way in which it was measured; the rest, in samples,
-// allows for the rounding of a projected edge.
+// Returns whether the ray passes the edge so far away that the p-curve and the edge cannot disagree, because
+// they are at most a gap apart. Twice the gap allows for the way in which it was measured; the rest, in
+// samples, allows for the rounding of a projected edge.
 bool OutOfReach(const Coedge& coedge, const EdgeSide& side, double mm_per_px) {
   constexpr double kRoundingPx = 0x1p-20;
   return side.distance_px > 2 * coedge.gap_mm / mm_per_px + std::max(kRoundingPx, side.error_px);

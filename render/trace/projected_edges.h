@@ -73,8 +73,8 @@ class ProjectedEdges {
   double center_x_, center_y_;  // centre of the image, in pixel coordinates
 };
 
-// Whether a hit is kept, judged by one coedge alone. `jacobian_positive`: x_u·y_v − x_v·y_u > 0 for the map
-// (u,v) -> pixel at the hit. Requires side != kUnknown.
+// Returns whether a hit is kept, judged by one coedge alone. `jacobian_positive`: x_u·y_v − x_v·y_u > 0 for
+// the map (u,v) -> pixel at the hit. Requires side != kUnknown.
 bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive);
 
 enum class EdgeVerdict : std::uint8_t { kKeep, kDrop, kUnknown };

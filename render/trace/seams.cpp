@@ -288,7 +288,7 @@ class Finder {
     }
   }
 
-  // Whether the border of the face winds around the pixel an odd number of times (law 1).
+  // Returns whether the border of the face winds around the pixel an odd number of times (law 1).
   std::optional<bool> Winds(std::uint32_t face, double x, double y) const {
     const Range border = table_.border_of[face];
     if (border.count == 0) return std::nullopt;

@@ -282,9 +282,9 @@ class Subdivision {
           bounds.tilt[0] * net.degree_u >= bounds.tilt[1] * net.degree_v ? Direction::kU : Direction::kV);
   }
 
-  // Whether the height, which is monotone along `direction`, passes from one side of the slab to the other on
-  // every line of that direction, or ends within the slab, as it does if the cut runs along a border of
-  // patches.
+  // Returns whether the height, which is monotone along `direction`, passes from one side of the slab to the
+  // other on every line of that direction, or ends within the slab, as it does if the cut runs along a border
+  // of patches.
   bool Crosses(const BezierNet& net, int direction) const {
     bool rising = true, falling = true;
     const int count = direction == 0 ? net.degree_v : net.degree_u;

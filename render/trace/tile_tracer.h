@@ -73,9 +73,9 @@ class TileTracer final : private HitResolver {
   // work limit of the ray does not suffice for all roots.
   template <typename Found>
   bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
-  // Whether a root on the border of its patch (OnPatchBorder) belongs to the leaf and not to its neighbour.
-  // Adds to *doubt if that is not proven, and widens the hit's error by the difference from the neighbour's
-  // depth.
+  // Returns whether a root on the border of its patch (OnPatchBorder) belongs to the leaf and not to its
+  // neighbour. Adds to *doubt if that is not proven, and widens the hit's error by the difference from the
+  // neighbour's depth.
   bool OwnsBorderRoot(const LeafSite& site, const Root& root, double x, double y, TileHit* hit,
                       std::uint8_t* doubt);
   // The root of the same ray in the patch across the border.
@@ -85,7 +85,7 @@ class TileTracer final : private HitResolver {
   };
   std::optional<Neighbour> NeighbourOf(const LeafSite& site, const Root& root, const TileHit& hit, double x,
                                        double y);
-  // Whether the face has the same root again on the other side of the seam that `answer` reports.
+  // Returns whether the face has the same root again on the other side of the seam that `answer` reports.
   bool OnSeam(const LeafSite& site, const Root& root, const TrimAnswer& answer, double depth, double x,
               double y);
   bool IsInsideFace(const LeafSite& site, const Root& root, double x, double y, std::uint8_t* doubt);

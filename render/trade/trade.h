@@ -117,7 +117,7 @@ std::vector<DirectSetting> DirectSettings(std::vector<double> tolerances);
 // given.
 std::vector<MethodChoice> MethodSettings(const std::vector<MethodChoice>& choices);
 
-// Whether `a` refines `b`: its deflection is smaller, or is the same and its angle is not wider. If b
+// Returns whether `a` refines `b`: its deflection is smaller, or is the same and its angle is not wider. If b
 // exceeded the budget, a would hardly stay within it.
 bool Refines(const MeshSetting& a, const MeshSetting& b);
 

@@ -19,12 +19,12 @@ std::string Lowered(std::string text) {
   return text;
 }
 
-// Whether the byte continues a UTF-8 character.
+// Returns whether the byte continues a UTF-8 character.
 bool Continues(char c) {
   return (static_cast<unsigned char>(c) & 0xc0) == 0x80;
 }
 
-// Whether the pattern matches the whole of `name`. On a mismatch, the match resumes at the last star.
+// Returns whether the pattern matches the whole of `name`. On a mismatch, the match resumes at the last star.
 bool Globs(const std::string& pattern, const std::string& name) {
   std::size_t p = 0, n = 0, star = std::string::npos, after_star = 0;
   while (n < name.size()) {

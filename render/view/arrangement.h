@@ -35,7 +35,7 @@ struct ArrangementRequest {
   double explode = 0;                    // f of law 4, >= 0
   bool show_hidden = false;              // also show occurrences that the file hides
 
-  // Whether the request changes which occurrences of `model` are shown, or where they are.
+  // Returns whether the request changes which occurrences of `model` are shown, or where they are.
   bool ChangesAnything(const Model& model) const {
     return IsAskedFor() || (!show_hidden && HidesAnything(model));
   }
@@ -52,7 +52,7 @@ struct Arrangement {
 // The name of an occurrence (law 1). It is never empty.
 std::string OccurrenceName(const Model& model, std::uint32_t instance);
 
-// Whether the pattern matches the name (law 2).
+// Returns whether the pattern matches the name (law 2).
 bool NameMatches(const std::string& pattern, const std::string& name);
 
 // Decides which instances are shown, and where. Errors: kBadUsage (a pattern matches nothing, and the message

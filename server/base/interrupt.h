@@ -41,7 +41,7 @@ class Deadline {
   // Ends the time now.
   void Expire();
   const std::atomic<bool>* flag() const { return &stop_; }
-  // Whether the flag was set because the time was over.
+  // Returns whether the flag was set because the time was over.
   bool expired() const { return expired_; }
 
  private:

@@ -34,7 +34,7 @@ std::string Sha256Hex(std::string_view bytes);
 // The digest of a file. Error: kFileUnreadable.
 Result<std::string> Sha256OfFile(const std::string& path);
 
-// Whether the text consists of 64 lower-case hexadecimal digits.
+// Returns whether the text consists of 64 lower-case hexadecimal digits.
 bool IsSha256Hex(std::string_view text);
 
 }  // namespace facetless

@@ -65,7 +65,7 @@ std::string Seconds(double seconds) {
   return text;
 }
 
-// Whether the environment variable names the resources of OpenCASCADE.
+// Returns whether the environment variable names the resources of OpenCASCADE.
 bool NamesResources(std::string_view variable) {
   return variable.starts_with("CSF_") || variable.starts_with("CASROOT=");
 }
@@ -218,8 +218,8 @@ Error SizeError(const std::string& name, const ImportLimits& limits) {
           name + ": the imported model is larger than " + std::to_string(limits.file_mb) + " MB"};
 }
 
-// Whether a death by a signal was caused by a failed allocation: the library reported it, or the address
-// space had come within an eighth of its limit. (The peak does not include the request that failed.)
+// Returns whether a death by a signal was caused by a failed allocation: the library reported it, or the
+// address space had come within an eighth of its limit. (The peak does not include the request that failed.)
 bool RanOutOfMemory(const ChildOutcome& outcome, const ChildLimits& limits) {
   if (outcome.error_tail.find("bad_alloc") != std::string::npos ||
       outcome.error_tail.find("annot allocate memory") != std::string::npos)

@@ -25,7 +25,7 @@ Result<Vec3> ParsePoint(const Json& json, const std::string& name) {
   return Vec3{xyz[0], xyz[1], xyz[2]};
 }
 
-// Whether any view of the options is a perspective view.
+// Returns whether any view of the options is a perspective view.
 bool HasPerspective(const RunOptions& options) {
   const bool usual = options.projection == Projection::kPerspective;
   if (!options.cameras.is_array()) return usual;

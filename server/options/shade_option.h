@@ -12,8 +12,8 @@ namespace facetless {
 // Parses the option. Error: kBadUsage, which states what is allowed.
 Result<Inspection> ParseShade(const nlohmann::json& json);
 
-// Whether the kind shows the smoothness of a surface. If so, the report includes the continuity of edges
-// between faces.
+// Returns whether the kind shows the smoothness of a surface. If so, the report includes the continuity of
+// edges between faces.
 bool ShowsSmoothness(InspectionKind kind);
 
 }  // namespace facetless

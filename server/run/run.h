@@ -59,7 +59,7 @@ Result<ImportedModel> Import(const ImportRequest& request);
 // Loads a mesh that the importer made. Errors: the errors of LoadMesh, and the reason if the mesh is
 // unusable.
 Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model);
-// Whether an error with this code in making the baseline leaves the exact half of a comparison valid.
+// Returns whether an error with this code in making the baseline leaves the exact half of a comparison valid.
 bool CostsTheBaselineOnly(ErrorCode code);
 
 struct RunContext {
@@ -73,8 +73,8 @@ nlohmann::json ImportedModelJson(const ImportedModel& imported);
 
 // The number of faces, loops and edges that the import lost.
 std::size_t LossCount(const Model& model);
-// Whether the length unit is known. It is not known if the file has no readable unit and none was given,
-// which is a failure under --strict.
+// Returns whether the length unit is known. It is not known if the file has no readable unit and none was
+// given, which is a failure under --strict.
 bool KnowsUnit(const Model& model);
 
 // RunRender and RunCompare create `directory`, write the files to it, and return the report. Errors:

@@ -57,7 +57,7 @@ bool OnlyThisMachineReaches(const std::string& host) {
   return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
-// Whether callers without a key are allowed. Error: kBadUsage (keys are required, but there is none).
+// Returns whether callers without a key are allowed. Error: kBadUsage (keys are required, but there is none).
 Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& host, const std::string& data,
                               KeyStore& keys) {
   if (options.allow_anonymous) return true;

@@ -55,7 +55,7 @@ const char* ContentTypeOf(const std::string& extension) {
   return "application/octet-stream";
 }
 
-// Whether If-None-Match names the tag or any tag.
+// Returns whether If-None-Match names the tag or any tag.
 bool Matches(const std::string& if_none_match, const std::string& tag) {
   return if_none_match == "*" || if_none_match.find(tag) != std::string::npos;
 }

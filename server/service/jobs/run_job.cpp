@@ -23,10 +23,11 @@ namespace {
 using Json = nlohmann::json;
 using Artifacts = std::vector<std::pair<std::string, KeptFile>>;
 
-// A trade whose caller names no budget: so many of its points fit into the job's time at the least.
+// If the caller of a trade gives no budget, the budget lets at least this many points fit into the job's
+// time.
 constexpr double kTradePoints = 20;
 
-// How a mesh of ours was made, as a key of the store.
+// Returns the settings with which a mesh of ours was made, as a key of the store.
 std::string MeshKey(const TessellationOptions& mesh) {
   const Json identity = {{"version", Version()},
                          {"deflection", mesh.deflection_mm > 0 ? 0 : mesh.deflection},
@@ -170,13 +171,13 @@ class JobRun {
     return mesh.value().path;
   }
 
-  // Where the mesh lies; "" if there is none, and no_baseline_ says why.
+  // Finds or makes the mesh, and returns its path; "" if there is none, and then no_baseline_ has the reason.
   Result<std::string> MakeMesh() {
     if (no_baseline_) return std::string();
     if (foreign_mesh()) {
       posted_mesh_ = store_.Pin(request_.mesh);
       if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh no longer exists"};
-      // Under the name that it came with, which errors show.
+      // Link it under the name with which it was uploaded, because errors show that name.
       auto path = UnderName(posted_mesh_->path, request_.mesh_name.empty() ? "mesh" : request_.mesh_name);
       if (!path) return path.error();
       return std::move(path).value();
@@ -188,7 +189,8 @@ class JobRun {
     return KeepMesh(files.value(), model_->id);
   }
 
-  // The file at `path`, in a scratch directory of the job's under another name.
+  // Links the file at `path` into a new scratch directory of the job under `name`. Returns the path of the
+  // link.
   Result<std::string> UnderName(const std::string& path, const std::string& name) {
     auto scratch = store_.Scratch();
     if (!scratch) return scratch.error();
@@ -200,14 +202,14 @@ class JobRun {
     return link;
   }
 
-  // What every import of the job has in common. `source` lies in the job's scratch directory under the name
-  // that it came with: reports show it.
+  // Returns the import request for the file at `path`, which is linked into a scratch directory of the job
+  // under `name`, because reports show that name.
   Result<ImportRequest> ImportRequestFor(const std::string& path, const std::string& name) {
     auto input = UnderName(path, name);
     if (!input) return input.error();
     ImportRequest request;
     request.input = std::move(input).value();
-    // The job's deadline ends it first.
+    // This limit is never reached, because the job's deadline ends the import first.
     request.limits.timeout_s = 2 * limits_.timeout_s;
     request.limits.mesh_timeout_s = std::min(request_.options.import_limits.mesh_timeout_s, MostMeshing());
     request.limits.memory_mb = limits_.import_memory_mb;
@@ -264,7 +266,8 @@ class JobRun {
     return Publish(std::move(report).value(), out);
   }
 
-  // A report of `out` that has no baseline says why in the terms of the caller, who hears it on the way, too.
+  // Adds to a report without a baseline the reason in terms of HTTP, which is also sent as a progress
+  // message.
   Result<Json> InTermsOfHttp(Result<Json> report, const std::string& out) {
     if (!report || !report.value().contains("no_baseline")) return report;
     const Json& said = report.value().at("no_baseline");

@@ -37,7 +37,7 @@ std::string BodyDigest(const HttpRequest& request, const std::string& kind) {
   return Sha256Hex(JsonText(parts, -1));
 }
 
-// Whether the options contain the budget of a trade.
+// Returns whether the options contain the budget of a trade.
 bool HasBudget(const Json& options) {
   return options.contains("budget_seconds") || options.contains("budget-seconds");
 }

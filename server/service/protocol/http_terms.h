@@ -6,8 +6,8 @@
 
 namespace facetless {
 
-// Whether an HTTP request may contain the option `name` ("mesh_unit"). Options that concern the machine
-// (threads, memory and time limits) belong to the operator.
+// Returns whether an HTTP request may contain the option `name` ("mesh_unit"). Options that concern the
+// machine (threads, memory and time limits) belong to the operator.
 bool IsRequestOption(std::string_view name);
 
 // The sentence with the names of options as in requests: "--mesh-unit" becomes "mesh_unit". An option of the

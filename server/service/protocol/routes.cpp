@@ -18,7 +18,8 @@ Route Look(RouteKind kind, const char* path, const char* methods = "GET, HEAD") 
   return {kind, "", "", methods, path};
 }
 
-// What stands in `path` for the part of `pattern` in braces; "" where there are none.
+// Returns the text of `path` that stands for the part of `pattern` in braces ("" without braces), or nothing
+// if the path does not match.
 std::optional<std::string> Match(const std::string& pattern, const std::string& path) {
   const std::size_t open = pattern.find('{');
   if (open == std::string::npos) return pattern == path ? std::optional<std::string>("") : std::nullopt;

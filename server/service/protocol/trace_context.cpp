@@ -5,7 +5,7 @@
 namespace facetless {
 namespace {
 
-// Whether the text consists of lower-case hexadecimal digits, which the standard requires.
+// Returns whether the text consists of lower-case hexadecimal digits, which the standard requires.
 bool IsHex(const std::string& text) {
   return std::all_of(text.begin(), text.end(),
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });

@@ -130,7 +130,7 @@ class Store {
 std::string ModelItem(const std::string& owner, const std::string& id);
 std::string AnswerItem(const std::string& owner, const std::string& key);
 
-// Whether the name has the form "<64 hexadecimal digits>.<extension of 1 to 8 lower-case letters and
+// Returns whether the name has the form "<64 hexadecimal digits>.<extension of 1 to 8 lower-case letters and
 // digits>".
 bool IsArtifactName(const std::string& name);
 
