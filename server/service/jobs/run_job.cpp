@@ -36,7 +36,8 @@ std::string MeshKey(const TessellationOptions& mesh) {
   return Sha256Hex(JsonText(identity, -1));
 }
 
-// Tells how fast the direct renderer was, view by view; a trade's report has none.
+// Reports the number of rays and the time of the direct renderer to the observer, view by view. A trade's
+// report has no such times.
 void ReportTracing(const Json& report, const Observer* observer) {
   if (observer == nullptr || !observer->traced) return;
   for (const Json& view : report.value("views", Json::array())) {
@@ -47,12 +48,12 @@ void ReportTracing(const Json& report, const Observer* observer) {
   }
 }
 
-// Moves a run's files into the store and links them in its report.
+// Moves the files of a run into the store, and links them in its report.
 class Publication {
  public:
   Publication(Store& store, std::string directory) : store_(store), directory_(std::move(directory)) {}
 
-  // The address of a file of the run.
+  // Stores a file of the run, and returns its address.
   Result<std::string> Add(const std::string& name) {
     auto kept = store_.Keep(directory_ + "/" + name, "");
     if (!kept) return kept.error();
@@ -87,8 +88,8 @@ class JobRun {
     const std::string answer = AnswerItem(job_.owner, job_.question);
     if (job_.kind != "model" && store_.FindAnswer(job_.owner, job_.question)) return answer;
 
-    // The model, and the mesh to compare it with.
-    // A job that waited while the service was started again may ask for more than is allowed by now.
+    // First make the model, and the mesh to compare it with. A job that was queued before the service
+    // restarted may exceed the limits that apply now.
     if (job_.kind != "model")
       if (auto small = CheckSamples(request_.options, limits_.max_samples); !small) return small.error();
     if (auto ready = MakeModel(); !ready) return ready.error();
@@ -106,8 +107,8 @@ class JobRun {
  private:
   bool foreign_mesh() const { return !request_.mesh.empty(); }
 
-  // Read in another unit than its own a file is another model. It needs the file: that of the upload, or the
-  // one that the model came from.
+  // A file that is read in another unit than its own is another model. Sets request_.model_id to the id of
+  // that model, and source_id_ to the model or the upload that has the file.
   void FindInUnit() {
     if (request_.options.unit_mm == 0 || job_.kind == "model") return;
     if (const auto own = store_.FindModel(job_.owner, request_.model_id); own && request_.file_name.empty())
@@ -126,14 +127,14 @@ class JobRun {
     const auto source = store_.Pin(source_id_.empty() ? request_.model_id : source_id_);
     if (!source) return Error{ErrorCode::kInternal, "the uploaded file no longer exists"};
 
-    // Import it, with its mesh on the way.
+    // Import the file and, for a comparison, make the mesh in the same run of the importer.
     std::vector<TessellationOptions> meshes;
     if (job_.kind == "comparison" && !foreign_mesh()) meshes.push_back(request_.options.tessellation);
     auto files = Import(source->path, request_.file_name, meshes);
     if (!files) return files.error();
     imported_ = true;
 
-    // Describe it and keep it.
+    // Describe the model and store it.
     auto read = ReadModel(files.value().model_path);
     if (!read) return read.error();
     ImportedModel imported;
@@ -158,7 +159,8 @@ class JobRun {
     return {};
   }
 
-  // Keeps the mesh of an import that was to make one, and says where it lies; or notes why there is none: "".
+  // Stores the mesh of an import that had to make one, and returns its path. If there is none, stores the
+  // reason and returns "".
   Result<std::string> KeepMesh(const ImportedFiles& files, const std::string& model_id) {
     if (files.mesh_failure) {
       no_baseline_ = NoBaselineFor(*files.mesh_failure);
@@ -221,7 +223,7 @@ class JobRun {
     return request;
   }
 
-  // Seconds, law 2.
+  // Returns the time limit of meshing in seconds (law 2).
   double MostMeshing() const { return limits_.timeout_s / 2; }
 
   Result<ImportedFiles> Import(const std::string& path, const std::string& name,
@@ -231,11 +233,11 @@ class JobRun {
     request.value().meshes = meshes;
     request.value().model_suffices = true;
     auto files = RunImporter(request.value());
-    // The job's deadline ends an importer before its own does.
+    // The job's deadline ends an importer before the importer's own deadline, so the cause is reported here.
     if (!files && files.error().code == ErrorCode::kCancelled && watch_.deadline->expired() &&
         request.value().died)
       request.value().died("timeout");
-    // The request's own option cannot allow what the service does not.
+    // The request's mesh_timeout cannot exceed the limit of the service, so the error names the latter.
     if (files && files.value().mesh_failure && files.value().mesh_failure->reason == "timeout" &&
         request_.options.import_limits.mesh_timeout_s > MostMeshing())
       files.value().mesh_failure->error.message = name + ": meshing took longer than " +
@@ -256,7 +258,7 @@ class JobRun {
     imported.import_ms = model_->report.value("import_ms", 0.0);
     imported.import_peak_bytes = model_->report.value("import_peak_bytes", std::uint64_t{0});
 
-    // Run into a directory of its own, then move its files into the store.
+    // Write the results into a separate directory, then move the files into the store.
     auto scratch = store_.Scratch();
     if (!scratch) return scratch.error();
     const std::string out = scratch.value().File("out");
@@ -352,11 +354,11 @@ class JobRun {
   const RunLimits& limits_;
   const JobWatch& watch_;
   JobRequest request_;
-  std::string source_id_;  // of the file, where the model is read in another unit than its own
+  std::string source_id_;  // id of the file, if the model is read in another unit than its own
   std::optional<StoredModel> model_;
-  bool imported_ = false;  // by this job
+  bool imported_ = false;  // true: this job imported the model
   std::optional<KeptFile> posted_mesh_;
-  std::optional<NoBaseline> no_baseline_;  // of a comparison whose mesh was not made
+  std::optional<NoBaseline> no_baseline_;  // set for a comparison whose mesh was not made
   std::vector<TempDir> scratch_;
 };
 

@@ -107,13 +107,14 @@ Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
   return {};
 }
 
-// The canonical form of the options. It does not depend on how they are written: names with - or _, a list or
-// one text, an explicit default or none. Questions differ only if this form differs.
+// Returns the canonical form of the options. It does not depend on how they are written: names with - or _, a
+// list or one text, an explicit default or none. Questions differ only if this form differs.
 Json AskedFor(const Json& given, const RunOptions& options) {
   Json asked = Json::object();
   for (const OptionRow& row : AllOptions())
     if (row.owner == OptionOwner::kCaller) asked[row.name] = row.binding.read(row, options);
-  // A trade's budget is cut to the service's own, and less so if the caller names one.
+  // The budget of a trade is reduced to fit the service's limits, by a smaller amount if the caller gives
+  // one.
   asked["budget_given"] = HasBudget(given);
   return asked;
 }
@@ -129,9 +130,10 @@ Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
       return Malformed("there is no option " + Shortened(key) + Suggestion(OptionName(key), names) +
                        "; the options are " + Joined(names));
     if (row->owner == OptionOwner::kPart)
-      return Malformed(row->name + " is no option of the service; send it as the part \"" + row->name + "\"");
+      return Malformed(row->name + " is not an option of the service; send it as the part \"" + row->name +
+                       "\"");
     if (row->owner == OptionOwner::kOperator)
-      return Malformed(row->name + " is no option of a request; whoever runs the service sets it");
+      return Malformed(row->name + " is not an option of a request; the operator of the service sets it");
   }
   // The part "mesh" corresponds to the option --mesh on the command line.
   Json all = submission.options;

@@ -139,7 +139,7 @@ void FileStore::Unpin(const std::string& sha256) {
   const std::lock_guard lock(files_mutex_);
   if (--pins_[sha256] > 0) return;
   pins_.erase(sha256);
-  // A file without a row by now belongs to nothing.
+  // A file that has no row now belongs to nothing.
   if (!HasRow(sha256)) unlink(directory_.FilePath(sha256).c_str());
 }
 

@@ -65,9 +65,9 @@ TEST_F(Requests, UnknownOptionsGetASuggestion) {
   EXPECT_THAT(DetailOfOptions(R"({"veiw":"iso"})"), HasSubstr("did you mean view?"));
   EXPECT_THAT(DetailOfOptions(R"({"nonsense":"iso"})"),
               AllOf(Not(HasSubstr("did you mean")), HasSubstr("the options are"), Not(HasSubstr("threads"))));
-  EXPECT_THAT(DetailOfOptions(R"({"threads":4})"), HasSubstr("threads is no option of a request"));
+  EXPECT_THAT(DetailOfOptions(R"({"threads":4})"), HasSubstr("threads is not an option of a request"));
   EXPECT_THAT(DetailOfOptions(R"({"import-timeout":4})"),
-              HasSubstr("import_timeout is no option of a request"));
+              HasSubstr("import_timeout is not an option of a request"));
   EXPECT_THAT(DetailOfOptions(R"({"camera":{"eyes":[1,2,3]}})"), HasSubstr("did you mean eye?"));
   EXPECT_THAT(DetailOf({{"file", "a.step", "hang"}, {"option", "", "{}"}}),
               HasSubstr("did you mean options?"));
