@@ -190,7 +190,7 @@ TEST_F(ImportThreats, AnErrorThatIsNoneIsStillAnError) {
   for (const char* answer : {R"({"error":5})", R"({"error":{"code":7,"message":[]}})", R"({"error":null})"}) {
     const Error error = ErrorOf(Request("lies " + std::string(answer)));
     EXPECT_EQ(error.code, ErrorCode::kInternal) << answer;
-    EXPECT_THAT(error.message, HasSubstr("no reason given")) << answer;
+    EXPECT_THAT(error.message, HasSubstr("the importer gave no reason")) << answer;
   }
   EXPECT_EQ(ErrorOf(Request("lies " + std::string(100'000, '['))).code, ErrorCode::kImporterCrashed);
 }
