@@ -67,10 +67,12 @@ class RootSink {
 // centre.
 class HitResolver {
  public:
-  // Whether the hit at (s, t) of a certified leaf with kLeafTrimmed lies inside its face; adds to *doubt.
+  // Returns whether the hit at (s, t) of a certified leaf with kLeafTrimmed lies inside its face; adds to
+  // *doubt.
   virtual bool IsInsideFace(std::uint32_t leaf, double s, double t, double x, double y,
                             std::uint8_t* doubt) = 0;
-  // Whether a root on the border of its patch is the certified leaf's own; adds to *doubt and to hit->error.
+  // Returns whether a root on the border of its patch is the certified leaf's own; adds to *doubt and to
+  // hit->error.
   virtual bool OwnsBorderRoot(std::uint32_t leaf, double x, double y, TileHit* hit, std::uint8_t* doubt) = 0;
   // Adds the roots of a leaf without a certificate that are nearer than `limit` to *roots. Returns the doubts
   // that belong to no root.

@@ -109,8 +109,8 @@ static_assert(sizeof(LeafHeader) == 24);
 
 // Its LeafPlace is kept apart from it: it is asked for where a root is accepted, and not before.
 struct CertifiedLeaf : LeafHeader {
-  // Planes G1, G2, [W if it varies], [Q if it varies] of points() monomials, floats or doubles as the kernel has
-  // it that the leaf is made for: see CoefficientsOf. The depth is depth_scale·W/Q with Q(0,0) = 1 in
+  // Planes G1, G2, [W if it varies], [Q if it varies] of points() monomials, floats or doubles as the kernel
+  // has it that the leaf is made for: see CoefficientsOf. The depth is depth_scale·W/Q with Q(0,0) = 1 in
   // perspective, else depth_scale + Q/W.
   const void* coefficients = nullptr;
   double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
@@ -136,8 +136,8 @@ const Real* CoefficientsOf(const CertifiedLeaf& leaf) {
 enum class HardKind : std::uint8_t {
   kSubdivide,
   kEdgeOn,  // its image is a line (edge_on.h): a ray misses it, or nothing is known
-  // It stands for a piece that its patch may not split any further: a ray beside its control points misses it,
-  // and of the others nothing is known (kDoubtLimit).
+  // It stands for a piece that its patch may not split any further: a ray beside its control points misses
+  // it, and of the others nothing is known (kDoubtLimit).
   kGivenUp,
 };
 
@@ -155,8 +155,8 @@ struct SeamLeaf : LeafHeader {
   bool odd = false;  // the ray should cross the face an odd number of times
 };
 
-// A leaf of a view is named by its kind and its index among the leaves of its kind: a certified leaf by its index
-// alone. kNoIndex names none.
+// A leaf of a view is named by its kind and its index among the leaves of its kind: a certified leaf by its
+// index alone. kNoIndex names none.
 enum class LeafKind : std::uint8_t { kCertified, kHard, kSeam };
 inline constexpr int kLeafIndexBits = 30;
 inline constexpr std::size_t kMostLeaves = std::size_t{1} << kLeafIndexBits;  // of a kind
@@ -205,9 +205,10 @@ inline double Overlap(double root_error) {
   return 4 * root_error > kBorderOverlap ? 4 * root_error : kBorderOverlap;
 }
 
-// Whether a root lies on a border of its patch, within its error, or beyond it in the overlap. Beyond, the
-// surface is the neighbour's, and may turn away there. (Where leaves of one patch overlap, both are the same
-// surface.) A patch that is continued past the border, across the gap to an edge, does not end there.
+// Returns whether a root lies on a border of its patch, within its error, or beyond it in the overlap.
+// Beyond, the surface is the neighbour's, and may turn away there. (Where leaves of one patch overlap, both
+// are the same surface.) A patch that is continued past the border, across the gap to an edge, does not end
+// there.
 inline bool OnPatchBorder(const CertifiedLeaf& leaf, double root_error, double s, double t) {
   const double inside = 1 - root_error;
   return (s < -inside && (leaf.borders & kBorderLowU)) || (s > inside && (leaf.borders & kBorderHighU)) ||

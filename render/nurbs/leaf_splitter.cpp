@@ -63,9 +63,9 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
 
-// Whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no digit of
-// its weights, and so near the middle of the window that no piece of it could be told to lie outside. Halving
-// makes no error smaller and no number larger.
+// Returns whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no
+// digit of its weights, and so near the middle of the window that no piece of it could be told to lie
+// outside. Halving makes no error smaller and no number larger.
 bool IsLost(const BezierNet& net, double half_window) {
   // Between lost and told apart there must be room: what has a part of both is halved.
   constexpr double kDigits = 1024, kRoom = 4;
@@ -80,8 +80,8 @@ bool IsLost(const BezierNet& net, double half_window) {
   return !(x > kRoom * (window + net.error[kX] + blur)) && !(y > kRoom * (window + net.error[kY] + blur));
 }
 
-// Whether the net's corners alone show that its image is no line: they span more than its errors and rounding
-// could.
+// Returns whether the net's corners alone show that its image is no line: they span more than its errors and
+// rounding could.
 bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window) {
   const double size = std::max(std::max(-box.x_low, box.x_high), std::max(-box.y_low, box.y_high));
   // Of a corner: the net's own error, by the size instead of the window's, and rounding. FitLine allows four

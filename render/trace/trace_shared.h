@@ -1,5 +1,5 @@
-// TraceShared: what all tracers of a view share besides the leaves, and what they ask of a leaf and its roots whatever
-// its kind.
+// TraceShared: what all tracers of a view share besides the leaves, and what they ask of a leaf and its roots
+// whatever its kind.
 //
 //  1. All of it is read only once it is made: the tracers of all threads ask it.
 #pragma once
@@ -60,8 +60,8 @@ struct TraceShared {
   // kDoubtContradicted or 0. Requires a check.
   std::uint8_t CheckRoot(const LeafSite& site, const LeafRoot& root, double x, double y, double depth,
                          double error, CheckStats* stats) const;
-  // Whether the root of a certified sample is one of the share that is asked about. The pattern meets every
-  // place in a packet.
+  // Returns whether the root of a certified sample is one of the share that is asked about. The pattern meets
+  // every place in a packet.
   bool IsRootChecked(int column, int row) const {
     return ((column + 7 * row) & (roots_per_checked_root - 1)) == 0;
   }
@@ -76,9 +76,9 @@ struct TraceShared {
   std::vector<bool> mirrored_;                   // per instance
 };
 
-// Whether two roots of one face may be one root that two leaves own, for all that tells them apart: both lie
-// on the border of their leaves, or were met without proof, and their depths agree to within the solver's
-// error.
+// Returns whether two roots of one face may be one root that two leaves own, for all that tells them apart:
+// both lie on the border of their leaves, or were met without proof, and their depths agree to within the
+// solver's error.
 struct RootTwin {
   RootTwin(const PreparedView& view, std::uint32_t leaf, const TileHit& hit);
   bool Is(const RootTwin& other) const {
