@@ -88,9 +88,6 @@ const OptionRow* FindOption(std::string_view written, const OptionTable& table =
 std::vector<std::string> OptionNames(const OptionTable& table = AllOptions());
 // "--deflection-mm".
 std::string FlagOf(const OptionRow& row);
-// The addresses whose requests take the option: of "renders", "comparisons" and "trades". None where it has
-// another owner.
-std::vector<std::string> AddressesOf(const OptionRow& row);
 
 // "0 … 0.45", "at least 0", "more than 0"; "" where the kind has no range.
 std::string RangeText(const OptionRow& row);
@@ -98,8 +95,8 @@ std::string RangeText(const OptionRow& row);
 std::string UsualText(const OptionRow& row);
 // "Free share of the picture on each side (0 … 0.45; default: 0.05)".
 std::string HelpText(const OptionRow& row);
-// The row of the table in docs/api.md: "| `margin` | number, 0 … 0.45 | 0.05 | renders, comparisons, trades
-// |".
-std::string ApiRow(const OptionRow& row);
+// The row of the table in docs/api.md, for an option that requests to `collections` take: "| `margin` | number,
+// 0 … 0.45 | 0.05 | renders, comparisons, trades |".
+std::string ApiRow(const OptionRow& row, const std::vector<std::string>& collections);
 
 }  // namespace facetless

@@ -42,7 +42,7 @@ Result<std::vector<double>> ParseNumbers(const nlohmann::json& json, const std::
 
 // Puts what was read into `target`, or passes its error on.
 template <typename Parsed, typename Target>
-Result<void> Store(Parsed parsed, Target& target) {
+Result<void> StoreInto(Parsed parsed, Target& target) {
   if (!parsed) return parsed.error();
   target = std::move(parsed).value();
   return {};

@@ -198,7 +198,7 @@ int Serve(const ServeOptions& options) {
     limits.hosts = HostPolicy(SplitList(options.allow_host), SplitList(options.allow_origin));
   Service service(*store.value(), jobs, access, limits);
   service.metrics_text = [&](const MetricsNow& now) { return metrics.Text(now); };
-  service.looked_up = [&](const std::string& kind, bool found) { metrics.LookedUp(kind, found); };
+  service.looked_up = [&](JobKind kind, bool found) { metrics.LookedUp(kind, found); };
   access.audit = [&](const std::string& decision, const HttpRequest& request) {
     log.Write(AuditEntry(decision, request));
   };

@@ -95,10 +95,11 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {
   // Series that are there from the start, so that a rate sees the first event.
   for (const char* cause : {"crash", "timeout", "memory", "output", "threads", "answer"})
     families_->deaths.Add({{"cause", cause}});
-  for (const char* kind : {"model", "render", "comparison", "trade"}) {
-    for (const char* result : {"hit", "miss"}) families_->look_ups.Add({{"kind", kind}, {"result", result}});
+  for (const JobKindRow& kind : JobKinds()) {
+    for (const char* result : {"hit", "miss"})
+      families_->look_ups.Add({{"kind", kind.name}, {"result", result}});
     for (const char* state : {"done", "failed", "cancelled"})
-      families_->jobs.Add({{"kind", kind}, {"state", state}});
+      families_->jobs.Add({{"kind", kind.name}, {"state", state}});
   }
   families_->rays.Add({});
   families_->trace_seconds.Add({});
@@ -113,9 +114,9 @@ void Metrics::RequestServed(const std::string& route, const std::string& method,
   families_->request_seconds.Add({{"route", route}, {"method", known}}, kRequestSeconds).Observe(seconds);
 }
 
-void Metrics::JobEnded(const std::string& kind, const std::string& state, double seconds) {
-  families_->jobs.Add({{"kind", kind}, {"state", state}}).Increment();
-  if (seconds > 0) families_->job_seconds.Add({{"kind", kind}}, kWorkSeconds).Observe(seconds);
+void Metrics::JobEnded(JobKind kind, const std::string& state, double seconds) {
+  families_->jobs.Add({{"kind", JobKindName(kind)}, {"state", state}}).Increment();
+  if (seconds > 0) families_->job_seconds.Add({{"kind", JobKindName(kind)}}, kWorkSeconds).Observe(seconds);
 }
 
 void Metrics::StageEnded(const std::string& stage, double seconds) {
@@ -132,8 +133,8 @@ void Metrics::ImporterDied(const std::string& cause) {
   families_->deaths.Add({{"cause", cause}}).Increment();
 }
 
-void Metrics::LookedUp(const std::string& kind, bool found) {
-  families_->look_ups.Add({{"kind", kind}, {"result", found ? "hit" : "miss"}}).Increment();
+void Metrics::LookedUp(JobKind kind, bool found) {
+  families_->look_ups.Add({{"kind", JobKindName(kind)}, {"result", found ? "hit" : "miss"}}).Increment();
 }
 
 std::string Metrics::Text(const MetricsNow& now) {

@@ -9,6 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "server/service/jobs/job_kinds.h"
+
 namespace facetless {
 
 // What is so at the moment that somebody asks.
@@ -27,12 +29,12 @@ class Metrics {
 
   void RequestServed(const std::string& route, const std::string& method, int status, double seconds);
   // `seconds`: from its start; of one that never started 0.
-  void JobEnded(const std::string& kind, const std::string& state, double seconds);
+  void JobEnded(JobKind kind, const std::string& state, double seconds);
   void StageEnded(const std::string& stage, double seconds);
   void Traced(double rays, double seconds);
   void ImporterDied(const std::string& cause);
   // Whether the answer to a question of this kind was there already.
-  void LookedUp(const std::string& kind, bool found);
+  void LookedUp(JobKind kind, bool found);
 
   std::string Text(const MetricsNow& now);
 

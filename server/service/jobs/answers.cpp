@@ -95,7 +95,7 @@ Json ModelJson(const StoredModel& model) {
 }
 
 std::optional<std::string> AnswerText(const Job& job, Store& store) {
-  if (job.kind != "model") return store.FindAnswer(job.owner, job.question);
+  if (job.kind != JobKind::kModel) return store.FindAnswer(job.owner, job.question);
   const auto model = store.FindModel(job.owner, job.request.value("model", ""));
   if (!model) return std::nullopt;
   return JsonText(ModelJson(*model)) + "\n";
@@ -105,7 +105,7 @@ Json ListedJobJson(const JobView& view) {
   const Job& job = view.job;
   const std::string self = "/v1/jobs/" + job.id;
   Json json = {{"id", job.id},
-               {"kind", job.kind},
+               {"kind", JobKindName(job.kind)},
                {"state", JobStateName(job.state)},
                {"stage", view.stage},
                {"fraction", view.fraction},
@@ -126,8 +126,8 @@ Json JobJson(const JobView& view, Store& store) {
   const auto text = AnswerText(job, store);
   if (!text) return json;
   json["result"] = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  json["links"]["result"] =
-      job.kind == "model" ? "/v1/models/" + job.request.value("model", "") : "/v1/answers/" + job.question;
+  json["links"]["result"] = job.kind == JobKind::kModel ? "/v1/models/" + job.request.value("model", "")
+                                                        : "/v1/answers/" + job.question;
   return json;
 }
 

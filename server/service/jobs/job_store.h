@@ -21,6 +21,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/base/result.h"
+#include "server/service/jobs/job_kinds.h"
 
 namespace facetless {
 
@@ -30,11 +31,12 @@ enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
 const char* JobStateName(JobState state);
 
 struct Job {
-  std::string id;          // 128 random bits, hexadecimal
-  std::string kind;        // model, render, comparison or trade
-  std::string owner;       // the id of a key; "" where there are none
-  std::string question;    // digest of what is asked
-  nlohmann::json request;  // what is asked, in full
+  std::string id;  // 128 random bits, hexadecimal
+  JobKind kind = JobKind::kModel;
+  std::string unknown_kind;  // kUnknown: what the store calls it
+  std::string owner;         // the id of a key; "" where there are none
+  std::string question;      // digest of what is asked
+  nlohmann::json request;    // what is asked, in full
   JobState state = JobState::kQueued;
   double created = 0, started = 0, finished = 0;  // seconds since 1970; 0: not yet
   int attempts = 0;
@@ -51,7 +53,8 @@ struct JobFile {
 };
 
 struct NewJob {
-  std::string kind, owner, question;
+  JobKind kind = JobKind::kModel;
+  std::string owner, question;
   nlohmann::json request;
   std::vector<JobFile> files;
   std::vector<std::string> needs;  // items that must stay until its end
@@ -118,6 +121,9 @@ class JobStore {
   // Forgets jobs that ended before `finished_before`, and the oldest beyond a bound of the implementation's.
   virtual Result<void> Forget(double finished_before) = 0;
 };
+
+// "comparison"; of an unknown kind what the store calls it.
+const std::string& KindText(const Job& job);
 
 // A problem document with what finds its job in the log: job_id, request_id and trace_id of the request that
 // brought it.

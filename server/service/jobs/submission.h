@@ -11,12 +11,13 @@
 
 #include "render/base/result.h"
 #include "server/options/options.h"
+#include "server/service/jobs/job_kinds.h"
 #include "server/service/protocol/message.h"
 
 namespace facetless {
 
 struct Submission {
-  std::string kind;                // model, render, comparison or trade
+  JobKind kind = JobKind::kModel;
   const BodyPart* file = nullptr;  // the model, if it was uploaded with the request
   const BodyPart* mesh = nullptr;
   std::string model_id;                               // of the upload, or of the model that is here already
@@ -28,8 +29,7 @@ struct Submission {
 
 // `request` must outlive the answer. Errors: kBadUsage, kLimitExceeded (more than `max_samples`): whatever
 // can be known without the model.
-Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind,
-                                   std::uint64_t max_samples);
+Result<Submission> ParseSubmission(const HttpRequest& request, JobKind kind, std::uint64_t max_samples);
 
 // kLimitExceeded if `options` ask for more than `most` samples.
 Result<void> CheckSamples(const RunOptions& options, std::uint64_t most);
