@@ -17,8 +17,6 @@
 namespace facetless {
 namespace {
 
-using Json = nlohmann::json;
-
 // A mesh that is there sooner is waited for: most are.
 constexpr std::chrono::milliseconds kPatience{1000};
 
@@ -145,7 +143,7 @@ class Comparing {
   std::condition_variable changed_;
   bool model_ready_ = false;
   std::optional<Result<ImportedFiles>> files_;
-  std::optional<Json> exact_;
+  std::optional<RunResult> exact_;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "render/compare/compare_view.h"
 #include "render/image/sheet.h"
 #include "server/options/options.h"
+#include "server/run/run_result.h"
 
 namespace facetless {
 
@@ -26,8 +27,8 @@ class ContactSheet {
 
   // The view's part of a picture.
   Result<void> Add(const Image8& picture, const Camera& camera, const std::string& label);
-  // Writes sheet.png and names it in `files`, under "sheet".
-  Result<void> Write(const std::string& directory, nlohmann::json& files) const;
+  // Writes sheet.png and names it in `files`, as "sheet".
+  Result<void> Write(const std::string& directory, RunFiles& files) const;
 
  private:
   bool wanted_;
@@ -47,8 +48,8 @@ struct TurntableRun {
 
 // Writes turntable.001.png, … and turntable.webp around the first view; the report's "turntable": {"up",
 // "seconds", "frames": [names], "camera": of the first frame, "timing_ms"}, and the animation in `files`,
-// under "turntable". One frame is held at a time. Errors: those of ResolveCameras, RenderView, Animation and
+// as "turntable". One frame is held at a time. Errors: those of ResolveCameras, RenderView, Animation and
 // WritePng.
-Result<nlohmann::json> RenderTurntable(const TurntableRun& run, nlohmann::json& files);
+Result<nlohmann::json> RenderTurntable(const TurntableRun& run, RunFiles& files);
 
 }  // namespace facetless

@@ -131,8 +131,17 @@ class Run {
   void Note(const std::string& key, Json value) {
     if (!value.is_null()) notes_[key] = std::move(value);
   }
-  // The report's "files": what is not of one view.
-  Json& files() { return notes_["files"]; }
+  // What the run leaves in its directory.
+  RunFiles& files() { return result_.files; }
+  // Notes what a program may want to know of the exact view, and a person may not see.
+  void NoteExact(const std::string& name, const View& view) {
+    constexpr double kMillisecond = 1e-3;
+    if (view.direct)
+      result_.traced.push_back(
+          {static_cast<double>(view.direct->rays), view.direct->trace_ms * kMillisecond});
+    const std::string note = view.inspection ? SideNote(*view.inspection) : "";
+    if (!note.empty()) result_.warnings.push_back(name + ": " + note);
+  }
 
   // All frames around the first view.
   Result<void> Turntable(const Representation& exact, const ViewOptions& view) {
@@ -180,6 +189,7 @@ class Run {
   void Problem(const std::string& sentence) { findings_.problems.push_back(sentence); }
   void LacksBaseline(const NoBaseline& why) {
     findings_.no_baseline = why.message;
+    result_.no_baseline = why;
     Note("no_baseline", NoBaselineJson(why));
   }
   // What is to be said of the mesh itself, and its deviation where it is asked for. With sections an empty
@@ -189,7 +199,7 @@ class Run {
       auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, cancel());
       if (!measured) return Explained(measured.error());
       Note("mesh_deviation", std::move(measured).value());
-      files()["mesh"] = "mesh.bin";
+      files().Add("", "mesh", "mesh.bin");
     }
     for (const std::string& problem : check.Problems()) Problem(problem);
     if (const std::size_t turned = TrianglesAgainstNormals(mesh); turned > 0)
@@ -211,12 +221,13 @@ class Run {
   }
 
   // Completes the report and writes it.
-  Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
+  Result<RunResult> Finish(Json views, const std::vector<ViewValues>& values) {
     if (!options_.sections.empty() && ShowsNothing(views))
       Problem("no view shows anything: the section planes remove all of the model that the views look at");
     for (const Json& view : views) NoteContradictions(view);
     findings_.lost = LossCount(*imported_.model);
     findings_.unit_known = KnowsUnit(*imported_.model);
+    result_.verdict = Judge(options_, values, findings_);
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
@@ -229,14 +240,16 @@ class Run {
                    {"model", ImportedModelJson(imported_)},
                    {"views", std::move(views)},
                    {"timing_ms", TimingJson()},
-                   {"verdict", VerdictJson(options_, values, findings_)}};
+                   {"verdict", VerdictJson(result_.verdict)}};
     if (ShowsSmoothness(options_.inspection.kind))
       report["continuity"] =
           ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
     for (const auto& [key, value] : notes_.items())
       if (!value.is_null()) report[key] = value;
-    if (auto written = WriteReport(report, directory_); !written) return written.error();
-    return report;
+    if (Json files = result_.files.Json(""); !files.is_null()) report["files"] = std::move(files);
+    result_.report = std::move(report);
+    if (auto written = WriteReport(result_, directory_); !written) return written.error();
+    return std::move(result_);
   }
 
   // A stop that the clock caused names the option that allows more.
@@ -273,6 +286,7 @@ class Run {
   const Stopwatch stopwatch_;
   double scene_ms_ = 0;
   Findings findings_;
+  RunResult result_;
   Json notes_ = Json::object();
   const double timeout_s_;
   Deadline deadline_;
@@ -320,7 +334,7 @@ class ViewReport {
       : imported_(imported), options_(options), directory_(directory), baseline_(baseline) {}
 
   // The pictures of `view` are compared: they may be drawn into.
-  Result<Json> Write(ViewComparison& view, ContactSheet& sheet) const {
+  Result<Json> Write(ViewComparison& view, ContactSheet& sheet, RunFiles& left) const {
     const Camera& camera = view.camera;
     if (auto drawn = Finish(view.reference.image, camera, view, sheet, "exact"); !drawn) return drawn.error();
     for (CandidateView& candidate : view.candidates) {
@@ -347,7 +361,7 @@ class ViewReport {
     if (!view.candidates.empty())
       json["pixel_data"] =
           pixels.front() ? Json{{"depth_mm", {pixels.front()->near_mm, pixels.front()->far_mm}}} : Json();
-    if (auto written = files.Write(json, options_.threads); !written) return written.error();
+    if (auto written = files.Write(json, options_.threads, left); !written) return written.error();
     NoteInspections(view, json);
     return json;
   }
@@ -401,8 +415,8 @@ struct RunSubject {
 
 // The exact surfaces, alone or beside a mesh and what --with names. Without the mesh where a mesh of our own
 // cannot be traced.
-Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, const RunOptions& options,
-                      const std::string& directory, const RunContext& context) {
+Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject, const RunOptions& options,
+                           const std::string& directory, const RunContext& context) {
   const auto shown = ShownModel::Of(whole, subject.mesh, options.picture.arrangement);
   if (!shown) return shown.error();
   const ImportedModel& imported = shown.value().imported();
@@ -460,7 +474,8 @@ Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, con
       values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                         d.color.flip_mean, d.color.share_over_threshold});
     }
-    return report.Write(compared.value(), sheet);
+    run.NoteExact(camera.name, compared.value().reference);
+    return report.Write(compared.value(), sheet, run.files());
   });
   if (!views) {
     const Error& error = views.error();
@@ -540,36 +555,41 @@ std::size_t LossCount(const Model& model) {
   return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
 }
 
-Result<void> WriteReport(const Json& report, const std::string& directory) {
-  if (auto written = WriteFileAtomically(directory + "/report.json", JsonText(report) + "\n"); !written)
+Result<void> WriteReport(RunResult& result, const std::string& directory) {
+  constexpr const char *kReport = "report.json", *kPage = "report.html";
+  if (auto written = WriteFileAtomically(directory + "/" + kReport, JsonText(result.report) + "\n"); !written)
     return written.error();
-  auto html = ReportHtml(report, directory);
+  auto html = ReportHtml(result.report, directory);
   if (!html) return html.error();
-  return WriteFileAtomically(directory + "/report.html", html.value());
+  result.files.Add("", "report", kReport);
+  result.files.Add("", "page", kPage);
+  return WriteFileAtomically(directory + "/" + kPage, html.value());
 }
 
-Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
-                       const RunContext& context) {
+Result<RunResult> RunRender(const ImportedModel& whole, const RunOptions& options,
+                            const std::string& directory, const RunContext& context) {
   return RunViews(whole, {.command = "render"}, options, directory, context);
 }
 
-Result<Json> RunWithoutBaseline(const ImportedModel& whole, const NoBaseline& why, const RunOptions& options,
-                                const std::string& directory, const RunContext& context) {
+Result<RunResult> RunWithoutBaseline(const ImportedModel& whole, const NoBaseline& why,
+                                     const RunOptions& options, const std::string& directory,
+                                     const RunContext& context) {
   return RunViews(whole, {.command = "compare", .why = &why}, options, directory, context);
 }
 
-Result<Json> RunCompare(const ImportedModel& whole, const Mesh& mesh, const RunOptions& options,
-                        const std::string& directory, const RunContext& context) {
+Result<RunResult> RunCompare(const ImportedModel& whole, const Mesh& mesh, const RunOptions& options,
+                             const std::string& directory, const RunContext& context) {
   return RunViews(whole, {.command = "compare", .mesh = &mesh}, options, directory, context);
 }
 
-Result<Json> WithReason(Json report, const NoBaseline& why, const std::string& directory) {
-  const Json before = report.at("no_baseline").at("message");
-  report["no_baseline"] = NoBaselineJson(why);
-  for (Json& problem : report.at("verdict").at("problems"))
-    if (problem == before) problem = why.message;
-  if (auto written = WriteReport(report, directory); !written) return written.error();
-  return report;
+Result<RunResult> WithReason(RunResult result, const NoBaseline& why, const std::string& directory) {
+  for (std::string& problem : result.verdict.problems)
+    if (problem == result.no_baseline->message) problem = why.message;
+  result.no_baseline = why;
+  result.report["no_baseline"] = NoBaselineJson(why);
+  result.report["verdict"] = VerdictJson(result.verdict);
+  if (auto written = WriteReport(result, directory); !written) return written.error();
+  return result;
 }
 
 }  // namespace facetless

@@ -23,18 +23,13 @@
 #include "render/model/mesh.h"
 #include "render/model/model.h"
 #include "server/options/options.h"
+#include "server/run/run_result.h"
 
 namespace facetless {
 
 // Reports progress: a stage's name and a fraction 0 … 1. May be empty.
 using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
 
-// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
-// report that is written while the mesher still works. `message` is one sentence, which names the file, what
-// ran out and the remedy.
-struct NoBaseline {
-  std::string reason, message;
-};
 NoBaseline NoBaselineFor(const MeshFailure& failure);
 // Of a mesh that was made and cannot be used.
 NoBaseline NoBaselineFor(const Error& unusable);
@@ -73,23 +68,23 @@ std::size_t LossCount(const Model& model);
 // False if the file has no length unit that could be read, and none was given: a failure under --strict.
 bool KnowsUnit(const Model& model);
 
-// Both write into `directory`, which they create, and return the report. Errors: kBadUsage (cameras),
-// kLimitExceeded, kCancelled, kWriteFailed, and those of RenderView and CompareView.
-Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions& options,
-                                 const std::string& directory, const RunContext& context);
+// Both write into `directory`, which they create. Errors: kBadUsage (cameras), kLimitExceeded, kCancelled,
+// kWriteFailed, and those of RenderView and CompareView.
+Result<RunResult> RunRender(const ImportedModel& imported, const RunOptions& options,
+                            const std::string& directory, const RunContext& context);
 // Without a baseline where a mesh of our own cannot be traced.
-Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
-                                  const std::string& directory, const RunContext& context);
-// The exact half of a comparison: the report says in "no_baseline" why there is no other, and its verdict has
+Result<RunResult> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
+                             const std::string& directory, const RunContext& context);
+// The exact half of a comparison: the result says in no_baseline why there is no other, and its verdict has
 // exit code kExitNoBaseline.
-Result<nlohmann::json> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
-                                          const RunOptions& options, const std::string& directory,
-                                          const RunContext& context);
-// Such a report of `directory` with another reason, written anew.
-Result<nlohmann::json> WithReason(nlohmann::json report, const NoBaseline& why, const std::string& directory);
+Result<RunResult> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
+                                     const RunOptions& options, const std::string& directory,
+                                     const RunContext& context);
+// Such a result, whose files lie in `directory`, with another reason; its report is written anew.
+Result<RunResult> WithReason(RunResult result, const NoBaseline& why, const std::string& directory);
 
-// Writes report.json and report.html of a report whose pictures lie in `directory`. Errors: kWriteFailed,
-// kFileUnreadable (a picture).
-Result<void> WriteReport(const nlohmann::json& report, const std::string& directory);
+// Writes report.json and report.html of a result whose pictures lie in `directory`, and adds them to its files.
+// Errors: kWriteFailed, kFileUnreadable (a picture).
+Result<void> WriteReport(RunResult& result, const std::string& directory);
 
 }  // namespace facetless

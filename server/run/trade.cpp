@@ -355,27 +355,27 @@ class Sweep {
       for (const std::string& sentence : Sentences(view)) result.text += sentence + "\n";
     }
     const ImportInfo& info = model().info;
-    result.report = {
-        {"facetless", ProgramJson(options_.threads)},
-        {"command", "trade"},
-        {"model", ImportedModelJson(imported_)},
-        {"views", std::move(views)},
-        {"trade",
-         {{"points", std::move(points)},
-          {"answers", std::move(answers)},
-          {"error_measure", MeasureName(trade().measure)},
-          {"limits",
-           {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
-            {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
-          {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
-          {"mesher_threads", 1},
-          {"load_at_start", load_at_start_},
-          {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
-        {"verdict",
-         VerdictJson(options_, {},
-                     {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())})}};
-    if (!arrangement_.is_null()) result.report["arrangement"] = arrangement_;
-    if (auto written = WriteReport(result.report, directory_); !written) return written.error();
+    result.run.verdict =
+        Judge(options_, {}, {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())});
+    result.run.files = std::move(files_);
+    result.run.report = {{"facetless", ProgramJson(options_.threads)},
+                         {"command", "trade"},
+                         {"model", ImportedModelJson(imported_)},
+                         {"views", std::move(views)},
+                         {"trade",
+                          {{"points", std::move(points)},
+                           {"answers", std::move(answers)},
+                           {"error_measure", MeasureName(trade().measure)},
+                           {"limits",
+                            {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
+                             {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
+                           {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
+                           {"mesher_threads", 1},
+                           {"load_at_start", load_at_start_},
+                           {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
+                         {"verdict", VerdictJson(result.run.verdict)}};
+    if (!arrangement_.is_null()) result.run.report["arrangement"] = arrangement_;
+    if (auto written = WriteReport(result.run, directory_); !written) return written.error();
     return result;
   }
 
@@ -395,6 +395,7 @@ class Sweep {
     const std::string name = view.context.view, picture = name + ".direct.png";
     if (auto written = WritePng(directory_ + "/" + picture, reference.view.image); !written)
       return written.error();
+    files_.Add(name, "direct", picture);
     const std::string prefix = views_.size() > 1 ? name + "." : "";
     Json plots = Json::object();
     for (const TradeCost cost : {TradeCost::kTime, TradeCost::kMemory}) {
@@ -406,6 +407,7 @@ class Sweep {
         if (!bytes) return bytes.error();
         if (auto written = WriteFileAtomically(directory_ + "/" + stem + extension, bytes.value()); !written)
           return written.error();
+        files_.Add(name, std::string("trade-") + role + extension, stem + extension);
       }
       plots[role] = {{"svg", stem + ".svg"}, {"png", stem + ".png"}};
     }
@@ -435,6 +437,7 @@ class Sweep {
   const double timeout_s_;
   Deadline deadline_;
   std::vector<TradeView> views_;
+  RunFiles files_;
   std::vector<MeshSetting> over_budget_;
   double scene_ms_ = 0, last_mesh_ms_ = 0, load_at_start_ = 0;
   int steps_ = 0, steps_done_ = 0;

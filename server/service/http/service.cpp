@@ -462,10 +462,10 @@ HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted&
   if (!text) return JsonResponse(200, JobJson(*view, store_));
   // Nobody worked for it, or somebody did for an earlier request.
   if (view->job.attempts == 0 || submitted.outcome == SubmitOutcome::kSame)
-    return KeptAnswer(view->job.kind, view->job.request.value("model", ""), *text, arrived);
+    return KeptAnswer(view->job.kind, view->job.ModelId(), *text, arrived);
   const bool created = view->job.kind == JobKind::kModel && submitted.outcome == SubmitOutcome::kAccepted &&
                        view->job.attempts > 0;
-  return Answer(created ? 201 : 200, view->job.kind, view->job.request.value("model", ""), std::move(*text));
+  return Answer(created ? 201 : 200, view->job.kind, view->job.ModelId(), std::move(*text));
 }
 
 }  // namespace facetless

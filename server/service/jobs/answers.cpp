@@ -96,7 +96,7 @@ Json ModelJson(const StoredModel& model) {
 
 std::optional<std::string> AnswerText(const Job& job, Store& store) {
   if (job.kind != JobKind::kModel) return store.FindAnswer(job.owner, job.question);
-  const auto model = store.FindModel(job.owner, job.request.value("model", ""));
+  const auto model = store.FindModel(job.owner, job.ModelId());
   if (!model) return std::nullopt;
   return JsonText(ModelJson(*model)) + "\n";
 }
@@ -126,8 +126,8 @@ Json JobJson(const JobView& view, Store& store) {
   const auto text = AnswerText(job, store);
   if (!text) return json;
   json["result"] = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  json["links"]["result"] = job.kind == JobKind::kModel ? "/v1/models/" + job.request.value("model", "")
-                                                        : "/v1/answers/" + job.question;
+  json["links"]["result"] =
+      job.kind == JobKind::kModel ? "/v1/models/" + job.ModelId() : "/v1/answers/" + job.question;
   return json;
 }
 

@@ -89,8 +89,8 @@ Result<const ImportedModel*> JobInputs::Model() {
   if (imported_.model != nullptr) return &imported_;
   if (auto read = ReadInto(stored_->model_path); !read) return read.error();
   imported_.import_kept = true;
-  imported_.import_ms = stored_->report.value("import_ms", 0.0);
-  imported_.import_peak_bytes = stored_->report.value("import_peak_bytes", std::uint64_t{0});
+  imported_.import_ms = stored_->import_ms;
+  imported_.import_peak_bytes = stored_->import_peak_bytes;
   return &imported_;
 }
 

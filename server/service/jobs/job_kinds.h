@@ -15,6 +15,7 @@
 
 #include "render/base/result.h"
 #include "server/options/options.h"
+#include "server/run/run_result.h"
 
 namespace facetless {
 
@@ -30,9 +31,9 @@ struct JobKindRow {
   bool compares_mesh = false;  // it needs a mesh: the part "mesh", or a tessellation of our own
   // What can be known of options without the model. Null: nothing. Errors: kBadUsage.
   Result<void> (*check)(const RunOptions& options) = nullptr;
-  // Does the work, writes its files into `directory`, which it creates, and returns the report. Null: the
+  // Does the work, writes its files into `directory`, which it creates. Null: the
   // model itself is the answer.
-  Result<nlohmann::json> (*run)(JobInputs& inputs, const std::string& directory) = nullptr;
+  Result<RunResult> (*run)(JobInputs& inputs, const std::string& directory) = nullptr;
 };
 
 const std::vector<JobKindRow>& JobKinds();

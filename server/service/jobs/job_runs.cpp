@@ -10,42 +10,40 @@
 namespace facetless {
 namespace {
 
-using Json = nlohmann::json;
-
 // A trade whose caller names no budget: so many of its points fit into the job's time at the least.
 constexpr double kTradePoints = 20;
 
-// A report of `directory` that has no baseline says why in the terms of the caller.
-Result<Json> InTermsOfHttp(JobInputs& inputs, Result<Json> report, const std::string& directory) {
-  if (!report || !report.value().contains("no_baseline")) return report;
-  const Json& said = report.value().at("no_baseline");
-  const NoBaseline why = {said.at("reason"), InHttpTerms(said.at("message").get<std::string>())};
+// A result without a baseline says why in the terms of the caller.
+Result<RunResult> InTermsOfHttp(JobInputs& inputs, Result<RunResult> result, const std::string& directory) {
+  if (!result || !result.value().no_baseline) return result;
+  NoBaseline why = *result.value().no_baseline;
+  why.message = InHttpTerms(why.message);
   inputs.Say(why.message);
-  return WithReason(std::move(report).value(), why, directory);
+  return WithReason(std::move(result).value(), why, directory);
 }
 
 }  // namespace
 
-Result<Json> RunRenderJob(JobInputs& inputs, const std::string& directory) {
+Result<RunResult> RunRenderJob(JobInputs& inputs, const std::string& directory) {
   const auto model = inputs.Model();
   if (!model) return model.error();
   return RunRender(*model.value(), inputs.Options(), directory, inputs.Context());
 }
 
-Result<Json> RunComparisonJob(JobInputs& inputs, const std::string& directory) {
+Result<RunResult> RunComparisonJob(JobInputs& inputs, const std::string& directory) {
   const auto mesh = inputs.MakeMesh();
   if (!mesh) return mesh.error();
   const auto model = inputs.Model();
   if (!model) return model.error();
   const RunOptions options = inputs.Options();
   const RunContext context = inputs.Context();
-  auto report = mesh.value().mesh
+  auto result = mesh.value().mesh
                     ? RunCompare(*model.value(), *mesh.value().mesh, options, directory, context)
                     : RunWithoutBaseline(*model.value(), mesh.value().none, options, directory, context);
-  return InTermsOfHttp(inputs, std::move(report), directory);
+  return InTermsOfHttp(inputs, std::move(result), directory);
 }
 
-Result<Json> RunTradeJob(JobInputs& inputs, const std::string& directory) {
+Result<RunResult> RunTradeJob(JobInputs& inputs, const std::string& directory) {
   const auto model = inputs.Model();
   if (!model) return model.error();
   const RunLimits& limits = inputs.limits();
@@ -59,7 +57,7 @@ Result<Json> RunTradeJob(JobInputs& inputs, const std::string& directory) {
   request.value().progress = nullptr;
   auto result = RunTrade(request.value(), *model.value(), options, directory, inputs.Context());
   if (!result) return result.error();
-  return std::move(result).value().report;
+  return std::move(result).value().run;
 }
 
 }  // namespace facetless

@@ -8,16 +8,14 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "render/base/result.h"
 #include "server/service/jobs/job_inputs.h"
 
 namespace facetless {
 
-// The report. Errors: those of JobInputs and of the runs (run.h, trade.h).
-Result<nlohmann::json> RunRenderJob(JobInputs& inputs, const std::string& directory);
-Result<nlohmann::json> RunComparisonJob(JobInputs& inputs, const std::string& directory);
-Result<nlohmann::json> RunTradeJob(JobInputs& inputs, const std::string& directory);
+// Errors: those of JobInputs and of the runs (run.h, trade.h).
+Result<RunResult> RunRenderJob(JobInputs& inputs, const std::string& directory);
+Result<RunResult> RunComparisonJob(JobInputs& inputs, const std::string& directory);
+Result<RunResult> RunTradeJob(JobInputs& inputs, const std::string& directory);
 
 }  // namespace facetless

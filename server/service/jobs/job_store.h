@@ -43,6 +43,8 @@ struct Job {
   std::string result;      // done: the item that is the answer (store.h)
   nlohmann::json problem;  // failed: the problem document
 
+  // The id of the model that is asked about; "" where the request has none.
+  std::string ModelId() const { return request.is_object() ? request.value("model", "") : ""; }
   bool Ended() const { return state != JobState::kQueued && state != JobState::kRunning; }
 };
 

@@ -1,5 +1,11 @@
 #include "server/service/jobs/publication.h"
 
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
 #include "server/base/files.h"
 
 namespace facetless {
@@ -19,13 +25,6 @@ class Publication {
     artifacts_.emplace_back(artifact, std::move(kept).value());
     return "/v1/artifacts/" + artifact;
   }
-  // Adds `links[role]`.
-  Result<void> Link(Json& links, const std::string& role, const std::string& name) {
-    auto address = Add(name);
-    if (!address) return address.error();
-    links[role] = std::move(address).value();
-    return {};
-  }
   const std::vector<std::pair<std::string, KeptFile>>& artifacts() const { return artifacts_; }
 
  private:
@@ -37,40 +36,27 @@ class Publication {
 }  // namespace
 
 Result<void> PublishRun(Store& store, const std::string& owner, const std::string& question,
-                        const std::string& model_id, Json report, const std::string& directory) {
+                        const std::string& model_id, RunResult result, const std::string& directory) {
   Publication publication(store, directory);
-  for (Json& view : report["views"]) {
-    Json links = Json::object();
-    for (const auto& [role, file] : view["files"].items()) {
-      if (auto linked = publication.Link(links, role, file.get<std::string>()); !linked) return linked;
-    }
-    const Json plots = view.value("plots", Json::object());
-    for (const auto& [cost, files] : plots.items()) {
-      for (const auto& [type, file] : files.items()) {
-        const std::string role = "trade-" + cost + "." + type;
-        if (auto linked = publication.Link(links, role, file.get<std::string>()); !linked) return linked;
-      }
-    }
-    view["links"] = std::move(links);
+  Json& report = result.report;
+  Json run_links = {{"model", "/v1/models/" + model_id}, {"self", "/v1/answers/" + question}};
+  std::map<std::string, Json> view_links;
+  for (const RunFile& file : result.files.list()) {
+    auto address = publication.Add(file.name);
+    if (!address) return address.error();
+    (file.view.empty() ? run_links : view_links[file.view])[file.role] = std::move(address).value();
   }
-  if (report.contains("turntable")) {
-    Json& turntable = report["turntable"];
-    turntable["links"] = Json::array();
-    for (const Json& frame : turntable["frames"]) {
-      auto address = publication.Add(frame.get<std::string>());
+  for (Json& view : report["views"]) view["links"] = view_links[view.at("name").get<std::string>()];
+  if (!result.files.frames().empty()) {
+    Json frames = Json::array();
+    for (const std::string& name : result.files.frames()) {
+      auto address = publication.Add(name);
       if (!address) return address.error();
-      turntable["links"].push_back(std::move(address).value());
+      frames.push_back(std::move(address).value());
     }
+    report["turntable"]["links"] = std::move(frames);
   }
-  Json links = {{"model", "/v1/models/" + model_id}, {"self", "/v1/answers/" + question}};
-  const Json files = report.value("files", Json::object());
-  for (const auto& [role, file] : files.items()) {
-    if (auto linked = publication.Link(links, role, file.get<std::string>()); !linked) return linked;
-  }
-  for (const auto& [role, name] : {std::pair{"report", "report.json"}, {"page", "report.html"}}) {
-    if (auto linked = publication.Link(links, role, name); !linked) return linked;
-  }
-  report["links"] = std::move(links);
+  report["links"] = std::move(run_links);
   return store.PutAnswer(owner, question, JsonText(report) + "\n", publication.artifacts());
 }
 

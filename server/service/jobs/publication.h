@@ -2,12 +2,9 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "render/base/result.h"
+#include "server/run/run_result.h"
 #include "server/service/store/store.h"
 
 namespace facetless {
@@ -15,6 +12,6 @@ namespace facetless {
 // Moves the files of a run, which lie in `directory`, into the store, and puts the report with their addresses
 // ("links") as the owner's answer to `question`. Errors: kWriteFailed.
 Result<void> PublishRun(Store& store, const std::string& owner, const std::string& question,
-                        const std::string& model_id, nlohmann::json report, const std::string& directory);
+                        const std::string& model_id, RunResult result, const std::string& directory);
 
 }  // namespace facetless

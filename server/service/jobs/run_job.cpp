@@ -8,23 +8,6 @@
 #include "server/service/jobs/submission.h"
 
 namespace facetless {
-namespace {
-
-using Json = nlohmann::json;
-
-// Tells how fast the direct renderer was, view by view; a trade's report has none.
-void ReportTracing(const Json& report, const Observer* observer) {
-  if (observer == nullptr || !observer->traced) return;
-  for (const Json& view : report.value("views", Json::array())) {
-    if (!view.contains("direct") || !view["direct"].contains("timing_ms")) continue;
-    const Json& direct = view["direct"];
-    constexpr double kMillisecond = 1e-3;
-    observer->traced(direct.value("rays", 0.0), direct["timing_ms"].value("trace", 0.0) * kMillisecond);
-  }
-}
-
-}  // namespace
-
 Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits, const JobWatch& watch) {
   if (job.kind == JobKind::kUnknown)
     return Error{ErrorCode::kInternal,
@@ -48,12 +31,13 @@ Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits
   auto scratch = store.Scratch();
   if (!scratch) return scratch.error();
   const std::string directory = scratch.value().File("out");
-  auto report = row.run(inputs, directory);
-  if (!report) return report.error();
-  ReportTracing(report.value(), watch.observer);
+  auto result = row.run(inputs, directory);
+  if (!result) return result.error();
+  if (watch.observer != nullptr && watch.observer->traced)
+    for (const TracedRays& pass : result.value().traced) watch.observer->traced(pass.rays, pass.seconds);
   if (watch.progress) watch.progress("publish", 0);
   if (auto published = PublishRun(store, job.owner, job.question, inputs.stored().id,
-                                  std::move(report).value(), directory);
+                                  std::move(result).value(), directory);
       !published)
     return published.error();
   return AnswerItem(job.owner, job.question);

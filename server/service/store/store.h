@@ -38,6 +38,8 @@ struct StoredModel {
   std::string name;  // file name as first uploaded, made safe
   std::uint64_t bytes = 0;
   nlohmann::json report;                // "model" of a report
+  double import_ms = 0;                 // what the import took, by the report
+  std::uint64_t import_peak_bytes = 0;  // 0: not known
   std::string source_path, model_path;  // files to read; never to change
 };
 
