@@ -89,6 +89,7 @@ Observer ObserverOf(Metrics& metrics, ServiceLog& log) {
     metrics.StageEnded(stage, seconds);
   };
   observer.traced = [&](double rays, double seconds) { metrics.Traced(rays, seconds); };
+  observer.model_read = [&](double seconds) { metrics.ModelRead(seconds); };
   observer.importer_died = [&](const std::string& cause) { metrics.ImporterDied(cause); };
   return observer;
 }

@@ -78,6 +78,8 @@ struct Metrics::Families {
       CounterOf("facetless_trace_seconds_total", "Seconds that the direct renderer took for them");
   Family<Histogram>& rays_per_second =
       HistogramOf("facetless_rays_per_second", "Rays per second of each view of the direct renderer");
+  Family<Histogram>& model_seconds = HistogramOf("facetless_model_read_duration_seconds",
+                                                 "Seconds of reading a model's file, at most once for a job");
   Family<Counter>& deaths =
       CounterOf("facetless_importer_deaths_total", "Importers that did not end by themselves, by cause");
   Family<Counter>& look_ups =
@@ -103,6 +105,7 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {
   }
   families_->rays.Add({});
   families_->trace_seconds.Add({});
+  families_->model_seconds.Add({}, kWorkSeconds);
 }
 
 Metrics::~Metrics() = default;
@@ -127,6 +130,10 @@ void Metrics::Traced(double rays, double seconds) {
   families_->rays.Add({}).Increment(rays);
   families_->trace_seconds.Add({}).Increment(seconds);
   if (seconds > 0) families_->rays_per_second.Add({}, kRaysPerSecond).Observe(rays / seconds);
+}
+
+void Metrics::ModelRead(double seconds) {
+  families_->model_seconds.Add({}, kWorkSeconds).Observe(seconds);
 }
 
 void Metrics::ImporterDied(const std::string& cause) {

@@ -32,6 +32,7 @@ class Metrics {
   void JobEnded(JobKind kind, const std::string& state, double seconds);
   void StageEnded(const std::string& stage, double seconds);
   void Traced(double rays, double seconds);
+  void ModelRead(double seconds);
   void ImporterDied(const std::string& cause);
   // Whether the answer to a question of this kind was there already.
   void LookedUp(JobKind kind, bool found);

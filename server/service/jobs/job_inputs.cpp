@@ -101,6 +101,9 @@ Result<void> JobInputs::ReadInto(const std::string& path) {
   if (!read) return read.error();
   imported_.model = std::make_unique<const facetless::Model>(std::move(read).value());
   imported_.load_ms = stopwatch.Milliseconds();
+  constexpr double kMillisecond = 1e-3;
+  if (watch_.observer != nullptr && watch_.observer->model_read)
+    watch_.observer->model_read(imported_.load_ms * kMillisecond);
   return {};
 }
 
