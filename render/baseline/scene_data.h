@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/baseline/tracer.h"
 
 namespace facetless {
@@ -25,6 +26,7 @@ struct EmbreeMemory {
   std::atomic<std::int64_t> now{0}, peak{0};
   std::int64_t most = 0;  // 0: any number
   std::atomic<bool> refused{false};
+  const Execution* building = nullptr;  // while it is built: a cancelled build is refused what it asks for
 };
 
 // To be given to a device as its memory monitor, with an EmbreeMemory. False refuses an allocation, which

@@ -14,11 +14,11 @@
 //  4. A foreign mesh names no faces and cannot be measured so.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
@@ -38,8 +38,7 @@ struct MeshDeviation {
 constexpr std::uint64_t kMostMeasuredTriangles = 500'000;
 
 // Errors: kBadUsage (a foreign mesh), kLimitExceeded (too many triangles), kCancelled.
-Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
-                                           const std::atomic<bool>* cancel);
+Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh, const Execution& execution);
 
 // For a browser, little-endian: the length of a JSON header in four bytes; the header, filled up with spaces
 // to a multiple of four; then arrays, at the offsets from its end that it names:

@@ -21,6 +21,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/base/execution.h"
+#include "render/base/result.h"
 #include "render/model/model.h"
 
 namespace facetless {
@@ -55,7 +57,7 @@ struct Continuity {
   std::size_t unmeasured_edges = 0;  // law 5
 };
 
-// threads: 0 is one per core.
-Continuity MeasureContinuity(const Model& model, int threads);
+// Error: kCancelled.
+Result<Continuity> MeasureContinuity(const Model& model, const Execution& execution);
 
 }  // namespace facetless

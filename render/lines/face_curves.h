@@ -11,9 +11,9 @@
 //  4. What vanishes on a whole face (a cylinder seen along its axis) gives no curve.
 #pragma once
 
-#include <atomic>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/lines/line.h"
 #include "render/trace/direct.h"
 
@@ -21,10 +21,10 @@ namespace facetless {
 
 // Where n · view = 0 on curved faces.
 std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
-                                      const std::atomic<bool>* cancel = nullptr);
+                                      const Execution& execution = {});
 
 // Where faces meet `plane`.
 std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
-                               const CameraFrame& frame, const std::atomic<bool>* cancel = nullptr);
+                               const CameraFrame& frame, const Execution& execution = {});
 
 }  // namespace facetless

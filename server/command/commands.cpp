@@ -116,11 +116,13 @@ int ContinuityCommand(const CommandArguments& arguments) {
   auto imported = Import(ToImportRequest(arguments, progress));
   if (!imported) return PrintError(imported.error());
   const Model& model = *imported.value().model;
+  const auto continuity = MeasureContinuity(model, {arguments.options.threads, &InterruptFlag()});
+  if (!continuity) return PrintError(continuity.error());
   const nlohmann::json answer = {
       {"facetless", ProgramJson(arguments.options.threads)},
       {"model",
        {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
-      {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
+      {"continuity", ContinuityJson(continuity.value(), model)}};
   Print(JsonText(answer));
   return LossExitCode(arguments.options, model);
 }

@@ -195,11 +195,11 @@ OptionBinding ViewMemoryBinding() {
   return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
             auto number = ParseNumber(json, row.name, row.low, row.high);
             if (!number) return number.error();
-            o.max_view_bytes = static_cast<std::uint64_t>(number.value() * kMegabyte);
+            o.accuracy.max_bytes = static_cast<std::uint64_t>(number.value() * kMegabyte);
             return {};
           },
           [](const OptionRow&, const RunOptions& o) -> Json {
-            return static_cast<double>(o.max_view_bytes) / kMegabyte;
+            return static_cast<double>(o.accuracy.max_bytes) / kMegabyte;
           }};
 }
 

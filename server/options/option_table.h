@@ -43,6 +43,8 @@ enum class OptionKind {
 using Commands = unsigned;
 inline constexpr Commands kInspect = 1, kContinuity = 2, kRender = 4, kMesh = 8, kCompare = 16, kTrade = 32,
                           kBench = 64, kRegress = 128;
+// An entry of a manifest of regress, which is no command: it says how one file is rendered.
+inline constexpr Commands kManifest = 256;
 
 enum class OptionOwner {
   kCaller,    // the command line, and requests over HTTP

@@ -55,12 +55,9 @@ struct RunOptions {
   int width = 1024, height = 1024;
   Projection projection = Projection::kOrthographic;
   int samples = 4;
-  Precision precision = Precision::kStandard;
-  CheckLevel check = CheckLevel::kAuto;
-  double newton_tolerance = 0;  // 0: the precision's own
+  // max_bytes bounds the search tree of the mesh that a view is compared with, too.
+  ExactTraceOptions accuracy;
   int threads = 0;
-  // Of the leaves of one view, and of the search tree of the mesh that it is compared with.
-  std::uint64_t max_view_bytes = DirectOptions{}.max_bytes;
   std::optional<double> timeout_s;  // none: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;

@@ -2,9 +2,6 @@
 // up.
 #pragma once
 
-#include <string>
-
-#include "render/base/result.h"
 #include "render/compare/face_colors.h"
 #include "render/view/arrangement.h"
 #include "render/view/camera.h"
@@ -20,9 +17,5 @@ struct PictureOptions {
   int turntable = 0;
   double turntable_s = 6;
 };
-
-// Whether `command` ("render", "compare", "trade", "bench", "regress") can do what the options ask for.
-// Error: kBadUsage names the option that it cannot.
-Result<void> CheckPictureOptions(const PictureOptions& options, const std::string& command);
 
 }  // namespace facetless

@@ -14,8 +14,10 @@
 #include "server/base/files.h"
 #include "server/base/json_text.h"
 #include "server/base/version.h"
+#include "server/options/option_values.h"
 #include "server/run/report_html.h"
 #include "server/run/shown_model.h"
+#include "server/run/trace_options.h"
 
 namespace facetless {
 namespace {
@@ -91,16 +93,16 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
 
   // What is left are the options of a rendering.
   for (const char* key : {"file", "name", "references", "tolerances"}) json.erase(key);
-  for (const char* key :
-       {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit", "mesh_deviation"}) {
-    if (json.contains(key)) return BadManifest(std::string("the option ") + key + " has no meaning here");
-  }
+  std::vector<std::string> taken;
+  for (const OptionRow& row : AllOptions())
+    if ((row.commands & kManifest) != 0) taken.push_back(row.name);
+  for (const auto& [key, value] : json.items())
+    if (const OptionRow* row = FindOption(key); row != nullptr && (row->commands & kManifest) == 0)
+      return BadManifest("the option " + row->name + " has no meaning here; the options of an entry are " +
+                         Joined(taken));
   auto options = ParseOptions(json);
   if (!options) return BadManifest(options.error().message);
-  if (auto can = CheckPictureOptions(options.value().picture, "regress"); !can)
-    return BadManifest(can.error().message);
   entry.options = std::move(options).value();
-  entry.options.threads = request.threads;
   if (!json.contains("import_timeout"))
     entry.options.import_limits.timeout_s = request.import_limits.timeout_s;
   if (!json.contains("import_memory"))
@@ -240,20 +242,11 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   auto cameras = ResolveCameras(entry.options, model.bounds);
   if (!cameras) return cameras.error();
   const Scene scene(model);
-  ViewOptions view_options;
-  view_options.samples = entry.options.samples;
-  view_options.edges = entry.options.edges;
-  view_options.lines = entry.options.lines;
-  view_options.background = entry.options.background;
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();
-  view_options.sections = sections.value();
-  DirectOptions direct;
-  direct.precision = entry.options.precision;
-  direct.check = entry.options.check;
-  direct.sections = sections.value();
-  const ExactSurfaces exact(scene, std::move(direct));
-  view_options.execution = {entry.options.threads, request.context.cancel};
+  const ViewOptions view_options =
+      ToViewOptions(entry.options, sections.value(), {request.threads, request.context.cancel});
+  const ExactSurfaces exact(scene, ToDirectOptions(entry.options, sections.value()));
 
   const std::size_t lost = LossCount(model);
   const bool lost_too_much = static_cast<double>(lost) > entry.tolerances.at("lost").get<double>();

@@ -24,6 +24,7 @@
 #include "server/run/pictures.h"
 #include "server/run/report_html.h"
 #include "server/run/shown_model.h"
+#include "server/run/trace_options.h"
 #include "server/run/verdict.h"
 #include "server/run/view_files.h"
 
@@ -31,37 +32,6 @@ namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
-
-ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
-                          const std::atomic<bool>* cancel) {
-  ViewOptions view;
-  view.sections = sections;
-  view.samples = options.samples;
-  view.edges = options.edges;
-  view.lines = options.lines;
-  view.find_lines = options.svg;
-  view.background = options.background;
-  view.inspection = options.inspection;
-  view.inspection.orient = options.orient;
-  view.coloring = options.picture.coloring;
-  view.uv = options.WantsAov("uv");
-  view.depth_error = options.WantsAov("certificate");
-  view.audit = options.audit;
-  view.execution = {options.threads, cancel};
-  return view;
-}
-
-// How the exact surfaces are traced, where `taken_bytes` of the memory of a view are taken already.
-DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
-                              std::uint64_t taken_bytes) {
-  DirectOptions direct;
-  direct.precision = options.precision;
-  direct.check = options.check;
-  direct.newton_tolerance = options.newton_tolerance;
-  direct.max_bytes = options.max_view_bytes - std::min(options.max_view_bytes, taken_bytes);
-  direct.sections = sections;
-  return direct;
-}
 
 std::string SvgOf(const ImportedModel& imported, const Camera& camera, const View& view) {
   const bool flat = camera.projection == Projection::kOrthographic;
@@ -71,8 +41,8 @@ std::string SvgOf(const ImportedModel& imported, const Camera& camera, const Vie
 
 // Measures every triangle, and writes the file of it: the report's "mesh_deviation".
 Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std::string& directory,
-                                const std::atomic<bool>* cancel) {
-  const auto measured = MeasureMeshDeviation(model, mesh, cancel);
+                                const Execution& execution) {
+  const auto measured = MeasureMeshDeviation(model, mesh, execution);
   if (!measured) return measured.error();
   const MeshDeviation& deviation = measured.value();
   if (auto written = WriteFileAtomically(directory + "/mesh.bin", EncodeMeshDeviation(mesh, deviation));
@@ -118,7 +88,8 @@ class Run {
         timeout_s_(options.timeout_s.value_or(kRunTimeoutS)),
         deadline_(timeout_s_, context.cancel) {}
 
-  const std::atomic<bool>* cancel() const { return deadline_.flag(); }
+  // Ends with the run's deadline.
+  Execution execution() const { return {options_.threads, deadline_.flag()}; }
   // What does not depend on the view.
   Scene MakeScene() {
     const Stopwatch stopwatch;
@@ -161,7 +132,7 @@ class Run {
     auto planes = ResolveSections(options_.sections, imported_.model->bounds);
     if (!planes || planes.value().empty()) return planes;
     SectionAreaOptions area;
-    area.execution = {options_.threads, cancel()};
+    area.execution = execution();
     auto measured = SectionsJson(scene, mesh, planes.value(), area);
     if (!measured) return Explained(measured.error());
     Note("sections", std::move(measured).value());
@@ -177,7 +148,8 @@ class Run {
     Json views = Json::array();
     for (const Camera& camera : cameras.value()) {
       Progress(static_cast<double>(views.size()) / static_cast<double>(cameras.value().size()));
-      Result<Json> view = *cancel() ? Result<Json>(Error{ErrorCode::kCancelled, "stopped"}) : one(camera);
+      Result<Json> view =
+          execution().cancelled() ? Result<Json>(Error{ErrorCode::kCancelled, "stopped"}) : one(camera);
       if (!view) return Explained(view.error());
       views.push_back(std::move(view).value());
     }
@@ -196,7 +168,7 @@ class Run {
   // picture is the planes' doing.
   Result<void> JudgeMesh(const Mesh& mesh, const MeshCheck& check) {
     if (options_.mesh_deviation) {
-      auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, cancel());
+      auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, execution());
       if (!measured) return Explained(measured.error());
       Note("mesh_deviation", std::move(measured).value());
       files().Add("", "mesh", "mesh.bin");
@@ -232,7 +204,7 @@ class Run {
                    {"command", command_},
                    {"options",
                     {{"samples", options_.samples},
-                     {"precision", PrecisionName(options_.precision)},
+                     {"precision", PrecisionName(options_.accuracy.precision)},
                      {"shade", FormatInspection(options_.inspection)},
                      {"orient", options_.orient == Orient::kViewer ? "viewer" : "file"},
                      {"edges", options_.edges},
@@ -241,9 +213,11 @@ class Run {
                    {"views", std::move(views)},
                    {"timing_ms", TimingJson()},
                    {"verdict", VerdictJson(result_.verdict)}};
-    if (ShowsSmoothness(options_.inspection.kind))
-      report["continuity"] =
-          ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
+    if (ShowsSmoothness(options_.inspection.kind)) {
+      const auto continuity = MeasureContinuity(*imported_.model, execution());
+      if (!continuity) return Explained(continuity.error());
+      report["continuity"] = ContinuityJson(continuity.value(), *imported_.model);
+    }
     for (const auto& [key, value] : notes_.items())
       if (!value.is_null()) report[key] = value;
     if (Json files = result_.files.Json(""); !files.is_null()) report["files"] = std::move(files);
@@ -433,7 +407,7 @@ Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject
   std::optional<BaselineScene> tree;
   if (mesh != nullptr) {
     auto built =
-        BaselineScene::Build(*mesh, options.threads, !options.sections.empty(), options.max_view_bytes);
+        BaselineScene::Build(*mesh, run.execution(), !options.sections.empty(), options.accuracy.max_bytes);
     if (!built) {
       const Error error = {built.error().code, model.info.file + ": " + built.error().message};
       if (!mesh->from_model || !CostsTheBaselineOnly(error.code)) return error;
@@ -448,18 +422,18 @@ Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject
   const DirectOptions direct = ToDirectOptions(options, sections.value(), tree ? tree->bvh_bytes() : 0);
   const ExactSurfaces exact(scene, direct);
   std::optional<Triangles> triangles;
-  if (tree) triangles.emplace(*tree, model, sections.value(), direct.max_bytes);
+  if (tree) triangles.emplace(*tree, model, sections.value(), direct.accuracy.max_bytes);
   const auto methods = Candidates::Make(options.with,
                                         {.scene = scene,
                                          .direct = direct,
-                                         .execution = {options.threads, run.cancel()},
-                                         .max_bytes = direct.max_bytes},
+                                         .execution = run.execution(),
+                                         .max_bytes = direct.accuracy.max_bytes},
                                         run);
   if (!methods) return run.Explained(methods.error());
   const std::vector<const Representation*> candidates =
       methods.value().All(triangles ? &*triangles : nullptr);
 
-  const ViewOptions view_options = ToViewOptions(options, sections.value(), run.cancel());
+  const ViewOptions view_options = ToViewOptions(options, sections.value(), run.execution());
   const ViewReport report(imported, options, run.directory(), tree ? &*tree : nullptr);
   ContactSheet sheet(options.picture.sheet,
                      candidates.empty() ? 0 : 1 + 2 * static_cast<int>(candidates.size()));
@@ -479,7 +453,8 @@ Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject
   });
   if (!views) {
     const Error& error = views.error();
-    if (!tree || !mesh->from_model || error.code != ErrorCode::kLimitExceeded || *run.cancel()) return error;
+    if (!tree || !mesh->from_model || error.code != ErrorCode::kLimitExceeded || run.execution().cancelled())
+      return error;
     return without_mesh(BesideTree(imported, *tree, error));
   }
   if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();

@@ -71,9 +71,9 @@ class Sweep {
   const Model& model() const { return *imported_.model; }
   const TradeOptions& trade() const { return options_.trade; }
 
-  TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const {
-    return {{options_.threads, deadline_.flag()}, budget};
-  }
+  Execution execution() const { return {options_.threads, deadline_.flag()}; }
+
+  TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const { return {execution(), budget}; }
 
   void Step(const std::string& what) {
     if (context_.progress) context_.progress(what, static_cast<double>(steps_done_) / std::max(steps_, 1));
@@ -135,10 +135,10 @@ class Sweep {
   Result<void> MeasureDirectPoint(const Scene& scene, const DirectSetting& setting, TradeView& view) {
     Step("direct");
     DirectOptions options;
-    options.precision = setting.precision;
-    options.newton_tolerance = setting.newton_tolerance;
+    options.accuracy.precision = setting.precision;
+    options.accuracy.newton_tolerance = setting.newton_tolerance;
     const ExactSurfaces picture(scene, options);
-    options.max_bytes = trade().budget_mb * kMegabyte;
+    options.accuracy.max_bytes = trade().budget_mb * kMegabyte;
     auto point = MeasureWithin(ExactSurfaces(scene, options), picture, setting, view);
     if (!point) return point.error();
     point.value().convert_ms = model().info.convert_ms;
@@ -289,8 +289,7 @@ class Sweep {
   }
 
   Result<Tessellation> BuildTree(Tessellation tessellation) {
-    auto tree =
-        BaselineScene::Build(*tessellation.mesh, options_.threads, false, trade().budget_mb * kMegabyte);
+    auto tree = BaselineScene::Build(*tessellation.mesh, execution(), false, trade().budget_mb * kMegabyte);
     if (!tree) return Refused(tree.error(), std::move(tessellation));
     if (tree.value().build_ms() > 1000 * trade().budget_s)
       tessellation.over_budget = "building the tree takes longer than " + Seconds(trade().budget_s);
@@ -298,7 +297,7 @@ class Sweep {
       tessellation.over_budget = MemoryReason();
     std::vector<double> times = {tree.value().build_ms()};
     while (times.front() < kCheapMs && times.size() < kRepetitions) {
-      auto again = BaselineScene::Build(*tessellation.mesh, options_.threads);
+      auto again = BaselineScene::Build(*tessellation.mesh, execution());
       if (!again) return again.error();
       times.push_back(again.value().build_ms());
     }

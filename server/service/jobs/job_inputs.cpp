@@ -216,7 +216,7 @@ Result<ImportedFiles> JobInputs::Import(const std::string& path, const std::stri
 RunOptions JobInputs::Options() const {
   RunOptions options = request_.options;
   options.timeout_s = 0;
-  options.max_view_bytes = limits_.max_view_bytes;
+  options.accuracy.max_bytes = limits_.max_view_bytes;
   return options;
 }
 

@@ -19,6 +19,7 @@ inline nlohmann::json AnotherValueOf(const OptionRow& row) {
                                     {"color", "part"},
                                     {"parts", "a"},
                                     {"hide", "a"},
+                                    {"with", "fast"},
                                     {"unit", "cm"},
                                     {"mesh", "a.stl"}})
     if (row.name == name) return value;
