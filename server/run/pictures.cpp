@@ -1,11 +1,11 @@
 #include "server/run/pictures.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "render/compare/report.h"
 #include "render/image/animation.h"
 #include "render/image/io.h"
@@ -64,7 +64,7 @@ Result<void> ContactSheet::Write(const std::string& directory, RunFiles& files) 
 }
 
 Result<Json> RenderTurntable(const TurntableRun& run, RunFiles& files) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   auto cameras = FrameCameras(run.options, run.model.bounds);
   if (!cameras) return cameras.error();
   const PictureOptions& options = run.options.picture;
@@ -96,14 +96,11 @@ Result<Json> RenderTurntable(const TurntableRun& run, RunFiles& files) {
   files.Add("", "turntable", kName);
   run.progress(1);
   constexpr const char* kAxes[] = {"x", "y", "z"};
-  return Json{
-      {"up", kAxes[static_cast<int>(options.up)]},
-      {"seconds", options.turntable_s},
-      {"frames", std::move(names)},
-      {"camera", CameraJson(first)},
-      {"timing_ms",
-       {{"total",
-         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}}}};
+  return Json{{"up", kAxes[static_cast<int>(options.up)]},
+              {"seconds", options.turntable_s},
+              {"frames", std::move(names)},
+              {"camera", CameraJson(first)},
+              {"timing_ms", {{"total", stopwatch.Milliseconds()}}}};
 }
 
 }  // namespace facetless
