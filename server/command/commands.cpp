@@ -232,11 +232,11 @@ int RegressCommand(const CommandArguments& arguments) {
   request.threads = arguments.options.threads;
   request.import_limits = arguments.options.import_limits;
   request.context = ToContext(progress);
-  auto verdict = RunRegress(request);
-  if (!verdict) return PrintError(verdict.error());
-  Print(JsonText(verdict.value()));
-  PrintFailures(RegressSentences(verdict.value()));
-  return verdict.value().at("exit_code").get<int>();
+  const auto result = RunRegress(request);
+  if (!result) return PrintError(result.error());
+  Print(JsonText(result.value().verdict));
+  PrintFailures(result.value().failures);
+  return result.value().exit_code;
 }
 
 }  // namespace facetless

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "server/base/exit_code.h"
 #include "tests/unit/server/option_samples.h"
@@ -95,12 +96,17 @@ TEST_F(Manifest, AFileThatCannotBeUsedFailsAloneAndTheRestGoesOn) {
                 R"({"files":[{"file":"broken.step"},{"file":"crash.step"},{"file":"absent.step"}]})");
   auto verdict = RunRegress(request);
   ASSERT_TRUE(verdict.ok()) << verdict.error().message;
-  EXPECT_EQ(verdict.value().at("exit_code"), kExitUnusable);
-  EXPECT_FALSE(verdict.value().at("passed").get<bool>());
-  ASSERT_EQ(verdict.value().at("files").size(), 3u);
-  EXPECT_EQ(verdict.value()["files"][0]["error"]["code"], "format-broken");
-  EXPECT_EQ(verdict.value()["files"][1]["error"]["code"], "importer-crashed");
-  EXPECT_EQ(verdict.value()["files"][2]["error"]["code"], "file-unreadable");
+  EXPECT_EQ(verdict.value().exit_code, kExitUnusable);
+  const nlohmann::json& json = verdict.value().verdict;
+  EXPECT_EQ(json.at("exit_code"), kExitUnusable);
+  EXPECT_FALSE(json.at("passed").get<bool>());
+  ASSERT_EQ(json.at("files").size(), 3u);
+  EXPECT_EQ(json["files"][0]["error"]["code"], "format-broken");
+  EXPECT_EQ(json["files"][1]["error"]["code"], "importer-crashed");
+  EXPECT_EQ(json["files"][2]["error"]["code"], "file-unreadable");
+  EXPECT_THAT(verdict.value().failures,
+              testing::ElementsAre(testing::StartsWith("broken: "), testing::StartsWith("crash: "),
+                                   testing::StartsWith("absent: ")));
 }
 
 TEST_F(Manifest, WithoutAFileIsRefused) {
@@ -122,8 +128,8 @@ class ManifestOptions : public testing::Test {
       message_ = verdict.error().message;
       return -1;
     }
-    verdict_ = verdict.value();
-    return verdict_.at("exit_code");
+    result_ = verdict.value();
+    return result_.exit_code;
   }
   // With the option `name` another picture or depth comes out than without it, and the same one with it again.
   void ExpectFollowed(const std::string& sample, const nlohmann::json& base, const std::string& name,
@@ -138,7 +144,7 @@ class ManifestOptions : public testing::Test {
   const ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-import")};
   TempDir directory_ = TempDir::Create().value();
   std::string message_;
-  nlohmann::json verdict_;
+  RegressResult result_;
 };
 
 TEST_F(ManifestOptions, AreEachTakenOrRefusedAsTheTableSays) {
@@ -172,7 +178,22 @@ TEST_F(ManifestOptions, NewtonToleranceIsFollowed) {
 TEST_F(ManifestOptions, MaxViewMemoryIsFollowed) {
   EXPECT_EQ(Regress("teapot.step", {{"size", "512x512"}}, true), kExitDone) << message_;
   EXPECT_EQ(Regress("teapot.step", {{"size", "512x512"}, {"max_view_memory", 1}}, false), kExitUnusable);
-  EXPECT_EQ(verdict_.at("files").at(0).at("error").at("code"), "limit-exceeded");
+  EXPECT_EQ(result_.verdict.at("files").at(0).at("error").at("code"), "limit-exceeded");
+}
+
+TEST_F(ManifestOptions, ThatBreakTolerancesAreNamedWithTheirViews) {
+  const nlohmann::json two = {{"size", "32x32"}, {"view", {"iso", "top"}}};
+  ASSERT_EQ(Regress("cone.step", two, true), kExitDone) << message_;
+  EXPECT_THAT(result_.failures, testing::IsEmpty());
+  std::filesystem::remove(directory_.File("references/cone.top.png"));
+  nlohmann::json other = two;
+  other["shade"] = "zebra";
+  EXPECT_EQ(Regress("cone.step", other, false), kExitFailed);
+  ASSERT_EQ(result_.failures.size(), 2u);
+  EXPECT_THAT(result_.failures[0],
+              testing::MatchesRegex("cone, view 'iso': the tolerance max is broken: the value "
+                                    "is 0[.][0-9]+, the limit is 0"));
+  EXPECT_THAT(result_.failures[1], HasSubstr("cone, view 'top': no reference: run with --update"));
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "server/base/exit_code.h"
-#include "server/run/regress.h"
 
 namespace facetless {
 namespace {
@@ -75,21 +74,6 @@ TEST(Verdict, SaysWhatBrokeByTheNameOfItsOption) {
                   HasSubstr("lost 3"), HasSubstr("lacks 2 faces"), HasSubstr("--unit")));
   EXPECT_THAT(VerdictSentences(Judge({}, {{"front", 0, 0.5, 0, 0, 0}}, {.problems = {}, .lost = 3})),
               IsEmpty());
-}
-
-TEST(Regress, SaysWhichToleranceBrokeAndInWhichView) {
-  const auto verdict = nlohmann::json::parse(R"({"files": [
-    {"name": "good", "passed": true, "views": []},
-    {"name": "bad", "passed": false, "lost": 0, "views": [
-      {"name": "iso", "passed": true},
-      {"name": "top", "passed": false, "status": "different", "broken": [{"tolerance": "max", "limit": 0, "value": 3}]},
-      {"name": "front", "passed": false, "status": "no reference: run with --update"}]},
-    {"name": "lossy", "passed": false, "lost": 2, "views": []},
-    {"name": "none", "passed": false, "error": {"message": "it cannot be read"}}]})");
-  EXPECT_THAT(RegressSentences(verdict),
-              ElementsAre("bad, view 'top': the tolerance max is broken: the value is 3, the limit is 0",
-                          "bad, view 'front': no reference: run with --update",
-                          HasSubstr("lossy: the tolerance \"lost\" is broken"), "none: it cannot be read"));
 }
 
 }  // namespace
