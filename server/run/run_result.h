@@ -59,6 +59,13 @@ struct NoBaseline {
   std::string reason, message;
 };
 
+// Whether the reason lies in the file, so that the same question has the same answer again. What ran out (time,
+// memory, threads) may be there at the next attempt, on a machine with less to do or with other limits.
+inline bool LiesInFile(const NoBaseline& why) {
+  return why.reason != "timeout" && why.reason != "memory" && why.reason != "threads" &&
+         why.reason != "pending";
+}
+
 // One pass of the direct renderer over a view.
 struct TracedRays {
   double rays = 0, seconds = 0;

@@ -95,7 +95,7 @@ Json ModelJson(const StoredModel& model) {
 }
 
 std::optional<std::string> AnswerText(const Job& job, Store& store) {
-  if (job.kind != JobKind::kModel) return store.FindAnswer(job.owner, job.question);
+  if (job.kind != JobKind::kModel) return store.FindAnswer(job.owner, KeyOfItem(job.result));
   const auto model = store.FindModel(job.owner, job.ModelId());
   if (!model) return std::nullopt;
   return JsonText(ModelJson(*model)) + "\n";
@@ -127,7 +127,7 @@ Json JobJson(const JobView& view, Store& store) {
   if (!text) return json;
   json["result"] = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
   json["links"]["result"] =
-      job.kind == JobKind::kModel ? "/v1/models/" + job.ModelId() : "/v1/answers/" + job.question;
+      job.kind == JobKind::kModel ? "/v1/models/" + job.ModelId() : "/v1/answers/" + KeyOfItem(job.result);
   return json;
 }
 

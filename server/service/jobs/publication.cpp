@@ -35,11 +35,11 @@ class Publication {
 
 }  // namespace
 
-Result<void> PublishRun(Store& store, const std::string& owner, const std::string& question,
+Result<void> PublishRun(Store& store, const std::string& owner, const std::string& key,
                         const std::string& model_id, RunResult result, const std::string& directory) {
   Publication publication(store, directory);
   Json& report = result.report;
-  Json run_links = {{"model", "/v1/models/" + model_id}, {"self", "/v1/answers/" + question}};
+  Json run_links = {{"model", "/v1/models/" + model_id}, {"self", "/v1/answers/" + key}};
   std::map<std::string, Json> view_links;
   for (const RunFile& file : result.files.list()) {
     auto address = publication.Add(file.name);
@@ -57,7 +57,7 @@ Result<void> PublishRun(Store& store, const std::string& owner, const std::strin
     report["turntable"]["links"] = std::move(frames);
   }
   report["links"] = std::move(run_links);
-  return store.PutAnswer(owner, question, JsonText(report) + "\n", publication.artifacts());
+  return store.PutAnswer(owner, key, JsonText(report) + "\n", publication.artifacts());
 }
 
 }  // namespace facetless

@@ -10,8 +10,8 @@
 namespace facetless {
 
 // Moves the files of a run, which lie in `directory`, into the store, and puts the report with their addresses
-// ("links") as the owner's answer to `question`. Errors: kWriteFailed.
-Result<void> PublishRun(Store& store, const std::string& owner, const std::string& question,
+// ("links") as the owner's answer `key`. Errors: kWriteFailed.
+Result<void> PublishRun(Store& store, const std::string& owner, const std::string& key,
                         const std::string& model_id, RunResult result, const std::string& directory);
 
 }  // namespace facetless

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/base/sha256.h"
 #include "server/service/jobs/job_inputs.h"
 #include "server/service/jobs/job_kinds.h"
 #include "server/service/jobs/publication.h"
@@ -36,11 +37,14 @@ Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits
   if (watch.observer != nullptr && watch.observer->traced)
     for (const TracedRays& pass : result.value().traced) watch.observer->traced(pass.rays, pass.seconds);
   if (watch.progress) watch.progress("publish", 0);
-  if (auto published = PublishRun(store, job.owner, job.question, inputs.stored().id,
-                                  std::move(result).value(), directory);
+  // What a passing shortage has left is this job's answer, and no later one's.
+  const auto& none = result.value().no_baseline;
+  const std::string key = none && !LiesInFile(*none) ? Sha256Hex(job.question + job.id) : job.question;
+  if (auto published =
+          PublishRun(store, job.owner, key, inputs.stored().id, std::move(result).value(), directory);
       !published)
     return published.error();
-  return AnswerItem(job.owner, job.question);
+  return AnswerItem(job.owner, key);
 }
 
 }  // namespace facetless

@@ -50,6 +50,10 @@ std::string AnswerItem(const std::string& owner, const std::string& key) {
   return owner + "/answer/" + key;
 }
 
+std::string KeyOfItem(const std::string& item) {
+  return item.substr(item.rfind('/') + 1);
+}
+
 bool IsArtifactName(const std::string& name) {
   if (name.size() < 66 || name.size() > 73 || name[64] != '.' || !IsSha256Hex(name.substr(0, 64)))
     return false;

@@ -120,6 +120,8 @@ class Store {
 // What a job needs (job_store.h) and what holds files: "<owner>/model/<id>", "<owner>/answer/<key>".
 std::string ModelItem(const std::string& owner, const std::string& id);
 std::string AnswerItem(const std::string& owner, const std::string& key);
+// The id or key at the end of an item.
+std::string KeyOfItem(const std::string& item);
 
 // "<64 hexadecimal digits>.<extension of 1 to 8 lower-case letters and digits>".
 bool IsArtifactName(const std::string& name);
