@@ -31,7 +31,7 @@ struct JobKindRow {
   bool compares_mesh = false;  // it needs a mesh: the part "mesh", or a tessellation of our own
   // What can be known of options without the model. Null: nothing. Errors: kBadUsage.
   Result<void> (*check)(const RunOptions& options) = nullptr;
-  // Does the work, writes its files into `directory`, which it creates. Null: the
+  // Does the work and writes its files into `directory`, which it creates; the result names them. Null: the
   // model itself is the answer.
   Result<RunResult> (*run)(JobInputs& inputs, const std::string& directory) = nullptr;
 };
