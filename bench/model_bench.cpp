@@ -181,7 +181,7 @@ class Measurement {
   }
 
   Result<void> CompleteImage(const Mesh& mesh, int threads, MeshImage& image) const {
-    Result<BaselineScene> tree = BaselineScene::Build(mesh, threads);
+    Result<BaselineScene> tree = BaselineScene::Build(mesh, {.threads = threads});
     if (!tree) return tree.error();
     image.build_ms = tree.value().build_ms();
     image.structure_bytes = tree.value().mesh_bytes() + tree.value().bvh_peak_bytes();
@@ -269,7 +269,7 @@ class Measurement {
     const Scene scene(*case_.model);
     std::map<double, BaselineScene> trees;
     for (const auto& [deflection, mesh] : meshes_) {
-      Result<BaselineScene> tree = BaselineScene::Build(*mesh, threads);
+      Result<BaselineScene> tree = BaselineScene::Build(*mesh, {.threads = threads});
       if (!tree) return tree.error();
       trees.emplace(deflection, std::move(tree).value());
     }
@@ -279,7 +279,7 @@ class Measurement {
       for (const auto& [precision, rates] :
            {std::pair{Precision::kStandard, &standard}, {Precision::kFast, &fast}}) {
         DirectOptions direct;
-        direct.precision = precision;
+        direct.accuracy.precision = precision;
         direct.execution = {threads, options_.execution.cancel};
         Result<DirectResult> traced = TraceDirect(scene, case_.camera, direct);
         if (!traced) return traced.error();

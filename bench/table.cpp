@@ -33,6 +33,28 @@ std::string Line(const std::vector<std::string>& cells, const std::vector<std::s
 
 }  // namespace
 
+std::string Wrapped(const std::string& text) {
+  constexpr std::size_t kColumns = 120;
+  std::string wrapped;
+  std::size_t used = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const std::size_t width = Width(word);
+    if (used > 0 && used + 1 + width > kColumns) {
+      wrapped += "\n";
+      used = 0;
+    } else if (used > 0) {
+      wrapped += " ";
+      ++used;
+    }
+    wrapped += word;
+    used += width;
+    begin = end + 1;
+  }
+  return wrapped;
+}
+
 std::string TableText(const Table& table, TableStyle style) {
   const bool markdown = style == TableStyle::kMarkdown;
   std::vector<std::size_t> widths;
@@ -48,7 +70,7 @@ std::string TableText(const Table& table, TableStyle style) {
   }
   for (const auto& row : table.rows) text += Line(row, widths, markdown);
   if (!table.notes.empty()) text += "\n";
-  for (const std::string& note : table.notes) text += note + "\n";
+  for (const std::string& note : table.notes) text += (markdown ? Wrapped(note) : note) + "\n";
   return text + "\n";
 }
 

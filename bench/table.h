@@ -15,6 +15,9 @@ struct Table {
 
 enum class TableStyle { kText, kMarkdown };
 
+// `text` with line breaks for spaces, so that no line has more than 120 columns but for longer words.
+std::string Wrapped(const std::string& text);
+
 // With a blank line at its end. The first column is aligned to the left, the others to the right.
 std::string TableText(const Table& table, TableStyle style);
 

@@ -16,7 +16,8 @@ bool CountBytes(void* user, ssize_t bytes, bool post) {
   EmbreeMemory& memory = *static_cast<EmbreeMemory*>(user);
   const std::int64_t now = memory.now.fetch_add(bytes) + bytes;
   // An allocation that is reported afterwards cannot be refused; the next one will be.
-  if (bytes > 0 && !post && memory.most > 0 && now > memory.most) {
+  const bool stopped = memory.building != nullptr && memory.building->cancelled();
+  if (bytes > 0 && !post && (stopped || (memory.most > 0 && now > memory.most))) {
     memory.now.fetch_sub(bytes);
     memory.refused = true;
     return false;
@@ -270,7 +271,7 @@ double BaselineScene::noise_mm() const {
   return data_->noise_mm;
 }
 
-Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool to_be_cut,
+Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, const Execution& execution, bool to_be_cut,
                                            std::uint64_t max_bytes) {
   auto data = std::make_unique<Data>();
   data->mesh = &mesh;
@@ -300,12 +301,16 @@ Result<BaselineScene> BaselineScene::Build(const Mesh& mesh, int threads, bool t
   data->memory.most = static_cast<std::int64_t>(std::min(max_bytes, kAny));
   rtcSetDeviceMemoryMonitorFunction(data->device, CountBytes, &data->memory);
   Result<void> built;
+  data->memory.building = &execution;
   try {
-    RunWithThreads(threads, [&] { built = Builder(*data).Build(); });
+    RunWithThreads(execution.threads, [&] { built = Builder(*data).Build(); });
   } catch (const std::bad_alloc&) {
+    if (execution.cancelled()) return Error{ErrorCode::kCancelled, "stopped"};
     if (data->memory.refused) return TooLarge(max_bytes);
     return Error{ErrorCode::kLimitExceeded, "the mesh's search tree does not fit into memory"};
   }
+  data->memory.building = nullptr;
+  if (execution.cancelled()) return Error{ErrorCode::kCancelled, "stopped"};
   if (data->memory.refused) return TooLarge(max_bytes);
   if (!built.ok()) return built.error();
   data->build_ms = stopwatch.Milliseconds();

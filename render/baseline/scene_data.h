@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/baseline/tracer.h"
 
 namespace facetless {
@@ -26,6 +27,7 @@ struct EmbreeMemory {
   std::atomic<std::int64_t> now{0}, peak{0};
   std::int64_t most = 0;  // limit in bytes; 0: no limit
   std::atomic<bool> refused{false};
+  const Execution* building = nullptr;  // while it is built: a cancelled build is refused what it asks for
 };
 
 // The memory monitor of a device; `user` is an EmbreeMemory. Returns false to refuse an allocation, which

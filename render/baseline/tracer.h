@@ -57,12 +57,11 @@ struct BaselineResult {
 // it.
 class BaselineScene {
  public:
-  // Builds the BVH. `to_be_cut`: the scene will be traced with section planes, which needs a slower
-  // traversal. `max_bytes`: the most memory that Embree may hold at any time during the build (0: no limit);
-  // a build that needs more ends at once. Errors: kNothingUsable (the mesh has no triangle); kLimitExceeded
-  // (max_bytes is exceeded, Embree ran out of memory, there are more than 2^32 − 1 nodes, or the mesh is
-  // larger than 1e17 mm); kBadUsage (the processor lacks what Embree needs).
-  static Result<BaselineScene> Build(const Mesh& mesh, int threads, bool to_be_cut = false,
+  // `to_be_cut`: it will be traced with section planes, which takes a slower tree walk. `max_bytes`: what
+  // Embree may hold at any time while it builds (0: any number); a build that would take more ends at once.
+  // Errors: kNothingUsable (no triangle), kLimitExceeded (more than max_bytes, Embree ran out of memory, more
+  // than 2^32 − 1 nodes, a mesh larger than 1e17 mm), kBadUsage (the machine lacks what Embree needs), kCancelled.
+  static Result<BaselineScene> Build(const Mesh& mesh, const Execution& execution, bool to_be_cut = false,
                                      std::uint64_t max_bytes = 0);
   ~BaselineScene();
   BaselineScene(BaselineScene&&) noexcept;

@@ -8,9 +8,9 @@ namespace {
 
 Result<std::unique_ptr<const Representation>> MakeFast(const MethodInput& input, double) {
   DirectOptions options = input.direct;
-  options.precision = Precision::kFast;
-  options.newton_tolerance = 0;
-  options.check = CheckLevel::kNone;
+  options.accuracy.precision = Precision::kFast;
+  options.accuracy.newton_tolerance = 0;
+  options.accuracy.check = CheckLevel::kNone;
   return std::unique_ptr<const Representation>(
       std::make_unique<ExactSurfaces>(input.scene, std::move(options), input.name, input.title));
 }

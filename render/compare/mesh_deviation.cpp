@@ -333,7 +333,7 @@ std::vector<FaceRun> FaceRuns(const MeshPart& part) {
 // Measures the triangles of the largest deviations again, from all starts, and proves lower bounds of their
 // distances, until a bound is at least as large as the next deviation. Returns false if cancelled.
 bool ProveLargest(const Model& model, const Mesh& mesh, const std::vector<Prototype>& prototypes,
-                  const std::atomic<bool>* cancel, MeshDeviation* deviation) {
+                  const Execution& execution, MeshDeviation* deviation) {
   struct Candidate {
     float size;
     std::size_t part, triangle;
@@ -350,7 +350,7 @@ bool ProveLargest(const Model& model, const Mesh& mesh, const std::vector<Protot
                     candidates.end(), order);
   std::map<std::uint32_t, std::unique_ptr<FaceSurface>> surfaces;
   for (std::size_t k = 0; k < most && deviation->largest_at_least_mm < candidates[k].size; ++k) {
-    if (cancel != nullptr && *cancel) return false;
+    if (execution.cancelled()) return false;
     const Candidate& at = candidates[k];
     const MeshPart& part = mesh.parts[at.part];
     const Prototype& prototype = prototypes[at.part];
@@ -377,8 +377,7 @@ void Append(std::string& bytes, const void* data, std::size_t size) {
 
 }  // namespace
 
-Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
-                                           const std::atomic<bool>* cancel) {
+Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh, const Execution& execution) {
   if (!mesh.from_model)
     return Error{ErrorCode::kBadUsage,
                  "the deviation of triangles is measured on our own tessellation only: a mesh of yours names "
@@ -400,25 +399,27 @@ Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
     prototypes.push_back(prototype.value());
     const Range faces = prototype.value().faces;
     const std::vector<FaceRun> runs = FaceRuns(part);
-    ParallelFor(std::size_t{0}, runs.size(), [&](std::size_t r) {
-      if (cancel != nullptr && *cancel) return;
-      const FaceRun run = runs[r];
-      const std::uint32_t face = faces.first + part.face_of_triangle[run.begin];
-      const FaceSurface surface(model, model.faces[face]);
-      const std::size_t tasks = (run.end - run.begin + kTrianglesPerTask - 1) / kTrianglesPerTask;
-      ParallelFor(std::size_t{0}, tasks, [&](std::size_t task) {
-        Start hint = surface.first();
-        const std::size_t begin = run.begin + task * kTrianglesPerTask;
-        for (std::size_t i = begin; i < std::min(begin + kTrianglesPerTask, run.end); ++i) {
-          if (cancel != nullptr && *cancel) return;
-          values[i] = TriangleDeviation(surface, part, prototype.value().to, i, hint);
-        }
+    RunWithThreads(execution.threads, [&] {
+      ParallelFor(std::size_t{0}, runs.size(), [&](std::size_t r) {
+        if (execution.cancelled()) return;
+        const FaceRun run = runs[r];
+        const std::uint32_t face = faces.first + part.face_of_triangle[run.begin];
+        const FaceSurface surface(model, model.faces[face]);
+        const std::size_t tasks = (run.end - run.begin + kTrianglesPerTask - 1) / kTrianglesPerTask;
+        ParallelFor(std::size_t{0}, tasks, [&](std::size_t task) {
+          Start hint = surface.first();
+          const std::size_t begin = run.begin + task * kTrianglesPerTask;
+          for (std::size_t i = begin; i < std::min(begin + kTrianglesPerTask, run.end); ++i) {
+            if (execution.cancelled()) return;
+            values[i] = TriangleDeviation(surface, part, prototype.value().to, i, hint);
+          }
+        });
       });
     });
-    if (cancel != nullptr && *cancel) return Error{ErrorCode::kCancelled, "stopped"};
+    if (execution.cancelled()) return Error{ErrorCode::kCancelled, "stopped"};
     deviation.parts.push_back(std::move(values));
   }
-  if (!ProveLargest(model, mesh, prototypes, cancel, &deviation))
+  if (!ProveLargest(model, mesh, prototypes, execution, &deviation))
     return Error{ErrorCode::kCancelled, "stopped"};
 
   std::vector<float> sizes;

@@ -14,11 +14,11 @@
 //  4. A foreign mesh has no face ids and cannot be measured.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
@@ -39,8 +39,7 @@ constexpr std::uint64_t kMostMeasuredTriangles = 500'000;
 
 // Measures all triangles. Errors: kBadUsage (a foreign mesh), kLimitExceeded (too many triangles),
 // kCancelled.
-Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh,
-                                           const std::atomic<bool>* cancel);
+Result<MeshDeviation> MeasureMeshDeviation(const Model& model, const Mesh& mesh, const Execution& execution);
 
 // Encodes the deviations for a browser, little-endian: the length of a JSON header in four bytes; the header,
 // padded with spaces to a multiple of four; then arrays, at the offsets from the end of the header that it

@@ -13,7 +13,7 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   options.depth_error = request.depth_error;
   options.audit = request.audit;
   options.leave_out = request.leave_out;
-  if (!request.certificates) options.check = CheckLevel::kNone;
+  if (!request.certificates) options.accuracy.check = CheckLevel::kNone;
   options.execution = execution;
   Result<DirectResult> traced = TraceDirect(scene_, camera, options);
   if (!traced.ok()) return traced.error();
@@ -45,7 +45,7 @@ Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& re
   std::optional<BaselineScene> rest_scene;
   if (request.leave_out != nullptr) {
     rest = OpaqueMesh(scene_.mesh(), *request.leave_out);
-    Result<BaselineScene> built = BaselineScene::Build(rest, execution.threads, false, max_bytes_);
+    Result<BaselineScene> built = BaselineScene::Build(rest, execution, false, max_bytes_);
     if (!built.ok()) {
       if (built.error().code != ErrorCode::kNothingUsable) return built.error();
       view.samples.Resize(camera.width_px, camera.height_px);  // no face is shown

@@ -155,7 +155,7 @@ double MeasureOf(const EdgeContinuity& edge) {
 
 }  // namespace
 
-Continuity MeasureContinuity(const Model& model, int threads) {
+Result<Continuity> MeasureContinuity(const Model& model, const Execution& execution) {
   const EdgeUses uses(model);
   std::vector<SurfaceEval> surfaces;
   surfaces.reserve(model.faces.size());
@@ -172,12 +172,14 @@ Continuity MeasureContinuity(const Model& model, int threads) {
   }
   const EdgeMeter meter(model, surfaces);
   std::vector<std::optional<EdgeContinuity>> found(shared.size());
-  RunWithThreads(threads, [&] {
+  RunWithThreads(execution.threads, [&] {
     ParallelFor(std::size_t{0}, shared.size(), [&](std::size_t i) {
+      if (execution.cancelled()) return;
       const std::span<const EdgeUse> both = uses[shared[i]];
       found[i] = meter.Measure(shared[i], {both[0], both[1]});
     });
   });
+  if (execution.cancelled()) return Error{ErrorCode::kCancelled, "stopped"};
 
   // Sort the edges, worst first.
   for (const std::optional<EdgeContinuity>& edge : found) {

@@ -25,6 +25,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/base/execution.h"
+#include "render/base/result.h"
 #include "render/model/model.h"
 
 namespace facetless {
@@ -61,7 +63,7 @@ struct Continuity {
   std::size_t unmeasured_edges = 0;  // edges without a grade (law 5)
 };
 
-// Measures all edges of the model. `threads`: 0 means one per core.
-Continuity MeasureContinuity(const Model& model, int threads);
+// Error: kCancelled.
+Result<Continuity> MeasureContinuity(const Model& model, const Execution& execution);
 
 }  // namespace facetless

@@ -57,16 +57,22 @@ json EdgeJson(const EdgeContinuity& edge, const Model& model) {
 
 }  // namespace
 
+std::string SideNote(const InspectionView& view) {
+  const std::uint64_t hits = view.statistics.count + view.statistics.none;
+  if (!HasValues(view.inspection.kind) || view.inspection.orient != Orient::kFile ||
+      2 * view.back_pixels <= hits)
+    return "";
+  return std::to_string(view.back_pixels) + " of " + std::to_string(hits) +
+         " pixels show what the file calls the inside of a surface, but " + view.quantity.name +
+         " is measured from the outside; --orient viewer takes the visible side as the outside";
+}
+
 json InspectionJson(const InspectionView& view, const Model& model) {
   json out = {{"shade", FormatInspection(view.inspection)},
               {"orient", view.inspection.orient == Orient::kViewer ? "viewer" : "file"},
               {"back_pixels", view.back_pixels}};
   if (HasValues(view.inspection.kind)) {
-    const std::uint64_t hits = view.statistics.count + view.statistics.none;
-    if (view.inspection.orient == Orient::kFile && 2 * view.back_pixels > hits)
-      out["note"] = std::to_string(view.back_pixels) + " of " + std::to_string(hits) +
-                    " pixels show what the file calls the inside of a surface, but " + view.quantity.name +
-                    " is measured from the outside; --orient viewer takes the visible side as the outside";
+    if (const std::string note = SideNote(view); !note.empty()) out["note"] = note;
     const ValueStatistics& s = view.statistics;
     out["quantity"] = view.quantity.name;
     out["unit"] = view.quantity.unit;

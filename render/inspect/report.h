@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -16,6 +17,10 @@ inline constexpr std::size_t kMostListedBreaks = 200;
 // "none", "min", …}, "classes": [{"name", "pixels", "color"}], "faces_hardly_seen": [{"id", "name",
 // "pixels"}]}. A key is present only for the kinds to which it applies.
 nlohmann::json InspectionJson(const InspectionView& view, const Model& model);
+
+// The sentence that most pixels of a measured view show the inside of a surface, where the file says what the
+// outside is; empty where that is not so. It is InspectionJson's "note".
+std::string SideNote(const InspectionView& view);
 
 // The object "continuity": {"tolerances", "counts": {"gap", "G0", "G1", "G2"}, "border_edges",
 // "crowded_edges", "unmeasured_edges", "worst": {"gap": […], "G0": […], "G1": […]}}. Each list is sorted

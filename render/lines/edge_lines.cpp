@@ -171,8 +171,7 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg) 
 }
 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
-                                const Camera& camera, const CameraFrame& frame,
-                                const std::atomic<bool>* cancel) {
+                                const Camera& camera, const CameraFrame& frame, const Execution& execution) {
   const EdgeUses uses(model);
   // List the edges of each part, in ascending order.
   std::vector<std::vector<std::uint32_t>> edges_of(model.parts.size());
@@ -186,7 +185,7 @@ std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>
   }
   std::vector<std::vector<ViewLine>> of_instance(model.instances.size());
   ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
-    if (cancel && cancel->load(std::memory_order_relaxed)) return;
+    if (execution.cancelled()) return;
     const Instance& instance = model.instances[i];
     Projector projector(model, instance, camera, frame);
     for (const std::uint32_t e : edges_of[instance.part])

@@ -10,9 +10,9 @@
 //     out, too.
 #pragma once
 
-#include <atomic>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/lines/line.h"
 #include "render/trace/direct.h"
 
@@ -24,6 +24,6 @@ std::vector<LineClass> ClassifyEdges(const Model& model, double edge_angle_deg);
 
 std::vector<ViewLine> EdgeLines(const Model& model, const std::vector<LineClass>& classes,
                                 const Camera& camera, const CameraFrame& frame,
-                                const std::atomic<bool>* cancel = nullptr);
+                                const Execution& execution = {});
 
 }  // namespace facetless

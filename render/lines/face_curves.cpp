@@ -307,7 +307,7 @@ double SizeInPicture(const Box3& box, const Placement& placement, const Camera& 
 }
 
 std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, const Camera& camera,
-                              const CameraFrame& frame, const std::atomic<bool>* cancel) {
+                              const CameraFrame& frame, const Execution& execution) {
   const Model& model = scene.model();
   struct Job {
     std::uint32_t instance, face;
@@ -338,7 +338,7 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
   }
   std::vector<std::vector<ViewLine>> of_job(jobs.size());
   ParallelFor(std::size_t{0}, jobs.size(), [&](std::size_t k) {
-    if (cancel && cancel->load(std::memory_order_relaxed)) return;
+    if (execution.cancelled()) return;
     const Instance& instance = model.instances[jobs[k].instance];
     const std::uint32_t placed_face = PlacedFaceOf(model, instance, jobs[k].face);
     const FaceValue value(model, jobs[k].face, instance, frame, plane);
@@ -355,13 +355,13 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
 }  // namespace
 
 std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
-                                      const std::atomic<bool>* cancel) {
-  return Collect(scene, nullptr, camera, frame, cancel);
+                                      const Execution& execution) {
+  return Collect(scene, nullptr, camera, frame, execution);
 }
 
 std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
-                               const CameraFrame& frame, const std::atomic<bool>* cancel) {
-  return Collect(scene, &plane, camera, frame, cancel);
+                               const CameraFrame& frame, const Execution& execution) {
+  return Collect(scene, &plane, camera, frame, execution);
 }
 
 }  // namespace facetless

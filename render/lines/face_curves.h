@@ -12,9 +12,9 @@
 //  4. If the function vanishes on a whole face (a cylinder seen along its axis), there is no curve.
 #pragma once
 
-#include <atomic>
 #include <vector>
 
+#include "render/base/execution.h"
 #include "render/lines/line.h"
 #include "render/trace/direct.h"
 
@@ -22,10 +22,10 @@ namespace facetless {
 
 // The curves on curved faces on which n · view = 0.
 std::vector<ViewLine> SilhouetteLines(const Scene& scene, const Camera& camera, const CameraFrame& frame,
-                                      const std::atomic<bool>* cancel = nullptr);
+                                      const Execution& execution = {});
 
 // The curves in which faces meet `plane`.
 std::vector<ViewLine> CutLines(const Scene& scene, const SectionPlane& plane, const Camera& camera,
-                               const CameraFrame& frame, const std::atomic<bool>* cancel = nullptr);
+                               const CameraFrame& frame, const Execution& execution = {});
 
 }  // namespace facetless

@@ -17,8 +17,8 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
                            const LineOptions& options) {
   const Model& model = scene.model();
   std::vector<ViewLine> whole =
-      EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame, options.execution.cancel);
-  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame, options.execution.cancel);
+      EdgeLines(model, ClassifyEdges(model, options.edge_angle_deg), camera, frame, options.execution);
+  std::vector<ViewLine> silhouettes = SilhouetteLines(scene, camera, frame, options.execution);
   whole.insert(whole.end(), std::make_move_iterator(silhouettes.begin()),
                std::make_move_iterator(silhouettes.end()));
   if (options.sections.empty()) return whole;
@@ -27,7 +27,7 @@ std::vector<ViewLine> Find(const Scene& scene, const Camera& camera, const Camer
   std::vector<ViewLine> lines;
   for (ViewLine& line : whole) ClipLine(frame, options.sections, -1, std::move(line), &lines);
   for (int k = 0; k < static_cast<int>(options.sections.size()); ++k)
-    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame, options.execution.cancel))
+    for (ViewLine& line : CutLines(scene, options.sections[k], camera, frame, options.execution))
       ClipLine(frame, options.sections, k, std::move(line), &lines);
   return lines;
 }

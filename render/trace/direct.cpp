@@ -168,9 +168,9 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
 
 CheckLevel LevelOf(const DirectOptions& options) {
   if (options.leave_out) return CheckLevel::kNone;  // the check cannot ignore faces
-  if (options.check != CheckLevel::kAuto) return options.check;
+  if (options.accuracy.check != CheckLevel::kAuto) return options.accuracy.check;
   if (options.audit) return CheckLevel::kAll;
-  return options.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;
+  return options.accuracy.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;
 }
 
 Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
@@ -185,9 +185,9 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   const Result<Kernels>& kernels = ActiveKernels();
   if (!kernels.ok()) return kernels.error();
   result.stats.isa = kernels.value().isa;
-  const TileKernel kernel =
-      options.precision == Precision::kFast ? kernels.value().trace_tile_float : kernels.value().trace_tile;
-  const bool certify = options.precision == Precision::kCertified;
+  const TileKernel kernel = options.accuracy.precision == Precision::kFast ? kernels.value().trace_tile_float
+                                                                           : kernels.value().trace_tile;
+  const bool certify = options.accuracy.precision == Precision::kCertified;
 
   // Project, split, list per tile.
   Result<PreparedView> prepared = PrepareView(scene.data(), camera, result.frame, options);

@@ -65,19 +65,25 @@ struct CheckStats {
   }
 };
 
-struct DirectOptions {
-  Execution execution;
+// How accurately exact surfaces are traced, and how much memory that may take: what every run says in the same
+// way, from the command line to the kernels.
+struct ExactTraceOptions {
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // error bound of a root, as a share of half its leaf, at which the iteration
                                 // stops; 0: the default of the precision (2^-42; kFast: 2^-17)
-  bool uv = false;              // fill samples.uv
-  bool depth_error = false;     // fill samples.depth_error
-  bool audit = false;           // count all crossings of every ray with the whole model, without sections
-  std::vector<SectionPlane> sections;  // section planes; a sample is then certified only if its whole ray is
-  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // memory limit for the leaves of a view
-  // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored. Must not be
-  // combined with sections or an audit, because it would open solids.
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
+};
+
+struct DirectOptions {
+  Execution execution;
+  ExactTraceOptions accuracy;
+  bool uv = false;           // fill samples.uv
+  bool depth_error = false;  // fill samples.depth_error
+  bool audit = false;        // count every crossing of every ray; of the whole model, sections or not
+  std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
+  // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an
+  // audit, whose solids would be open.
   const std::vector<bool>* leave_out = nullptr;
 };
 

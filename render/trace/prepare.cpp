@@ -37,10 +37,12 @@ class Preparation {
     window_.perspective = frame.projection == Projection::kPerspective;
     window_.near_depth = frame.near_mm;
     window_.nets = &nets;
-    window_.arithmetic = options.precision == Precision::kFast ? kFloatArithmetic : kDoubleArithmetic;
-    if (options.newton_tolerance > 0) window_.arithmetic.tolerance = options.newton_tolerance;
+    window_.arithmetic =
+        options.accuracy.precision == Precision::kFast ? kFloatArithmetic : kDoubleArithmetic;
+    if (options.accuracy.newton_tolerance > 0)
+      window_.arithmetic.tolerance = options.accuracy.newton_tolerance;
     budget_.cancel = options.execution.cancel;
-    max_bytes_ = static_cast<std::int64_t>(options.max_bytes);
+    max_bytes_ = static_cast<std::int64_t>(options.accuracy.max_bytes);
     leave_out_ = options.leave_out;
   }
 

@@ -188,7 +188,7 @@ class Measurement {
               const SectionSolids& solids, const SectionAreaOptions& options, TileKernel kernel)
       : scene_(scene),
         solids_(solids),
-        rows_(scene, planes, index, solids_, options.max_bytes, options.execution.cancel, kernel) {}
+        rows_(scene, planes, index, solids_, options.max_bytes, options.execution, kernel) {}
 
   Result<SectionArea> Run() {
     const SectionScan& scan = rows_.scan();

@@ -65,7 +65,7 @@ struct SectionArea {
 
 struct SectionAreaOptions {
   Execution execution;
-  std::uint64_t max_bytes = DirectOptions{}.max_bytes;
+  std::uint64_t max_bytes = ExactTraceOptions{}.max_bytes;
 };
 
 // Measures the cut by plane `index` of `planes`. Errors: kBadUsage (planes), kCancelled, kLimitExceeded

@@ -67,13 +67,13 @@ std::optional<std::pair<double, double>> SectionScan::RangeOf(const Box3& box,
 }
 
 SectionRows::SectionRows(const Scene::Data& scene, std::span<const SectionPlane> planes, std::size_t index,
-                         const SectionSolids& solids, std::uint64_t max_bytes,
-                         const std::atomic<bool>* cancel, TileKernel kernel)
+                         const SectionSolids& solids, std::uint64_t max_bytes, const Execution& execution,
+                         TileKernel kernel)
     : scene_(scene), solids_(solids), scan_(planes[index], scene.model->bounds), kernel_(kernel) {
   for (std::size_t i = 0; i < planes.size(); ++i)
     if (i != index) others_.push_back(planes[i]);
-  options_.max_bytes = max_bytes;
-  options_.execution.cancel = cancel;
+  options_.accuracy.max_bytes = max_bytes;
+  options_.execution = execution;
 }
 
 SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const {

@@ -51,7 +51,7 @@ struct SectionRow {
 class SectionRows {
  public:
   SectionRows(const Scene::Data& scene, std::span<const SectionPlane> planes, std::size_t index,
-              const SectionSolids& solids, std::uint64_t max_bytes, const std::atomic<bool>* cancel,
+              const SectionSolids& solids, std::uint64_t max_bytes, const Execution& execution,
               TileKernel kernel);
 
   const SectionScan& scan() const { return scan_; }

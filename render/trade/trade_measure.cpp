@@ -120,7 +120,7 @@ Result<TradeReference> MeasureReference(const Scene& scene, const Camera& camera
   reference.camera = camera;
   reference.samples = PictureSamples(camera.width_px, camera.height_px);
   DirectOptions direct;
-  direct.precision = Precision::kCertified;
+  direct.accuracy.precision = Precision::kCertified;
   Result<View> view = RenderView(ExactSurfaces(scene, direct), scene.model(), camera,
                                  PictureOptions(reference.samples, options));
   if (!view.ok()) return view.error();

@@ -84,17 +84,19 @@ void PrintFailures(const std::vector<std::string>& sentences) {
     std::fprintf(stderr, "facetless: failed: %s\n", Printable(sentence).c_str());
 }
 
+// The path of the file that a run left in `directory` in a role.
+std::string PathOf(const RunFiles& files, const std::string& role, const std::string& directory) {
+  return (std::filesystem::path(directory) / files.Json("").at(role).get<std::string>()).string();
+}
+
 // Prints the path of the report and the reasons for a failure, and returns the exit code of the verdict.
-int PrintReport(const Result<nlohmann::json>& report, const std::string& directory) {
-  if (!report) return PrintError(report.error());
-  Print((std::filesystem::path(directory) / "report.json").string());
-  for (const nlohmann::json& view : report.value().at("views"))
-    if (view.contains("inspection") && view["inspection"]["direct"].contains("note"))
-      std::fprintf(stderr, "facetless: warning: %s: %s\n", view.at("name").get<std::string>().c_str(),
-                   view["inspection"]["direct"]["note"].get<std::string>().c_str());
-  const nlohmann::json& verdict = report.value().at("verdict");
-  PrintFailures(VerdictSentences(verdict));
-  return verdict.at("exit_code").get<int>();
+int PrintRun(const Result<RunResult>& run, const std::string& directory) {
+  if (!run) return PrintError(run.error());
+  Print(PathOf(run.value().files, "report", directory));
+  for (const std::string& warning : run.value().warnings)
+    std::fprintf(stderr, "facetless: warning: %s\n", warning.c_str());
+  PrintFailures(VerdictSentences(run.value().verdict));
+  return run.value().verdict.exit_code;
 }
 
 }  // namespace
@@ -114,11 +116,13 @@ int ContinuityCommand(const CommandArguments& arguments) {
   auto imported = Import(ToImportRequest(arguments, progress));
   if (!imported) return PrintError(imported.error());
   const Model& model = *imported.value().model;
+  const auto continuity = MeasureContinuity(model, {arguments.options.threads, &InterruptFlag()});
+  if (!continuity) return PrintError(continuity.error());
   const nlohmann::json answer = {
       {"facetless", ProgramJson(arguments.options.threads)},
       {"model",
        {{"file", model.info.file}, {"sha256", model.info.sha256}, {"diagonal_mm", model.Diagonal()}}},
-      {"continuity", ContinuityJson(MeasureContinuity(model, arguments.options.threads), model)}};
+      {"continuity", ContinuityJson(continuity.value(), model)}};
   Print(JsonText(answer));
   return LossExitCode(arguments.options, model);
 }
@@ -127,8 +131,8 @@ int RenderCommand(const CommandArguments& arguments) {
   Progress progress(arguments.progress);
   auto imported = Import(ToImportRequest(arguments, progress));
   if (!imported) return PrintError(imported.error());
-  return PrintReport(RunRender(imported.value(), arguments.options, arguments.out, ToContext(progress)),
-                     arguments.out);
+  return PrintRun(RunRender(imported.value(), arguments.options, arguments.out, ToContext(progress)),
+                  arguments.out);
 }
 
 int MeshCommand(const CommandArguments& arguments) {
@@ -170,7 +174,7 @@ int CompareCommand(const CommandArguments& arguments) {
     auto compared = CompareWithOwnMesh(request, options, arguments.out, ToContext(progress));
     if (!compared) return PrintError(compared.error());
     WarnOfUnmeshed(compared.value().faces_unmeshed);
-    return PrintReport(std::move(compared.value().report), arguments.out);
+    return PrintRun(std::move(compared.value().run), arguments.out);
   }
   // Compare with the mesh of the user.
   auto imported = Import(request);
@@ -179,14 +183,12 @@ int CompareCommand(const CommandArguments& arguments) {
                        imported.value().model.get());
   if (!mesh) return PrintError(mesh.error());
   WarnOfUnmeshed(mesh.value().faces_unmeshed);
-  return PrintReport(RunCompare(imported.value(), mesh.value(), options, arguments.out, ToContext(progress)),
-                     arguments.out);
+  return PrintRun(RunCompare(imported.value(), mesh.value(), options, arguments.out, ToContext(progress)),
+                  arguments.out);
 }
 
 int TradeCommand(const CommandArguments& arguments) {
-  std::string text;
-  std::vector<std::string> failures;
-  int exit_code = kExitDone;
+  TradeResult trade;
   {
     Progress progress(arguments.progress);
     const ImportRequest request = ToImportRequest(arguments, progress);
@@ -194,16 +196,12 @@ int TradeCommand(const CommandArguments& arguments) {
     if (!imported) return PrintError(imported.error());
     auto result = RunTrade(request, imported.value(), arguments.options, arguments.out, ToContext(progress));
     if (!result) return PrintError(result.error());
-    text = std::move(result.value().text);
-    exit_code = result.value().report.at("verdict").at("exit_code").get<int>();
-    failures = VerdictSentences(result.value().report.at("verdict"));
+    trade = std::move(result).value();
   }
   // Print the table, which is for users, to standard error. Standard output gets only the path, which is for
   // programs.
-  std::fputs(text.c_str(), stderr);
-  PrintFailures(failures);
-  Print((std::filesystem::path(arguments.out) / "report.json").string());
-  return exit_code;
+  std::fputs(trade.text.c_str(), stderr);
+  return PrintRun(std::move(trade.run), arguments.out);
 }
 
 int BenchCommand(const CommandArguments& arguments) {
@@ -235,11 +233,11 @@ int RegressCommand(const CommandArguments& arguments) {
   request.threads = arguments.options.threads;
   request.import_limits = arguments.options.import_limits;
   request.context = ToContext(progress);
-  auto verdict = RunRegress(request);
-  if (!verdict) return PrintError(verdict.error());
-  Print(JsonText(verdict.value()));
-  PrintFailures(RegressSentences(verdict.value()));
-  return verdict.value().at("exit_code").get<int>();
+  const auto result = RunRegress(request);
+  if (!result) return PrintError(result.error());
+  Print(JsonText(result.value().verdict));
+  PrintFailures(result.value().failures);
+  return result.value().exit_code;
 }
 
 }  // namespace facetless

@@ -14,12 +14,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "server/importer/directory_use.h"
 #include "server/importer/sandbox.h"
 
@@ -268,7 +268,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   plan.parent = getpid();
 
   // Fork with every signal blocked, so that no handler of the parent runs in the child.
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -311,7 +311,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     running =
         waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0;
     if (!running || killed) continue;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = stopwatch.Seconds();
     std::optional<ChildEnd> end;
     if (request.cancel != nullptr && *request.cancel) {
       end = ChildEnd::kCancelled;
@@ -330,8 +330,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
     kill(child, SIGKILL);
     killed = true;
   }
-  outcome.wall_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  outcome.wall_ms = stopwatch.Milliseconds();
 
   // Kill processes that the child may have left behind (the unreaped child still reserves the id of the
   // group). Then read the remaining output and reap the child.

@@ -9,7 +9,6 @@
 #include <cctype>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -20,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "server/base/files.h"
 #include "server/importer/child_process.h"
 #include "server/importer/sandbox.h"
@@ -143,9 +143,8 @@ Result<void> CheckInput(const std::string& path) {
 class StageClock {
  public:
   void Enter(std::string_view stage) {
-    const auto now = std::chrono::steady_clock::now();
-    (meshing() ? mesh_s_ : other_s_) += std::chrono::duration<double>(now - since_).count();
-    since_ = now;
+    (meshing() ? mesh_s_ : other_s_) += stage_time_.Seconds();
+    stage_time_ = Stopwatch();
     stage_ = stage;
   }
   const std::string& stage() const { return stage_; }
@@ -157,7 +156,7 @@ class StageClock {
 
  private:
   static constexpr std::string_view kMeshStage = "mesh";
-  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+  Stopwatch stage_time_;
   std::string stage_;
   double mesh_s_ = 0, other_s_ = 0;
 };

@@ -195,11 +195,11 @@ OptionBinding ViewMemoryBinding() {
   return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
             auto number = ParseNumber(json, row.name, row.low, row.high);
             if (!number) return number.error();
-            o.max_view_bytes = static_cast<std::uint64_t>(number.value() * kMegabyte);
+            o.accuracy.max_bytes = static_cast<std::uint64_t>(number.value() * kMegabyte);
             return {};
           },
           [](const OptionRow&, const RunOptions& o) -> Json {
-            return static_cast<double>(o.max_view_bytes) / kMegabyte;
+            return static_cast<double>(o.accuracy.max_bytes) / kMegabyte;
           }};
 }
 
@@ -223,14 +223,15 @@ OptionBinding WithBinding() {
 }
 
 OptionBinding ShadeBinding() {
-  return {
-      [](const OptionRow&, const Json& json, RunOptions& o) { return Store(ParseShade(json), o.inspection); },
-      [](const OptionRow&, const RunOptions& o) -> Json { return FormatInspection(o.inspection); }};
+  return {[](const OptionRow&, const Json& json, RunOptions& o) {
+            return StoreInto(ParseShade(json), o.inspection);
+          },
+          [](const OptionRow&, const RunOptions& o) -> Json { return FormatInspection(o.inspection); }};
 }
 
 OptionBinding SectionsBinding() {
   return {[](const OptionRow&, const Json& json, RunOptions& o) {
-            return Store(ParseSections(json), o.sections);
+            return StoreInto(ParseSections(json), o.sections);
           },
           [](const OptionRow&, const RunOptions& o) {
             Json planes = Json::array();
@@ -241,7 +242,7 @@ OptionBinding SectionsBinding() {
 
 OptionBinding ColorBinding() {
   return {[](const OptionRow&, const Json& json, RunOptions& o) {
-            return Store(ParseColoring(json), o.picture.coloring);
+            return StoreInto(ParseColoring(json), o.picture.coloring);
           },
           [](const OptionRow&, const RunOptions& o) { return ColoringJson(o.picture.coloring); }};
 }
@@ -259,7 +260,7 @@ OptionBinding TurntableBinding() {
 
 OptionBinding PatternsBinding(std::vector<std::string> ArrangementRequest::*member) {
   return {[member](const OptionRow& row, const Json& json, RunOptions& o) {
-            return Store(ParsePatterns(json, row.name), o.picture.arrangement.*member);
+            return StoreInto(ParsePatterns(json, row.name), o.picture.arrangement.*member);
           },
           [member](const OptionRow&, const RunOptions& o) -> Json { return o.picture.arrangement.*member; }};
 }

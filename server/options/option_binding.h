@@ -33,10 +33,10 @@ OptionBinding Bound(Member member) {
                            RunOptions& options) -> Result<void> {
     Target& target = member(options);
     if constexpr (std::is_same_v<Target, bool>) {
-      return Store(ParseBool(json, row.name), target);
+      return StoreInto(ParseBool(json, row.name), target);
     } else if constexpr (std::is_same_v<Target, int>) {
-      return Store(ParseInteger(json, row.name, static_cast<int>(row.low), static_cast<int>(row.high)),
-                   target);
+      return StoreInto(ParseInteger(json, row.name, static_cast<int>(row.low), static_cast<int>(row.high)),
+                       target);
     } else if constexpr (std::is_arithmetic_v<Target> || binding_detail::IsOptional<Target>::value) {
       auto number = ParseNumber(json, row.name, row.low, row.high);
       if (!number) return number.error();
@@ -47,7 +47,7 @@ OptionBinding Bound(Member member) {
       }
       return {};
     } else if constexpr (std::is_same_v<Target, std::string>) {
-      if (row.choices.empty()) return Store(ParseText(json, row.name), target);
+      if (row.choices.empty()) return StoreInto(ParseText(json, row.name), target);
       auto index = ParseWord(json, row.name, row.choices);
       if (!index) return index.error();
       target = row.choices[static_cast<std::size_t>(index.value())];
@@ -59,7 +59,7 @@ OptionBinding Bound(Member member) {
       return {};
     } else {
       static_assert(std::is_same_v<Target, std::vector<double>>, "no option is stored in such a member");
-      return Store(ParseNumbers(json, row.name, row.low, row.high), target);
+      return StoreInto(ParseNumbers(json, row.name, row.low, row.high), target);
     }
   };
   binding.read = [member](const OptionRow& row, const RunOptions& options) -> nlohmann::json {

@@ -99,15 +99,6 @@ std::string FlagOf(const OptionRow& row) {
   return "--" + flag;
 }
 
-std::vector<std::string> AddressesOf(const OptionRow& row) {
-  std::vector<std::string> addresses;
-  if (row.owner != OptionOwner::kCaller) return addresses;
-  for (const auto& [command, address] :
-       {std::pair{kRender, "renders"}, {kCompare, "comparisons"}, {kTrade, "trades"}})
-    if ((row.commands & command) != 0) addresses.emplace_back(address);
-  return addresses;
-}
-
 std::string RangeText(const OptionRow& row) {
   if (!HasRange(row.kind)) return "";
   if (row.low == std::numeric_limits<double>::min()) return "more than 0";
@@ -128,11 +119,11 @@ std::string HelpText(const OptionRow& row) {
   return more.empty() ? row.help : row.help + " (" + more + ")";
 }
 
-std::string ApiRow(const OptionRow& row) {
+std::string ApiRow(const OptionRow& row, const std::vector<std::string>& collections) {
   const std::string usual = UsualText(row);
   return "| `" + row.name + "` | " + TypeText(row) + " | " +
          (row.usual_words.empty() && !usual.empty() ? "`" + usual + "`" : usual) + " | " +
-         Joined(AddressesOf(row)) + " |";
+         Joined(collections) + " |";
 }
 
 }  // namespace facetless

@@ -45,6 +45,8 @@ enum class OptionKind {
 using Commands = unsigned;
 inline constexpr Commands kInspect = 1, kContinuity = 2, kRender = 4, kMesh = 8, kCompare = 16, kTrade = 32,
                           kBench = 64, kRegress = 128;
+// An entry of a manifest of regress, which is no command: it says how one file is rendered.
+inline constexpr Commands kManifest = 256;
 
 enum class OptionOwner {
   kCaller,    // the option is accepted on the command line and in HTTP requests
@@ -90,9 +92,6 @@ const OptionRow* FindOption(std::string_view written, const OptionTable& table =
 std::vector<std::string> OptionNames(const OptionTable& table = AllOptions());
 // The command-line form of the name, such as "--deflection-mm".
 std::string FlagOf(const OptionRow& row);
-// The addresses whose requests accept the option, among "renders", "comparisons" and "trades". Empty if the
-// owner is not kCaller.
-std::vector<std::string> AddressesOf(const OptionRow& row);
 
 // The range, such as "0 … 0.45", "at least 0" or "more than 0"; "" if the kind has no range.
 std::string RangeText(const OptionRow& row);
@@ -100,8 +99,8 @@ std::string RangeText(const OptionRow& row);
 std::string UsualText(const OptionRow& row);
 // The full help text: "Margin on each side, as a share of the picture (0 … 0.45; default: 0.05)".
 std::string HelpText(const OptionRow& row);
-// The row of the table in docs/api.md:
-// "| `margin` | number, 0 … 0.45 | 0.05 | renders, comparisons, trades |".
-std::string ApiRow(const OptionRow& row);
+// The row of the table in docs/api.md, for an option that requests to `collections` take: "| `margin` | number,
+// 0 … 0.45 | 0.05 | renders, comparisons, trades |".
+std::string ApiRow(const OptionRow& row, const std::vector<std::string>& collections);
 
 }  // namespace facetless

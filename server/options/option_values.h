@@ -46,7 +46,7 @@ Result<std::vector<double>> ParseNumbers(const nlohmann::json& json, const std::
 
 // Stores a parsed value in `target`, or returns its error.
 template <typename Parsed, typename Target>
-Result<void> Store(Parsed parsed, Target& target) {
+Result<void> StoreInto(Parsed parsed, Target& target) {
   if (!parsed) return parsed.error();
   target = std::move(parsed).value();
   return {};

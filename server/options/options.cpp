@@ -108,7 +108,7 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
   if (!json.contains("eye")) return BadUsage("a camera needs an \"eye\": [x, y, z] in millimetres");
   for (auto [key, point] : {std::pair{"eye", &camera.eye}, {"target", &camera.target}, {"up", &camera.up}}) {
     if (!json.contains(key)) continue;
-    if (auto stored = Store(ParsePoint(json[key], key), *point); !stored) return stored.error();
+    if (auto stored = StoreInto(ParsePoint(json[key], key), *point); !stored) return stored.error();
   }
   if (!json.contains("up")) {
     const Vec3 forward = Normalized(camera.target - camera.eye);
@@ -125,18 +125,19 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
                                  : "a perspective camera has a fov_y_deg, no height");
   for (auto [key, size] : {std::pair{"width", &camera.width_px}, {"height_px", &camera.height_px}}) {
     if (!json.contains(key)) continue;
-    if (auto stored = Store(ParseInteger(json[key], std::string("camera.") + key, 1, 65536), *size); !stored)
+    if (auto stored = StoreInto(ParseInteger(json[key], std::string("camera.") + key, 1, 65536), *size);
+        !stored)
       return stored.error();
   }
   const double aspect = static_cast<double>(camera.width_px) / camera.height_px;
   camera.height = (1 + options.picture.margin) * bounds.diagonal() / std::min(1.0, aspect);
   if (json.contains("height")) {
     auto height = ParseNumber(json["height"], "camera.height", std::numeric_limits<double>::min(), 1e15);
-    if (auto stored = Store(std::move(height), camera.height); !stored) return stored.error();
+    if (auto stored = StoreInto(std::move(height), camera.height); !stored) return stored.error();
   }
   if (json.contains("fov_y_deg")) {
     auto angle = ParseNumber(json["fov_y_deg"], "camera.fov_y_deg", 1e-3, 179);
-    if (auto stored = Store(std::move(angle), camera.fov_y_deg); !stored) return stored.error();
+    if (auto stored = StoreInto(std::move(angle), camera.fov_y_deg); !stored) return stored.error();
   }
   return camera;
 }

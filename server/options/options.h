@@ -58,12 +58,9 @@ struct RunOptions {
   int width = 1024, height = 1024;
   Projection projection = Projection::kOrthographic;
   int samples = 4;
-  Precision precision = Precision::kStandard;
-  CheckLevel check = CheckLevel::kAuto;
-  double newton_tolerance = 0;  // 0: the default of the precision
+  // max_bytes bounds the search tree of the mesh that a view is compared with, too.
+  ExactTraceOptions accuracy;
   int threads = 0;
-  // Memory limit for the leaves of one view, and for the search tree of the mesh with which it is compared.
-  std::uint64_t max_view_bytes = DirectOptions{}.max_bytes;
   std::optional<double> timeout_s;  // nothing: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;

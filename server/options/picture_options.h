@@ -2,9 +2,6 @@
 // table, and `margin` and `up`.
 #pragma once
 
-#include <string>
-
-#include "render/base/result.h"
 #include "render/compare/face_colors.h"
 #include "render/view/arrangement.h"
 #include "render/view/camera.h"
@@ -20,9 +17,5 @@ struct PictureOptions {
   int turntable = 0;
   double turntable_s = 6;
 };
-
-// Checks whether `command` ("render", "compare", "trade", "bench", "regress") supports the options. Error:
-// kBadUsage, which names the unsupported option.
-Result<void> CheckPictureOptions(const PictureOptions& options, const std::string& command);
 
 }  // namespace facetless

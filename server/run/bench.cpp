@@ -227,18 +227,18 @@ class Bench {
   std::string Heading() const {
     const Json& machine = json_.at("machine");
     const Json& program = json_.at("facetless");
-    std::string text = settings_.markdown ? (settings_.published ? "# Performance: the papers' tables\n\n"
-                                                                 : "# Performance: files\n\n")
-                                          : "";
-    text += "Measured by Facetless " + program.at("version").get<std::string>() + " (" +
-            program.at("build").get<std::string>() + ", " + program.at("isa").get<std::string>() + ") on " +
-            machine.at("processor").get<std::string>() + ", " +
-            std::to_string(machine.at("cores").get<unsigned>()) + " cores; " +
-            std::to_string(settings_.repeats) + " runs each.";
+    const std::string title = !settings_.markdown   ? ""
+                              : settings_.published ? "# Performance: the papers' tables\n\n"
+                                                    : "# Performance: files\n\n";
+    std::string text = "Measured by Facetless " + program.at("version").get<std::string>() + " (" +
+                       program.at("build").get<std::string>() + ", " + program.at("isa").get<std::string>() +
+                       ") on " + machine.at("processor").get<std::string>() + ", " +
+                       std::to_string(machine.at("cores").get<unsigned>()) + " cores; " +
+                       std::to_string(settings_.repeats) + " runs each.";
     if (load_ > kQuiet)
       text += " The machine had other work (load " + NumberText(load_) +
               "): ratios are rough, and those of several threads worthless.";
-    return text + "\n\n";
+    return title + (settings_.markdown ? Wrapped(text) : text) + "\n\n";
   }
 
   void Step(const std::string& what) const {

@@ -17,8 +17,6 @@
 namespace facetless {
 namespace {
 
-using Json = nlohmann::json;
-
 // The time to wait for the mesh before exact pictures are made. Most meshes are finished sooner.
 constexpr std::chrono::milliseconds kPatience{1000};
 
@@ -89,15 +87,10 @@ class Comparing {
 
   // Makes the exact pictures, unless the mesh is finished first.
   Result<void> MakeExactHalf() {
-    ImportedModel early;
-    early.import_ms = stopwatch_.Milliseconds();
-    const Stopwatch load;
-    auto model = ReadModel(ModelCopy());
-    if (!model) return model.error();
-    early.model = std::make_unique<const Model>(std::move(model).value());
-    early.load_ms = load.Milliseconds();
-    auto report = RunWithoutBaseline(early, PendingBaseline(early.model->info.file), options_, directory_,
-                                     {exact_stop_.flag(), nullptr});
+    imported_.import_ms = stopwatch_.Milliseconds();
+    if (auto read = Read(ModelCopy()); !read) return read;
+    auto report = RunWithoutBaseline(imported_, PendingBaseline(imported_.model->info.file), options_,
+                                     directory_, {exact_stop_.flag(), nullptr});
     if (report) {
       exact_ = std::move(report).value();
     } else if (!exact_stop_.expired()) {
@@ -107,29 +100,39 @@ class Comparing {
   }
 
   Result<OwnMeshComparison> Finish(ImportedFiles files) {
-    ImportedModel imported;
-    imported.import_ms = files.wall_ms;
-    imported.import_peak_bytes = files.peak_bytes;
-    imported.import_peak_address_bytes = files.peak_address_bytes;
+    imported_.import_ms = files.wall_ms;
+    imported_.import_peak_bytes = files.peak_bytes;
+    imported_.import_peak_address_bytes = files.peak_address_bytes;
+    // The exact half has read it already, where there is one: the importer does not touch the model after it has
+    // written it.
+    if (imported_.model == nullptr)
+      if (auto read = Read(files.model_path); !read) return read.error();
+    if (files.mesh_failure) return WithoutBaseline(NoBaselineFor(*files.mesh_failure));
     const Stopwatch load;
-    auto model = ReadModel(files.model_path);
-    if (!model) return model.error();
-    imported.model = std::make_unique<const Model>(std::move(model).value());
-    if (files.mesh_failure) return WithoutBaseline(imported, NoBaselineFor(*files.mesh_failure));
-    auto mesh = LoadOwnMesh(files.mesh_paths.front(), *imported.model);
+    auto mesh = LoadOwnMesh(files.mesh_paths.front(), *imported_.model);
     if (!mesh) {
       if (!CostsTheBaselineOnly(mesh.error().code)) return mesh.error();
-      return WithoutBaseline(imported, NoBaselineFor(mesh.error()));
+      return WithoutBaseline(NoBaselineFor(mesh.error()));
     }
-    imported.load_ms = load.Milliseconds();
-    auto report = RunCompare(imported, mesh.value(), options_, directory_, context_);
+    imported_.load_ms += load.Milliseconds();
+    auto report = RunCompare(imported_, mesh.value(), options_, directory_, context_);
     if (!report) return report.error();
     return OwnMeshComparison{std::move(report).value(), mesh.value().faces_unmeshed};
   }
 
-  Result<OwnMeshComparison> WithoutBaseline(const ImportedModel& imported, const NoBaseline& why) {
+  // The one place where the model is read.
+  Result<void> Read(const std::string& path) {
+    const Stopwatch load;
+    auto model = ReadModel(path);
+    if (!model) return model.error();
+    imported_.model = std::make_unique<const Model>(std::move(model).value());
+    imported_.load_ms = load.Milliseconds();
+    return {};
+  }
+
+  Result<OwnMeshComparison> WithoutBaseline(const NoBaseline& why) {
     auto report = exact_ ? WithReason(std::move(*exact_), why, directory_)
-                         : RunWithoutBaseline(imported, why, options_, directory_, context_);
+                         : RunWithoutBaseline(imported_, why, options_, directory_, context_);
     if (!report) return report.error();
     return OwnMeshComparison{std::move(report).value(), {}};
   }
@@ -145,7 +148,8 @@ class Comparing {
   std::condition_variable changed_;
   bool model_ready_ = false;
   std::optional<Result<ImportedFiles>> files_;
-  std::optional<Json> exact_;
+  ImportedModel imported_;  // its model is null until it is read
+  std::optional<RunResult> exact_;
 };
 
 }  // namespace

@@ -13,15 +13,13 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "server/importer/import_process.h"
 #include "server/run/run.h"
 
 namespace facetless {
 
 struct OwnMeshComparison {
-  nlohmann::json report;
+  RunResult run;
   std::vector<std::string> faces_unmeshed;  // names of faces without a triangle
 };
 

@@ -1,11 +1,11 @@
 #include "server/run/pictures.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "render/compare/report.h"
 #include "render/image/animation.h"
 #include "render/image/io.h"
@@ -54,17 +54,17 @@ Result<void> ContactSheet::Add(const Image8& picture, const Camera& camera, cons
   return {};
 }
 
-Result<void> ContactSheet::Write(const std::string& directory, Json& files) const {
+Result<void> ContactSheet::Write(const std::string& directory, RunFiles& files) const {
   if (!wanted_) return {};
   auto sheet = DrawSheet(tiles_, columns_ > 0 ? columns_ : SheetColumns(tiles_.size()));
   if (!sheet) return sheet.error();
   constexpr const char* kName = "sheet.png";
-  files["sheet"] = kName;
+  files.Add("", "sheet", kName);
   return WritePng(directory + "/" + kName, sheet.value());
 }
 
-Result<Json> RenderTurntable(const TurntableRun& run, Json& files) {
-  const auto start = std::chrono::steady_clock::now();
+Result<Json> RenderTurntable(const TurntableRun& run, RunFiles& files) {
+  const Stopwatch stopwatch;
   auto cameras = FrameCameras(run.options, run.model.bounds);
   if (!cameras) return cameras.error();
   const PictureOptions& options = run.options.picture;
@@ -86,23 +86,21 @@ Result<Json> RenderTurntable(const TurntableRun& run, Json& files) {
       return written.error();
     if (auto added = animation.value().Add(image, FrameTime(options, frame)); !added) return added.error();
     names.push_back(FrameFile(frame));
+    files.AddFrame(FrameFile(frame));
   }
   constexpr const char* kName = "turntable.webp";
   if (auto written =
           animation.value().Write(run.directory + "/" + kName, FrameTime(options, cameras.value().size()));
       !written)
     return written.error();
-  files["turntable"] = kName;
+  files.Add("", "turntable", kName);
   run.progress(1);
   constexpr const char* kAxes[] = {"x", "y", "z"};
-  return Json{
-      {"up", kAxes[static_cast<int>(options.up)]},
-      {"seconds", options.turntable_s},
-      {"frames", std::move(names)},
-      {"camera", CameraJson(first)},
-      {"timing_ms",
-       {{"total",
-         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}}}};
+  return Json{{"up", kAxes[static_cast<int>(options.up)]},
+              {"seconds", options.turntable_s},
+              {"frames", std::move(names)},
+              {"camera", CameraJson(first)},
+              {"timing_ms", {{"total", stopwatch.Milliseconds()}}}};
 }
 
 }  // namespace facetless

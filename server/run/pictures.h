@@ -12,6 +12,7 @@
 #include "render/compare/compare_view.h"
 #include "render/image/sheet.h"
 #include "server/options/options.h"
+#include "server/run/run_result.h"
 
 namespace facetless {
 
@@ -28,8 +29,8 @@ class ContactSheet {
 
   // Adds the part of a picture that shows the view, without a legend.
   Result<void> Add(const Image8& picture, const Camera& camera, const std::string& label);
-  // Writes sheet.png and adds it to `files` under "sheet".
-  Result<void> Write(const std::string& directory, nlohmann::json& files) const;
+  // Writes sheet.png and names it in `files`, as "sheet".
+  Result<void> Write(const std::string& directory, RunFiles& files) const;
 
  private:
   bool wanted_;
@@ -47,10 +48,10 @@ struct TurntableRun {
   std::function<void(double fraction)> progress;
 };
 
-// Writes turntable.001.png, … and turntable.webp for a turn that starts at the first view. Returns the
-// report's "turntable": {"up", "seconds", "frames": [names], "camera": of the first frame, "timing_ms"}, and
-// adds the animation to `files` under "turntable". Only one frame is in memory at a time. Errors: the errors
-// of ResolveCameras, RenderView, Animation and WritePng.
-Result<nlohmann::json> RenderTurntable(const TurntableRun& run, nlohmann::json& files);
+// Writes turntable.001.png, … and turntable.webp around the first view; the report's "turntable": {"up",
+// "seconds", "frames": [names], "camera": of the first frame, "timing_ms"}, and the animation in `files`,
+// as "turntable". One frame is held at a time. Errors: those of ResolveCameras, RenderView, Animation and
+// WritePng.
+Result<nlohmann::json> RenderTurntable(const TurntableRun& run, RunFiles& files);
 
 }  // namespace facetless

@@ -14,8 +14,10 @@
 #include "server/base/files.h"
 #include "server/base/json_text.h"
 #include "server/base/version.h"
+#include "server/options/option_values.h"
 #include "server/run/report_html.h"
 #include "server/run/shown_model.h"
+#include "server/run/trace_options.h"
 
 namespace facetless {
 namespace {
@@ -91,16 +93,16 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
 
   // The remaining keys are options of a rendering.
   for (const char* key : {"file", "name", "references", "tolerances"}) json.erase(key);
-  for (const char* key :
-       {"mesh", "deflection", "deflection_mm", "angular", "strict", "audit", "mesh_deviation"}) {
-    if (json.contains(key)) return BadManifest(std::string("the option ") + key + " has no meaning here");
-  }
+  std::vector<std::string> taken;
+  for (const OptionRow& row : AllOptions())
+    if ((row.commands & kManifest) != 0) taken.push_back(row.name);
+  for (const auto& [key, value] : json.items())
+    if (const OptionRow* row = FindOption(key); row != nullptr && (row->commands & kManifest) == 0)
+      return BadManifest("the option " + row->name + " has no meaning here; the options of an entry are " +
+                         Joined(taken));
   auto options = ParseOptions(json);
   if (!options) return BadManifest(options.error().message);
-  if (auto can = CheckPictureOptions(options.value().picture, "regress"); !can)
-    return BadManifest(can.error().message);
   entry.options = std::move(options).value();
-  entry.options.threads = request.threads;
   if (!json.contains("import_timeout"))
     entry.options.import_limits.timeout_s = request.import_limits.timeout_s;
   if (!json.contains("import_memory"))
@@ -141,12 +143,13 @@ bool NeedsDepth(const Json& tolerances) {
 }
 
 struct Outcome {
-  Json view;  // the view's entry in the verdict
+  Json entry;  // the verdict's, of a view or of a file
   int exit_code = 0;
+  std::vector<std::string> failures;  // sentences; of a view without its name
 };
 
 Outcome Failure(const std::string& name, const std::string& status, int exit_code) {
-  return {{{"name", name}, {"passed", false}, {"status", status}}, exit_code};
+  return {{{"name", name}, {"passed", false}, {"status", status}}, exit_code, {status}};
 }
 
 Result<void> WriteReference(const Entry& entry, const std::string& stem, const View& view) {
@@ -205,9 +208,14 @@ Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& vi
 
   // Check every tolerance in the form that fails for NaN.
   Json broken = Json::array();
+  std::vector<std::string> failures;
   for (const auto& [name, limit] : entry.tolerances.items()) {
-    if (name == "lost" || values.at(name).get<double>() <= limit.get<double>()) continue;
-    broken.push_back({{"tolerance", name}, {"limit", limit}, {"value", values.at(name)}});
+    if (name == "lost") continue;
+    const Json& value = values.at(name);
+    if (value.get<double>() <= limit.get<double>()) continue;
+    broken.push_back({{"tolerance", name}, {"limit", limit}, {"value", value}});
+    failures.push_back("the tolerance " + name + " is broken: the value is " + value.dump() +
+                       ", the limit is " + limit.dump());
   }
   const bool passed = broken.empty();
   Outcome outcome = {{{"name", camera.name},
@@ -215,12 +223,13 @@ Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& vi
                       {"status", passed ? "passed" : "different"},
                       {"values", values},
                       {"broken", broken}},
-                     passed ? kExitDone : kExitFailed};
+                     passed ? kExitDone : kExitFailed,
+                     std::move(failures)};
   if (!passed && !out.empty()) {
     auto files = WriteFailure(out, entry.name + "." + camera.name, view.image, reference.value(),
                               color.pixels_per_degree);
     if (!files) return files.error();
-    outcome.view["files"] = std::move(files).value();
+    outcome.entry["files"] = std::move(files).value();
   }
   return outcome;
 }
@@ -240,38 +249,34 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   auto cameras = ResolveCameras(entry.options, model.bounds);
   if (!cameras) return cameras.error();
   const Scene scene(model);
-  ViewOptions view_options;
-  view_options.samples = entry.options.samples;
-  view_options.edges = entry.options.edges;
-  view_options.lines = entry.options.lines;
-  view_options.background = entry.options.background;
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();
-  view_options.sections = sections.value();
-  DirectOptions direct;
-  direct.precision = entry.options.precision;
-  direct.check = entry.options.check;
-  direct.sections = sections.value();
-  const ExactSurfaces exact(scene, std::move(direct));
-  view_options.execution = {entry.options.threads, request.context.cancel};
+  const ViewOptions view_options =
+      ToViewOptions(entry.options, sections.value(), {request.threads, request.context.cancel});
+  const ExactSurfaces exact(scene, ToDirectOptions(entry.options, sections.value()));
 
   const std::size_t lost = LossCount(model);
   const bool lost_too_much = static_cast<double>(lost) > entry.tolerances.at("lost").get<double>();
-  Outcome file = {{{"lost", lost}, {"views", Json::array()}}, lost_too_much ? kExitFailed : kExitDone};
+  Outcome file = {{{"lost", lost}, {"views", Json::array()}}, lost_too_much ? kExitFailed : kExitDone, {}};
   for (const Camera& camera : cameras.value()) {
     auto view = RenderView(exact, model, camera, view_options);
     if (!view) return view.error();
     const std::string stem = entry.references + "/" + entry.name + "." + camera.name;
     if (request.update) {
       if (auto written = WriteReference(entry, stem, view.value()); !written) return written.error();
-      file.view["views"].push_back({{"name", camera.name}, {"passed", true}, {"status", "written"}});
+      file.entry["views"].push_back({{"name", camera.name}, {"passed", true}, {"status", "written"}});
       continue;
     }
     auto outcome = Compare(entry, camera, view.value(), stem, request.out);
     if (!outcome) return outcome.error();
     file.exit_code = std::max(file.exit_code, outcome.value().exit_code);
-    file.view["views"].push_back(std::move(outcome).value().view);
+    for (const std::string& failure : outcome.value().failures)
+      file.failures.push_back(entry.name + ", view '" + camera.name + "': " + failure);
+    file.entry["views"].push_back(std::move(outcome).value().entry);
   }
+  if (lost_too_much)
+    file.failures.push_back(entry.name + ": the tolerance \"lost\" is broken: the import lost " +
+                            std::to_string(lost) + " faces, loops or edges");
   return file;
 }
 
@@ -284,11 +289,11 @@ Result<void> WritePage(const Json& verdict, const std::string& out) {
 
 }  // namespace
 
-Result<Json> RunRegress(const RegressRequest& request) {
+Result<RegressResult> RunRegress(const RegressRequest& request) {
   auto entries = ParseManifest(request);
   if (!entries) return entries.error();
   Json files = Json::array();
-  int exit_code = kExitDone;
+  RegressResult result;
   for (const Entry& entry : entries.value()) {
     if (request.context.progress)
       request.context.progress(
@@ -299,7 +304,7 @@ Result<Json> RunRegress(const RegressRequest& request) {
       return outcome.error();
     Json file =
         outcome
-            ? outcome.value().view
+            ? outcome.value().entry
             : Json{{"error",
                     {{"code", ErrorCodeName(outcome.error().code)}, {"message", outcome.error().message}}}};
     const int file_code = outcome ? outcome.value().exit_code : ExitCodeOf(outcome.error());
@@ -307,50 +312,25 @@ Result<Json> RunRegress(const RegressRequest& request) {
     file["name"] = entry.name;
     file["passed"] = file_code == kExitDone;
     files.push_back(std::move(file));
-    exit_code = std::max(exit_code, file_code);
-  }
-  Json verdict = {{"facetless", ProgramJson(request.threads)},
-                  {"command", "regress"},
-                  {"manifest", request.manifest},
-                  {"updated", request.update},
-                  {"passed", exit_code == kExitDone},
-                  {"exit_code", exit_code},
-                  {"files", std::move(files)}};
-  if (!request.out.empty()) {
-    if (auto written = WritePage(verdict, request.out); !written) return written.error();
-  }
-  return verdict;
-}
-
-std::vector<std::string> RegressSentences(const Json& verdict) {
-  std::vector<std::string> sentences;
-  for (const Json& file : verdict.at("files")) {
-    if (file.at("passed").get<bool>()) continue;
-    const std::string name = file.at("name").get<std::string>();
-    if (file.contains("error")) {
-      sentences.push_back(name + ": " + file["error"]["message"].get<std::string>());
+    result.exit_code = std::max(result.exit_code, file_code);
+    if (!outcome) {
+      result.failures.push_back(entry.name + ": " + outcome.error().message);
       continue;
     }
-    std::size_t views = 0;
-    for (const Json& view : file.at("views")) {
-      if (view.at("passed").get<bool>()) continue;
-      ++views;
-      const std::string where = name + ", view '" + view.at("name").get<std::string>() + "': ";
-      if (!view.contains("broken")) {
-        sentences.push_back(where + view.at("status").get<std::string>());
-        continue;
-      }
-      for (const Json& broken : view["broken"])
-        sentences.push_back(where + "the tolerance " + broken.at("tolerance").get<std::string>() +
-                            " is broken: the value is " + broken.at("value").dump() + ", the limit is " +
-                            broken.at("limit").dump());
-    }
-    // The remaining tolerance belongs to no view.
-    if (views == 0)
-      sentences.push_back(name + ": the tolerance \"lost\" is broken: the import lost " +
-                          file.at("lost").dump() + " faces, loops or edges");
+    result.failures.insert(result.failures.end(), outcome.value().failures.begin(),
+                           outcome.value().failures.end());
   }
-  return sentences;
+  result.verdict = {{"facetless", ProgramJson(request.threads)},
+                    {"command", "regress"},
+                    {"manifest", request.manifest},
+                    {"updated", request.update},
+                    {"passed", result.exit_code == kExitDone},
+                    {"exit_code", result.exit_code},
+                    {"files", std::move(files)}};
+  if (!request.out.empty()) {
+    if (auto written = WritePage(result.verdict, request.out); !written) return written.error();
+  }
+  return result;
 }
 
 }  // namespace facetless

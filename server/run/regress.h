@@ -30,15 +30,18 @@ struct RegressRequest {
   RunContext context;
 };
 
-// Runs the regression and returns the verdict: {"facetless", "command", "manifest", "updated", "passed",
-// "exit_code", "files": [{"file", "name", "passed", "error"?, "lost", "views": [{"name", "passed", "status",
-// "values", "broken", "files"?}]}]}. exit_code: 0; 2 a tolerance is broken or a reference is missing; 3 sizes
-// differ; 4 nothing usable in one of the files. Errors: kFileUnreadable, kBadUsage (the manifest);
-// kCancelled; kWriteFailed.
-Result<nlohmann::json> RunRegress(const RegressRequest& request);
+struct RegressResult {
+  // {"facetless", "command", "manifest", "updated", "passed", "exit_code", "files": [{"file", "name", "passed",
+  // "error"?, "lost", "views": [{"name", "passed", "status", "values", "broken", "files"?}]}]}.
+  nlohmann::json verdict;
+  // 0; 2 a tolerance is broken or a reference is missing; 3 sizes differ; 4 nothing usable in one of the files.
+  int exit_code = 0;
+  // One for each tolerance that is broken, each reference that is missing, and each file with an error.
+  std::vector<std::string> failures;
+};
 
-// One sentence for each exceeded tolerance, each missing reference, and each file with an error.
-std::vector<std::string> RegressSentences(const nlohmann::json& verdict);
+// Errors: kFileUnreadable, kBadUsage (the manifest); kCancelled; kWriteFailed.
+Result<RegressResult> RunRegress(const RegressRequest& request);
 
 // The three pictures next to each other, with a gap. All must have the same size. Transparent pixels are
 // shown on white.

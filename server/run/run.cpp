@@ -24,6 +24,7 @@
 #include "server/run/pictures.h"
 #include "server/run/report_html.h"
 #include "server/run/shown_model.h"
+#include "server/run/trace_options.h"
 #include "server/run/verdict.h"
 #include "server/run/view_files.h"
 
@@ -31,37 +32,6 @@ namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
-
-ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
-                          const std::atomic<bool>* cancel) {
-  ViewOptions view;
-  view.sections = sections;
-  view.samples = options.samples;
-  view.edges = options.edges;
-  view.lines = options.lines;
-  view.find_lines = options.svg;
-  view.background = options.background;
-  view.inspection = options.inspection;
-  view.inspection.orient = options.orient;
-  view.coloring = options.picture.coloring;
-  view.uv = options.WantsAov("uv");
-  view.depth_error = options.WantsAov("certificate");
-  view.audit = options.audit;
-  view.execution = {options.threads, cancel};
-  return view;
-}
-
-// Returns how the exact surfaces are traced if `taken_bytes` of the memory for a view are already in use.
-DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
-                              std::uint64_t taken_bytes) {
-  DirectOptions direct;
-  direct.precision = options.precision;
-  direct.check = options.check;
-  direct.newton_tolerance = options.newton_tolerance;
-  direct.max_bytes = options.max_view_bytes - std::min(options.max_view_bytes, taken_bytes);
-  direct.sections = sections;
-  return direct;
-}
 
 std::string SvgOf(const ImportedModel& imported, const Camera& camera, const View& view) {
   const bool flat = camera.projection == Projection::kOrthographic;
@@ -71,8 +41,8 @@ std::string SvgOf(const ImportedModel& imported, const Camera& camera, const Vie
 
 // Measures the deviation of every triangle and writes its file. Returns the report's "mesh_deviation".
 Result<Json> WriteMeshDeviation(const Model& model, const Mesh& mesh, const std::string& directory,
-                                const std::atomic<bool>* cancel) {
-  const auto measured = MeasureMeshDeviation(model, mesh, cancel);
+                                const Execution& execution) {
+  const auto measured = MeasureMeshDeviation(model, mesh, execution);
   if (!measured) return measured.error();
   const MeshDeviation& deviation = measured.value();
   if (auto written = WriteFileAtomically(directory + "/mesh.bin", EncodeMeshDeviation(mesh, deviation));
@@ -119,7 +89,8 @@ class Run {
         timeout_s_(options.timeout_s.value_or(kRunTimeoutS)),
         deadline_(timeout_s_, context.cancel) {}
 
-  const std::atomic<bool>* cancel() const { return deadline_.flag(); }
+  // Ends with the run's deadline.
+  Execution execution() const { return {options_.threads, deadline_.flag()}; }
   // Makes the scene, which does not depend on the view.
   Scene MakeScene() {
     const Stopwatch stopwatch;
@@ -132,8 +103,17 @@ class Run {
   void Note(const std::string& key, Json value) {
     if (!value.is_null()) notes_[key] = std::move(value);
   }
-  // Returns the report's "files": those that belong to no single view.
-  Json& files() { return notes_["files"]; }
+  // What the run leaves in its directory.
+  RunFiles& files() { return result_.files; }
+  // Notes what a program may want to know of the exact view, and a person may not see.
+  void NoteExact(const std::string& name, const View& view) {
+    constexpr double kMillisecond = 1e-3;
+    if (view.direct)
+      result_.traced.push_back(
+          {static_cast<double>(view.direct->rays), view.direct->trace_ms * kMillisecond});
+    const std::string note = view.inspection ? SideNote(*view.inspection) : "";
+    if (!note.empty()) result_.warnings.push_back(name + ": " + note);
+  }
 
   // Renders all frames around the first view.
   Result<void> Turntable(const Representation& exact, const ViewOptions& view) {
@@ -153,7 +133,7 @@ class Run {
     auto planes = ResolveSections(options_.sections, imported_.model->bounds);
     if (!planes || planes.value().empty()) return planes;
     SectionAreaOptions area;
-    area.execution = {options_.threads, cancel()};
+    area.execution = execution();
     auto measured = SectionsJson(scene, mesh, planes.value(), area);
     if (!measured) return Explained(measured.error());
     Note("sections", std::move(measured).value());
@@ -169,7 +149,8 @@ class Run {
     Json views = Json::array();
     for (const Camera& camera : cameras.value()) {
       Progress(static_cast<double>(views.size()) / static_cast<double>(cameras.value().size()));
-      Result<Json> view = *cancel() ? Result<Json>(Error{ErrorCode::kCancelled, "stopped"}) : one(camera);
+      Result<Json> view =
+          execution().cancelled() ? Result<Json>(Error{ErrorCode::kCancelled, "stopped"}) : one(camera);
       if (!view) return Explained(view.error());
       views.push_back(std::move(view).value());
     }
@@ -181,15 +162,16 @@ class Run {
   void Problem(const std::string& sentence) { findings_.problems.push_back(sentence); }
   void LacksBaseline(const NoBaseline& why) {
     findings_.no_baseline = why.message;
+    result_.no_baseline = why;
     Note("no_baseline", NoBaselineJson(why));
   }
   // Adds the findings about the mesh itself and, if requested, its deviation.
   Result<void> JudgeMesh(const Mesh& mesh, const MeshCheck& check) {
     if (options_.mesh_deviation) {
-      auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, cancel());
+      auto measured = WriteMeshDeviation(*imported_.model, mesh, directory_, execution());
       if (!measured) return Explained(measured.error());
       Note("mesh_deviation", std::move(measured).value());
-      files()["mesh"] = "mesh.bin";
+      files().Add("", "mesh", "mesh.bin");
     }
     for (const std::string& problem : check.Problems()) Problem(problem);
     if (const std::size_t turned = TrianglesAgainstNormals(mesh); turned > 0)
@@ -212,17 +194,18 @@ class Run {
   }
 
   // Completes the report and writes it.
-  Result<Json> Finish(Json views, const std::vector<ViewValues>& values) {
+  Result<RunResult> Finish(Json views, const std::vector<ViewValues>& values) {
     if (!options_.sections.empty() && ShowsNothing(views))
       Problem("no view shows anything: the section planes remove all of the model that the views look at");
     for (const Json& view : views) NoteContradictions(view);
     findings_.lost = LossCount(*imported_.model);
     findings_.unit_known = KnowsUnit(*imported_.model);
+    result_.verdict = Judge(options_, values, findings_);
     Json report = {{"facetless", ProgramJson(options_.threads)},
                    {"command", command_},
                    {"options",
                     {{"samples", options_.samples},
-                     {"precision", PrecisionName(options_.precision)},
+                     {"precision", PrecisionName(options_.accuracy.precision)},
                      {"shade", FormatInspection(options_.inspection)},
                      {"orient", options_.orient == Orient::kViewer ? "viewer" : "file"},
                      {"edges", options_.edges},
@@ -230,14 +213,18 @@ class Run {
                    {"model", ImportedModelJson(imported_)},
                    {"views", std::move(views)},
                    {"timing_ms", TimingJson()},
-                   {"verdict", VerdictJson(options_, values, findings_)}};
-    if (ShowsSmoothness(options_.inspection.kind))
-      report["continuity"] =
-          ContinuityJson(MeasureContinuity(*imported_.model, options_.threads), *imported_.model);
+                   {"verdict", VerdictJson(result_.verdict)}};
+    if (ShowsSmoothness(options_.inspection.kind)) {
+      const auto continuity = MeasureContinuity(*imported_.model, execution());
+      if (!continuity) return Explained(continuity.error());
+      report["continuity"] = ContinuityJson(continuity.value(), *imported_.model);
+    }
     for (const auto& [key, value] : notes_.items())
       if (!value.is_null()) report[key] = value;
-    if (auto written = WriteReport(report, directory_); !written) return written.error();
-    return report;
+    if (Json files = result_.files.Json(""); !files.is_null()) report["files"] = std::move(files);
+    result_.report = std::move(report);
+    if (auto written = WriteReport(result_, directory_); !written) return written.error();
+    return std::move(result_);
   }
 
   // Returns an error that names --timeout if the time limit stopped the run; otherwise returns `error`.
@@ -274,6 +261,7 @@ class Run {
   const Stopwatch stopwatch_;
   double scene_ms_ = 0;
   Findings findings_;
+  RunResult result_;
   Json notes_ = Json::object();
   const double timeout_s_;
   Deadline deadline_;
@@ -322,7 +310,7 @@ class ViewReport {
 
   // Writes the files, and returns the view's entry. Draws into the pictures of `view`, whose comparison is
   // finished.
-  Result<Json> Write(ViewComparison& view, ContactSheet& sheet) const {
+  Result<Json> Write(ViewComparison& view, ContactSheet& sheet, RunFiles& left) const {
     const Camera& camera = view.camera;
     if (auto drawn = Finish(view.reference.image, camera, view, sheet, "exact"); !drawn) return drawn.error();
     for (CandidateView& candidate : view.candidates) {
@@ -349,7 +337,7 @@ class ViewReport {
     if (!view.candidates.empty())
       json["pixel_data"] =
           pixels.front() ? Json{{"depth_mm", {pixels.front()->near_mm, pixels.front()->far_mm}}} : Json();
-    if (auto written = files.Write(json, options_.threads); !written) return written.error();
+    if (auto written = files.Write(json, options_.threads, left); !written) return written.error();
     NoteInspections(view, json);
     return json;
   }
@@ -403,8 +391,8 @@ struct RunSubject {
 
 // Makes the views of the exact surfaces, alone or compared with a mesh and the methods of --with. A mesh of
 // our own that cannot be traced is left out.
-Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, const RunOptions& options,
-                      const std::string& directory, const RunContext& context) {
+Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject, const RunOptions& options,
+                           const std::string& directory, const RunContext& context) {
   const auto shown = ShownModel::Of(whole, subject.mesh, options.picture.arrangement);
   if (!shown) return shown.error();
   const ImportedModel& imported = shown.value().imported();
@@ -421,7 +409,7 @@ Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, con
   std::optional<BaselineScene> tree;
   if (mesh != nullptr) {
     auto built =
-        BaselineScene::Build(*mesh, options.threads, !options.sections.empty(), options.max_view_bytes);
+        BaselineScene::Build(*mesh, run.execution(), !options.sections.empty(), options.accuracy.max_bytes);
     if (!built) {
       const Error error = {built.error().code, model.info.file + ": " + built.error().message};
       if (!mesh->from_model || !CostsTheBaselineOnly(error.code)) return error;
@@ -436,18 +424,18 @@ Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, con
   const DirectOptions direct = ToDirectOptions(options, sections.value(), tree ? tree->bvh_bytes() : 0);
   const ExactSurfaces exact(scene, direct);
   std::optional<Triangles> triangles;
-  if (tree) triangles.emplace(*tree, model, sections.value(), direct.max_bytes);
+  if (tree) triangles.emplace(*tree, model, sections.value(), direct.accuracy.max_bytes);
   const auto methods = Candidates::Make(options.with,
                                         {.scene = scene,
                                          .direct = direct,
-                                         .execution = {options.threads, run.cancel()},
-                                         .max_bytes = direct.max_bytes},
+                                         .execution = run.execution(),
+                                         .max_bytes = direct.accuracy.max_bytes},
                                         run);
   if (!methods) return run.Explained(methods.error());
   const std::vector<const Representation*> candidates =
       methods.value().All(triangles ? &*triangles : nullptr);
 
-  const ViewOptions view_options = ToViewOptions(options, sections.value(), run.cancel());
+  const ViewOptions view_options = ToViewOptions(options, sections.value(), run.execution());
   const ViewReport report(imported, options, run.directory(), tree ? &*tree : nullptr);
   ContactSheet sheet(options.picture.sheet,
                      candidates.empty() ? 0 : 1 + 2 * static_cast<int>(candidates.size()));
@@ -462,11 +450,13 @@ Result<Json> RunViews(const ImportedModel& whole, const RunSubject& subject, con
       values.push_back({camera.name, d.deviation_mm.max, d.depth_mm.max, d.silhouette.max_distance_px,
                         d.color.flip_mean, d.color.share_over_threshold});
     }
-    return report.Write(compared.value(), sheet);
+    run.NoteExact(camera.name, compared.value().reference);
+    return report.Write(compared.value(), sheet, run.files());
   });
   if (!views) {
     const Error& error = views.error();
-    if (!tree || !mesh->from_model || error.code != ErrorCode::kLimitExceeded || *run.cancel()) return error;
+    if (!tree || !mesh->from_model || error.code != ErrorCode::kLimitExceeded || run.execution().cancelled())
+      return error;
     return without_mesh(BesideTree(imported, *tree, error));
   }
   if (auto written = sheet.Write(run.directory(), run.files()); !written) return written.error();
@@ -542,36 +532,41 @@ std::size_t LossCount(const Model& model) {
   return model.info.faces_lost.size() + model.info.loops_lost.size() + model.info.edges_lost.size();
 }
 
-Result<void> WriteReport(const Json& report, const std::string& directory) {
-  if (auto written = WriteFileAtomically(directory + "/report.json", JsonText(report) + "\n"); !written)
+Result<void> WriteReport(RunResult& result, const std::string& directory) {
+  constexpr const char *kReport = "report.json", *kPage = "report.html";
+  if (auto written = WriteFileAtomically(directory + "/" + kReport, JsonText(result.report) + "\n"); !written)
     return written.error();
-  auto html = ReportHtml(report, directory);
+  auto html = ReportHtml(result.report, directory);
   if (!html) return html.error();
-  return WriteFileAtomically(directory + "/report.html", html.value());
+  result.files.Add("", "report", kReport);
+  result.files.Add("", "page", kPage);
+  return WriteFileAtomically(directory + "/" + kPage, html.value());
 }
 
-Result<Json> RunRender(const ImportedModel& whole, const RunOptions& options, const std::string& directory,
-                       const RunContext& context) {
+Result<RunResult> RunRender(const ImportedModel& whole, const RunOptions& options,
+                            const std::string& directory, const RunContext& context) {
   return RunViews(whole, {.command = "render"}, options, directory, context);
 }
 
-Result<Json> RunWithoutBaseline(const ImportedModel& whole, const NoBaseline& why, const RunOptions& options,
-                                const std::string& directory, const RunContext& context) {
+Result<RunResult> RunWithoutBaseline(const ImportedModel& whole, const NoBaseline& why,
+                                     const RunOptions& options, const std::string& directory,
+                                     const RunContext& context) {
   return RunViews(whole, {.command = "compare", .why = &why}, options, directory, context);
 }
 
-Result<Json> RunCompare(const ImportedModel& whole, const Mesh& mesh, const RunOptions& options,
-                        const std::string& directory, const RunContext& context) {
+Result<RunResult> RunCompare(const ImportedModel& whole, const Mesh& mesh, const RunOptions& options,
+                             const std::string& directory, const RunContext& context) {
   return RunViews(whole, {.command = "compare", .mesh = &mesh}, options, directory, context);
 }
 
-Result<Json> WithReason(Json report, const NoBaseline& why, const std::string& directory) {
-  const Json before = report.at("no_baseline").at("message");
-  report["no_baseline"] = NoBaselineJson(why);
-  for (Json& problem : report.at("verdict").at("problems"))
-    if (problem == before) problem = why.message;
-  if (auto written = WriteReport(report, directory); !written) return written.error();
-  return report;
+Result<RunResult> WithReason(RunResult result, const NoBaseline& why, const std::string& directory) {
+  for (std::string& problem : result.verdict.problems)
+    if (problem == result.no_baseline->message) problem = why.message;
+  result.no_baseline = why;
+  result.report["no_baseline"] = NoBaselineJson(why);
+  result.report["verdict"] = VerdictJson(result.verdict);
+  if (auto written = WriteReport(result, directory); !written) return written.error();
+  return result;
 }
 
 }  // namespace facetless

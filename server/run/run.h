@@ -26,18 +26,13 @@
 #include "render/model/mesh.h"
 #include "render/model/model.h"
 #include "server/options/options.h"
+#include "server/run/run_result.h"
 
 namespace facetless {
 
 // Reports progress: the name of a stage and a fraction 0 … 1. May be empty.
 using ProgressCallback = std::function<void(const std::string& stage, double fraction)>;
 
-// The reason why a comparison has no baseline. `reason` is a reason of MeshFailure; unusable (no triangle);
-// or pending, in a report that is written while the mesher still works. `message` is a sentence that names
-// the file, the cause and the remedy.
-struct NoBaseline {
-  std::string reason, message;
-};
 NoBaseline NoBaselineFor(const MeshFailure& failure);
 // The reason for a mesh that was made but cannot be used.
 NoBaseline NoBaselineFor(const Error& unusable);
@@ -77,24 +72,23 @@ std::size_t LossCount(const Model& model);
 // given, which is a failure under --strict.
 bool KnowsUnit(const Model& model);
 
-// RunRender and RunCompare create `directory`, write the files to it, and return the report. Errors:
-// kBadUsage (cameras), kLimitExceeded, kCancelled, kWriteFailed, and the errors of RenderView and
-// CompareView.
-Result<nlohmann::json> RunRender(const ImportedModel& imported, const RunOptions& options,
-                                 const std::string& directory, const RunContext& context);
+// Both write into `directory`, which they create. Errors: kBadUsage (cameras), kLimitExceeded, kCancelled,
+// kWriteFailed, and those of RenderView and CompareView.
+Result<RunResult> RunRender(const ImportedModel& imported, const RunOptions& options,
+                            const std::string& directory, const RunContext& context);
 // If a mesh made by Facetless cannot be traced, the comparison has no baseline.
-Result<nlohmann::json> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
-                                  const std::string& directory, const RunContext& context);
-// Runs the exact half of a comparison. The report has the reason in "no_baseline", and its verdict has the
+Result<RunResult> RunCompare(const ImportedModel& imported, const Mesh& mesh, const RunOptions& options,
+                             const std::string& directory, const RunContext& context);
+// The exact half of a comparison: the result says in no_baseline why there is no other, and its verdict has
 // exit code kExitNoBaseline.
-Result<nlohmann::json> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
-                                          const RunOptions& options, const std::string& directory,
-                                          const RunContext& context);
-// Writes a report of RunWithoutBaseline in `directory` again, with another reason.
-Result<nlohmann::json> WithReason(nlohmann::json report, const NoBaseline& why, const std::string& directory);
+Result<RunResult> RunWithoutBaseline(const ImportedModel& imported, const NoBaseline& why,
+                                     const RunOptions& options, const std::string& directory,
+                                     const RunContext& context);
+// Such a result, whose files lie in `directory`, with another reason; its report is written anew.
+Result<RunResult> WithReason(RunResult result, const NoBaseline& why, const std::string& directory);
 
-// Writes report.json and report.html for a report whose pictures are in `directory`. Errors: kWriteFailed,
-// kFileUnreadable (a picture).
-Result<void> WriteReport(const nlohmann::json& report, const std::string& directory);
+// Writes report.json and report.html of a result whose pictures lie in `directory`, and adds them to its files.
+// Errors: kWriteFailed, kFileUnreadable (a picture).
+Result<void> WriteReport(RunResult& result, const std::string& directory);
 
 }  // namespace facetless

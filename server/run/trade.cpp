@@ -71,9 +71,9 @@ class Sweep {
   const Model& model() const { return *imported_.model; }
   const TradeOptions& trade() const { return options_.trade; }
 
-  TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const {
-    return {{options_.threads, deadline_.flag()}, budget};
-  }
+  Execution execution() const { return {options_.threads, deadline_.flag()}; }
+
+  TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const { return {execution(), budget}; }
 
   void Step(const std::string& what) {
     if (context_.progress) context_.progress(what, static_cast<double>(steps_done_) / std::max(steps_, 1));
@@ -135,10 +135,10 @@ class Sweep {
   Result<void> MeasureDirectPoint(const Scene& scene, const DirectSetting& setting, TradeView& view) {
     Step("direct");
     DirectOptions options;
-    options.precision = setting.precision;
-    options.newton_tolerance = setting.newton_tolerance;
+    options.accuracy.precision = setting.precision;
+    options.accuracy.newton_tolerance = setting.newton_tolerance;
     const ExactSurfaces picture(scene, options);
-    options.max_bytes = trade().budget_mb * kMegabyte;
+    options.accuracy.max_bytes = trade().budget_mb * kMegabyte;
     auto point = MeasureWithin(ExactSurfaces(scene, options), picture, setting, view);
     if (!point) return point.error();
     point.value().convert_ms = model().info.convert_ms;
@@ -289,8 +289,7 @@ class Sweep {
   }
 
   Result<Tessellation> BuildTree(Tessellation tessellation) {
-    auto tree =
-        BaselineScene::Build(*tessellation.mesh, options_.threads, false, trade().budget_mb * kMegabyte);
+    auto tree = BaselineScene::Build(*tessellation.mesh, execution(), false, trade().budget_mb * kMegabyte);
     if (!tree) return Refused(tree.error(), std::move(tessellation));
     if (tree.value().build_ms() > 1000 * trade().budget_s)
       tessellation.over_budget = "building the tree takes longer than " + Seconds(trade().budget_s);
@@ -298,7 +297,7 @@ class Sweep {
       tessellation.over_budget = MemoryReason();
     std::vector<double> times = {tree.value().build_ms()};
     while (times.front() < kCheapMs && times.size() < kRepetitions) {
-      auto again = BaselineScene::Build(*tessellation.mesh, options_.threads);
+      auto again = BaselineScene::Build(*tessellation.mesh, execution());
       if (!again) return again.error();
       times.push_back(again.value().build_ms());
     }
@@ -356,27 +355,27 @@ class Sweep {
       for (const std::string& sentence : Sentences(view)) result.text += sentence + "\n";
     }
     const ImportInfo& info = model().info;
-    result.report = {
-        {"facetless", ProgramJson(options_.threads)},
-        {"command", "trade"},
-        {"model", ImportedModelJson(imported_)},
-        {"views", std::move(views)},
-        {"trade",
-         {{"points", std::move(points)},
-          {"answers", std::move(answers)},
-          {"error_measure", MeasureName(trade().measure)},
-          {"limits",
-           {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
-            {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
-          {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
-          {"mesher_threads", 1},
-          {"load_at_start", load_at_start_},
-          {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
-        {"verdict",
-         VerdictJson(options_, {},
-                     {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())})}};
-    if (!arrangement_.is_null()) result.report["arrangement"] = arrangement_;
-    if (auto written = WriteReport(result.report, directory_); !written) return written.error();
+    result.run.verdict =
+        Judge(options_, {}, {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())});
+    result.run.files = std::move(files_);
+    result.run.report = {{"facetless", ProgramJson(options_.threads)},
+                         {"command", "trade"},
+                         {"model", ImportedModelJson(imported_)},
+                         {"views", std::move(views)},
+                         {"trade",
+                          {{"points", std::move(points)},
+                           {"answers", std::move(answers)},
+                           {"error_measure", MeasureName(trade().measure)},
+                           {"limits",
+                            {{"error_mm", limits.error_mm ? Json(*limits.error_mm) : Json(nullptr)},
+                             {"error_px", limits.error_px ? Json(*limits.error_px) : Json(nullptr)}}},
+                           {"budget", {{"seconds", trade().budget_s}, {"memory_mb", trade().budget_mb}}},
+                           {"mesher_threads", 1},
+                           {"load_at_start", load_at_start_},
+                           {"shared_ms", {{"read", info.read_ms}, {"transfer", info.transfer_ms}}}}},
+                         {"verdict", VerdictJson(result.run.verdict)}};
+    if (!arrangement_.is_null()) result.run.report["arrangement"] = arrangement_;
+    if (auto written = WriteReport(result.run, directory_); !written) return written.error();
     return result;
   }
 
@@ -396,6 +395,7 @@ class Sweep {
     const std::string name = view.context.view, picture = name + ".direct.png";
     if (auto written = WritePng(directory_ + "/" + picture, reference.view.image); !written)
       return written.error();
+    files_.Add(name, "direct", picture);
     const std::string prefix = views_.size() > 1 ? name + "." : "";
     Json plots = Json::object();
     for (const TradeCost cost : {TradeCost::kTime, TradeCost::kMemory}) {
@@ -407,6 +407,7 @@ class Sweep {
         if (!bytes) return bytes.error();
         if (auto written = WriteFileAtomically(directory_ + "/" + stem + extension, bytes.value()); !written)
           return written.error();
+        files_.Add(name, std::string("trade-") + role + extension, stem + extension);
       }
       plots[role] = {{"svg", stem + ".svg"}, {"png", stem + ".png"}};
     }
@@ -436,6 +437,7 @@ class Sweep {
   const double timeout_s_;
   Deadline deadline_;
   std::vector<TradeView> views_;
+  RunFiles files_;
   std::vector<MeshSetting> over_budget_;
   double scene_ms_ = 0, last_mesh_ms_ = 0, load_at_start_ = 0;
   int steps_ = 0, steps_done_ = 0;

@@ -14,14 +14,12 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "server/run/run.h"
 
 namespace facetless {
 
 struct TradeResult {
-  nlohmann::json report;
+  RunResult run;
   std::string text;  // tables and answers, for a terminal
 };
 

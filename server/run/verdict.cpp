@@ -25,16 +25,17 @@ std::string OptionOf(std::string threshold) {
 
 }  // namespace
 
-Json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& values, const Findings& findings) {
-  Json broken = Json::array();
+Verdict Judge(const RunOptions& options, const std::vector<ViewValues>& values, const Findings& findings) {
+  Verdict verdict;
+  verdict.strict = options.strict;
+  verdict.lost = findings.lost;
+  verdict.unmeshed = findings.unmeshed;
+  verdict.unit_known = findings.unit_known;
   for (const ViewValues& view : values) {
     const auto check = [&](const char* name, const std::optional<double>& limit, double value) {
       // Written this way, a NaN exceeds the threshold.
       if (!limit || value <= *limit) return;
-      broken.push_back({{"view", view.view},
-                        {"threshold", name},
-                        {"limit", *limit},
-                        {"value", std::isfinite(value) ? Json(value) : Json(nullptr)}});
+      verdict.broken.push_back({view.view, name, *limit, value});
     };
     check("fail_deviation_mm", options.fail.deviation_mm, view.deviation_mm);
     check("fail_depth_mm", options.fail.depth_mm, view.depth_mm);
@@ -43,43 +44,52 @@ Json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& value
     check("fail_share", options.fail.share, view.share);
   }
   const bool incomplete = findings.lost > 0 || findings.unmeshed > 0;
-  const bool failed = !broken.empty() || !findings.problems.empty() ||
+  const bool failed = !verdict.broken.empty() || !findings.problems.empty() ||
                       (options.strict && (incomplete || !findings.unit_known));
-  std::vector<std::string> problems = findings.problems;
-  if (!findings.no_baseline.empty()) problems.push_back(findings.no_baseline);
-  return {{"passed", !failed && findings.no_baseline.empty()},
-          {"strict", options.strict},
-          {"lost", findings.lost},
-          {"unmeshed", findings.unmeshed},
-          {"unit_known", findings.unit_known},
-          {"problems", problems},
-          {"broken", broken},
-          {"exit_code", failed                          ? kExitFailed
-                        : !findings.no_baseline.empty() ? kExitNoBaseline
-                        : incomplete                    ? kExitLost
-                                                        : kExitDone}};
+  verdict.problems = findings.problems;
+  if (!findings.no_baseline.empty()) verdict.problems.push_back(findings.no_baseline);
+  verdict.passed = !failed && findings.no_baseline.empty();
+  verdict.exit_code = failed                          ? kExitFailed
+                      : !findings.no_baseline.empty() ? kExitNoBaseline
+                      : incomplete                    ? kExitLost
+                                                      : kExitDone;
+  return verdict;
 }
 
-std::vector<std::string> VerdictSentences(const Json& verdict) {
+Json VerdictJson(const Verdict& verdict) {
+  Json broken = Json::array();
+  for (const BrokenThreshold& threshold : verdict.broken)
+    broken.push_back({{"view", threshold.view},
+                      {"threshold", threshold.threshold},
+                      {"limit", threshold.limit},
+                      {"value", std::isfinite(threshold.value) ? Json(threshold.value) : Json(nullptr)}});
+  return {{"passed", verdict.passed},
+          {"strict", verdict.strict},
+          {"lost", verdict.lost},
+          {"unmeshed", verdict.unmeshed},
+          {"unit_known", verdict.unit_known},
+          {"problems", verdict.problems},
+          {"broken", broken},
+          {"exit_code", verdict.exit_code}};
+}
+
+std::vector<std::string> VerdictSentences(const Verdict& verdict) {
   std::vector<std::string> sentences;
-  if (verdict.at("passed").get<bool>()) return sentences;
-  for (const Json& broken : verdict.at("broken")) {
-    const Json& value = broken.at("value");
-    sentences.push_back("view '" + broken.at("view").get<std::string>() + "' breaks " +
-                        OptionOf(broken.at("threshold").get<std::string>()) + ": the value is " +
-                        (value.is_null() ? "infinite" : NumberText(value.get<double>())) + ", the limit is " +
-                        NumberText(broken.at("limit").get<double>()));
-  }
-  for (const Json& problem : verdict.at("problems")) sentences.push_back(problem.get<std::string>());
-  if (!verdict.at("strict").get<bool>()) return sentences;
-  const auto count = [&](const char* key) { return verdict.at(key).get<std::size_t>(); };
-  if (count("lost") > 0)
-    sentences.push_back("--strict: the import lost " + std::to_string(count("lost")) +
+  if (verdict.passed) return sentences;
+  for (const BrokenThreshold& broken : verdict.broken)
+    sentences.push_back("view '" + broken.view + "' breaks " + OptionOf(broken.threshold) +
+                        ": the value is " +
+                        (std::isfinite(broken.value) ? NumberText(broken.value) : "infinite") +
+                        ", the limit is " + NumberText(broken.limit));
+  sentences.insert(sentences.end(), verdict.problems.begin(), verdict.problems.end());
+  if (!verdict.strict) return sentences;
+  if (verdict.lost > 0)
+    sentences.push_back("--strict: the import lost " + std::to_string(verdict.lost) +
                         " faces, loops or edges; `facetless inspect` names them");
-  if (count("unmeshed") > 0)
-    sentences.push_back("--strict: the mesh lacks " + std::to_string(count("unmeshed")) +
+  if (verdict.unmeshed > 0)
+    sentences.push_back("--strict: the mesh lacks " + std::to_string(verdict.unmeshed) +
                         " faces of the model");
-  if (!verdict.at("unit_known").get<bool>())
+  if (!verdict.unit_known)
     sentences.push_back("--strict: the file has no length unit that can be read; set the unit with --unit");
   return sentences;
 }

@@ -30,14 +30,31 @@ struct Findings {
   bool unit_known = true;             // the file or --unit states the unit
 };
 
+// A threshold that a view breaks.
+struct BrokenThreshold {
+  std::string view, threshold;  // "fail_depth_mm"
+  double limit = 0, value = 0;  // a value that does not exist (infinite) breaks every threshold
+};
+
+struct Verdict {
+  bool passed = true, strict = false;
+  std::size_t lost = 0, unmeshed = 0;
+  bool unit_known = true;
+  std::vector<std::string> problems;  // sentences, the lack of a baseline among them
+  std::vector<BrokenThreshold> broken;
+  int exit_code = 0;
+};
+
+// exit_code: 2 if the run fails (law 1); else 5 if there is no baseline; else 1 if something was lost or a face
+// has no triangle; else 0.
+Verdict Judge(const RunOptions& options, const std::vector<ViewValues>& values,
+              const Findings& findings = {});
+
 // The report's "verdict": {"passed", "strict", "lost", "unmeshed", "unit_known", "problems": [sentence],
-// "broken": [{"view", "threshold", "limit", "value"}], "exit_code"}. exit_code: 2 if the run fails (law 1);
-// else 5 if there is no baseline, which is among the problems; else 1 if something was lost or a face has no
-// triangle; else 0. A value that does not exist (null: infinite) breaks every threshold.
-nlohmann::json VerdictJson(const RunOptions& options, const std::vector<ViewValues>& values,
-                           const Findings& findings = {});
+// "broken": [{"view", "threshold", "limit", "value"}], "exit_code"}; an infinite value is null.
+nlohmann::json VerdictJson(const Verdict& verdict);
 
 // One sentence for each reason for which `verdict` failed (law 2); empty if it passed.
-std::vector<std::string> VerdictSentences(const nlohmann::json& verdict);
+std::vector<std::string> VerdictSentences(const Verdict& verdict);
 
 }  // namespace facetless

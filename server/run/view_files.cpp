@@ -60,7 +60,7 @@ void ViewFiles::Aovs(const SampleBuffer& samples, const RunOptions& options) {
         [&samples](const std::string& path) { return WritePng(path, DrawCertificates(samples).image); });
 }
 
-Result<void> ViewFiles::Write(nlohmann::json& view, int threads) const {
+Result<void> ViewFiles::Write(nlohmann::json& view, int threads, RunFiles& left) const {
   const Stopwatch stopwatch;
   std::vector<Result<void>> written(files_.size());
   RunWithThreads(threads, [&] {
@@ -69,7 +69,8 @@ Result<void> ViewFiles::Write(nlohmann::json& view, int threads) const {
   });
   for (const Result<void>& result : written)
     if (!result) return result.error();
-  for (const File& file : files_) view["files"][file.role] = file.name;
+  for (const File& file : files_) left.Add(view_, file.role, file.name);
+  view["files"] = left.Json(view_);
   view["timing_ms"]["files"] = stopwatch.Milliseconds();
   return {};
 }

@@ -17,6 +17,7 @@
 #include "render/inspect/picture.h"
 #include "render/view/samples.h"
 #include "server/options/options.h"
+#include "server/run/run_result.h"
 
 namespace facetless {
 
@@ -36,9 +37,9 @@ class ViewFiles {
   // adds the depth in double precision.
   void Aovs(const SampleBuffer& samples, const RunOptions& options);
 
-  // Writes the files, and adds "files" (names by role) and timing_ms.files to the view's entry of the report.
-  // Errors: the errors of the writers.
-  Result<void> Write(nlohmann::json& view, int threads) const;
+  // Adds the files to `left`, and "files", a name by role, and timing_ms.files to the view's entry of the
+  // report. Errors: those of the writers.
+  Result<void> Write(nlohmann::json& view, int threads, RunFiles& left) const;
 
  private:
   struct File {

@@ -89,6 +89,7 @@ Observer ObserverOf(Metrics& metrics, ServiceLog& log) {
     metrics.StageEnded(stage, seconds);
   };
   observer.traced = [&](double rays, double seconds) { metrics.Traced(rays, seconds); };
+  observer.model_read = [&](double seconds) { metrics.ModelRead(seconds); };
   observer.importer_died = [&](const std::string& cause) { metrics.ImporterDied(cause); };
   return observer;
 }
@@ -199,7 +200,7 @@ int Serve(const ServeOptions& options) {
     limits.hosts = HostPolicy(SplitList(options.allow_host), SplitList(options.allow_origin));
   Service service(*store.value(), jobs, access, limits);
   service.metrics_text = [&](const MetricsNow& now) { return metrics.Text(now); };
-  service.looked_up = [&](const std::string& kind, bool found) { metrics.LookedUp(kind, found); };
+  service.looked_up = [&](JobKind kind, bool found) { metrics.LookedUp(kind, found); };
   access.audit = [&](const std::string& decision, const HttpRequest& request) {
     log.Write(AuditEntry(decision, request));
   };

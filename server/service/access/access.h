@@ -16,8 +16,8 @@
 #include <string>
 
 #include "server/service/access/keys.h"
+#include "server/service/jobs/routes.h"
 #include "server/service/protocol/message.h"
-#include "server/service/protocol/routes.h"
 
 namespace facetless {
 

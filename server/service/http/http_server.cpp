@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "render/base/stopwatch.h"
 #include "server/base/sha256.h"
 #include "server/service/http/worker_pool.h"
 #include "server/service/jobs/job_store.h"
@@ -316,7 +317,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
   // body.
   const auto timed = [owner, operations](const httplib::Request& request, httplib::Response& response,
                                          auto respond) {
-    const auto start = Clock::now();
+    const Stopwatch stopwatch;
     HttpRequest translated = TakeAdmitted(request);
     translated.operations = operations;
     HttpResponse answer = ProblemOfStatus(500);
@@ -328,7 +329,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     Apply(answer, response);
     response.set_header(kRequestIdHeader, translated.id);
     if (!owner->on_request) return;
-    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    const double ms = stopwatch.Milliseconds();
     owner->on_request({translated.id, translated.trace_id, request.method, request.path,
                        translated.caller.owner, answer.job, response.status, ms});
   };

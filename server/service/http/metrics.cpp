@@ -78,6 +78,8 @@ struct Metrics::Families {
       CounterOf("facetless_trace_seconds_total", "Seconds that the direct renderer took for them");
   Family<Histogram>& rays_per_second =
       HistogramOf("facetless_rays_per_second", "Rays per second of each view of the direct renderer");
+  Family<Histogram>& model_seconds = HistogramOf("facetless_model_read_duration_seconds",
+                                                 "Seconds of reading a model's file, at most once for a job");
   Family<Counter>& deaths =
       CounterOf("facetless_importer_deaths_total", "Importers that did not end by themselves, by cause");
   Family<Counter>& look_ups =
@@ -95,13 +97,15 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {
   // Create these series at the start, so that a rate includes the first event.
   for (const char* cause : {"crash", "timeout", "memory", "output", "threads", "answer"})
     families_->deaths.Add({{"cause", cause}});
-  for (const char* kind : {"model", "render", "comparison", "trade"}) {
-    for (const char* result : {"hit", "miss"}) families_->look_ups.Add({{"kind", kind}, {"result", result}});
+  for (const JobKindRow& kind : JobKinds()) {
+    for (const char* result : {"hit", "miss"})
+      families_->look_ups.Add({{"kind", kind.name}, {"result", result}});
     for (const char* state : {"done", "failed", "cancelled"})
-      families_->jobs.Add({{"kind", kind}, {"state", state}});
+      families_->jobs.Add({{"kind", kind.name}, {"state", state}});
   }
   families_->rays.Add({});
   families_->trace_seconds.Add({});
+  families_->model_seconds.Add({}, kWorkSeconds);
 }
 
 Metrics::~Metrics() = default;
@@ -113,9 +117,9 @@ void Metrics::RequestServed(const std::string& route, const std::string& method,
   families_->request_seconds.Add({{"route", route}, {"method", known}}, kRequestSeconds).Observe(seconds);
 }
 
-void Metrics::JobEnded(const std::string& kind, const std::string& state, double seconds) {
-  families_->jobs.Add({{"kind", kind}, {"state", state}}).Increment();
-  if (seconds > 0) families_->job_seconds.Add({{"kind", kind}}, kWorkSeconds).Observe(seconds);
+void Metrics::JobEnded(JobKind kind, const std::string& state, double seconds) {
+  families_->jobs.Add({{"kind", JobKindName(kind)}, {"state", state}}).Increment();
+  if (seconds > 0) families_->job_seconds.Add({{"kind", JobKindName(kind)}}, kWorkSeconds).Observe(seconds);
 }
 
 void Metrics::StageEnded(const std::string& stage, double seconds) {
@@ -128,12 +132,16 @@ void Metrics::Traced(double rays, double seconds) {
   if (seconds > 0) families_->rays_per_second.Add({}, kRaysPerSecond).Observe(rays / seconds);
 }
 
+void Metrics::ModelRead(double seconds) {
+  families_->model_seconds.Add({}, kWorkSeconds).Observe(seconds);
+}
+
 void Metrics::ImporterDied(const std::string& cause) {
   families_->deaths.Add({{"cause", cause}}).Increment();
 }
 
-void Metrics::LookedUp(const std::string& kind, bool found) {
-  families_->look_ups.Add({{"kind", kind}, {"result", found ? "hit" : "miss"}}).Increment();
+void Metrics::LookedUp(JobKind kind, bool found) {
+  families_->look_ups.Add({{"kind", JobKindName(kind)}, {"result", found ? "hit" : "miss"}}).Increment();
 }
 
 std::string Metrics::Text(const MetricsNow& now) {

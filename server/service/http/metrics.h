@@ -9,6 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "server/service/jobs/job_kinds.h"
+
 namespace facetless {
 
 // The values at the moment of the request.
@@ -27,12 +29,13 @@ class Metrics {
 
   void RequestServed(const std::string& route, const std::string& method, int status, double seconds);
   // `seconds` is the time since the start of the job; 0 for a job that never started.
-  void JobEnded(const std::string& kind, const std::string& state, double seconds);
+  void JobEnded(JobKind kind, const std::string& state, double seconds);
   void StageEnded(const std::string& stage, double seconds);
   void Traced(double rays, double seconds);
+  void ModelRead(double seconds);
   void ImporterDied(const std::string& cause);
   // Counts a look-up of an answer of this kind; `found` tells whether the answer existed already.
-  void LookedUp(const std::string& kind, bool found);
+  void LookedUp(JobKind kind, bool found);
 
   std::string Text(const MetricsNow& now);
 

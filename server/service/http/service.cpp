@@ -10,8 +10,8 @@
 #include "server/base/web_assets.h"
 #include "server/service/http/listing.h"
 #include "server/service/jobs/answers.h"
+#include "server/service/jobs/routes.h"
 #include "server/service/protocol/problem.h"
-#include "server/service/protocol/routes.h"
 
 namespace facetless {
 namespace {
@@ -73,15 +73,15 @@ HttpResponse ShuttingDown() {
   return response;
 }
 
-HttpResponse Answer(int status, const std::string& kind, const std::string& model_id, std::string text) {
+HttpResponse Answer(int status, JobKind kind, const std::string& model_id, std::string text) {
   HttpResponse response = JsonTextResponse(status, std::move(text));
-  if (kind == "model") response.headers.emplace_back("Location", "/v1/models/" + model_id);
+  if (kind == JobKind::kModel) response.headers.emplace_back("Location", "/v1/models/" + model_id);
   return response;
 }
 
 // The response for an answer that existed already. timing_ms is that of this request, which only looked the
 // answer up; the time of the original work is in kept.timing_ms.
-HttpResponse KeptAnswer(const std::string& kind, const std::string& model_id, const std::string& text,
+HttpResponse KeptAnswer(JobKind kind, const std::string& model_id, const std::string& text,
                         Clock::time_point arrived) {
   Json report = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   HttpResponse response;
@@ -155,7 +155,7 @@ std::optional<HttpResponse> Service::Check(HttpRequest& request) {
   if (route.kind != RouteKind::kSubmit) return std::nullopt;
   if (jobs_.stopping()) return ShuttingDown();
   const std::string type = request.Header("content-type");
-  const bool raw_allowed = route.argument == "model";
+  const bool raw_allowed = route.job == JobKind::kModel;
   if (!raw_allowed && !type.starts_with("multipart/form-data") && !type.starts_with("application/json"))
     return Problem(415, "unsupported-media-type", "Unsupported media type",
                    "Send multipart/form-data with a part \"file\", or application/json with a \"model\".");
@@ -182,7 +182,7 @@ HttpResponse Service::Handle(const HttpRequest& request) {
     case RouteKind::kMetrics:
       return MetricsPage();
     case RouteKind::kSubmit:
-      return request.method == "POST" ? Submit(request, route.argument) : ListModels(request);
+      return request.method == "POST" ? Submit(request, route.job) : ListModels(request);
     case RouteKind::kModel:
       return request.method == "DELETE" ? RemoveModel(request.caller, route.argument)
                                         : GetModel(request.caller, route.argument);
@@ -365,7 +365,7 @@ HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
   return OfJob(std::move(response), id);
 }
 
-HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind) {
+HttpResponse Service::Submit(const HttpRequest& request, JobKind kind) {
   const Clock::time_point arrived = Clock::now();
   auto parsed = ParseSubmission(request, kind, limits_.max_samples);
   if (!parsed) return ProblemOf(parsed.error());
@@ -394,8 +394,8 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
   job.body = submission.body;
   job.needs = {ModelItem(owner, submission.model_id)};
   if (known)
-    job.result =
-        kind == "model" ? ModelItem(owner, submission.model_id) : AnswerItem(owner, submission.question);
+    job.result = kind == JobKind::kModel ? ModelItem(owner, submission.model_id)
+                                         : AnswerItem(owner, submission.question);
   std::vector<KeptFile> uploads;
   if (!known) {
     if (auto kept = KeepUploads(request.caller, submission, job, uploads); !kept)
@@ -420,7 +420,7 @@ HttpResponse Service::Submit(const HttpRequest& request, const std::string& kind
 }
 
 std::optional<std::string> Service::KnownAnswer(const std::string& owner, const Submission& submission) {
-  if (submission.kind != "model") return store_.FindAnswer(owner, submission.question);
+  if (submission.kind != JobKind::kModel) return store_.FindAnswer(owner, submission.question);
   const auto model = store_.FindModel(owner, submission.model_id);
   if (!model) return std::nullopt;
   return JsonText(ModelJson(*model)) + "\n";
@@ -466,10 +466,10 @@ HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted&
   if (!text) return JsonResponse(200, JobJson(*view, store_));
   // The answer existed already, or the work was done for an earlier request.
   if (view->job.attempts == 0 || submitted.outcome == SubmitOutcome::kSame)
-    return KeptAnswer(view->job.kind, view->job.request.value("model", ""), *text, arrived);
-  const bool created =
-      view->job.kind == "model" && submitted.outcome == SubmitOutcome::kAccepted && view->job.attempts > 0;
-  return Answer(created ? 201 : 200, view->job.kind, view->job.request.value("model", ""), std::move(*text));
+    return KeptAnswer(view->job.kind, view->job.ModelId(), *text, arrived);
+  const bool created = view->job.kind == JobKind::kModel && submitted.outcome == SubmitOutcome::kAccepted &&
+                       view->job.attempts > 0;
+  return Answer(created ? 201 : 200, view->job.kind, view->job.ModelId(), std::move(*text));
 }
 
 }  // namespace facetless

@@ -58,8 +58,8 @@ class Service {
   Store& store() { return store_; }
 
   // Both functions may be empty, and must be set before the first request.
-  std::function<std::string(const MetricsNow&)> metrics_text;          // the body of /metrics
-  std::function<void(const std::string& kind, bool found)> looked_up;  // found: the answer existed already
+  std::function<std::string(const MetricsNow&)> metrics_text;  // the body of /metrics
+  std::function<void(JobKind kind, bool found)> looked_up;     // was the answer there already?
 
  private:
   HttpResponse Health();
@@ -77,7 +77,7 @@ class Service {
   HttpResponse GetJob(const Caller& caller, const std::string& id);
   HttpResponse CancelJob(const Caller& caller, const std::string& id);
   HttpResponse JobEvents(const Caller& caller, const std::string& id);
-  HttpResponse Submit(const HttpRequest& request, const std::string& kind);
+  HttpResponse Submit(const HttpRequest& request, JobKind kind);
   std::optional<std::string> KnownAnswer(const std::string& owner, const Submission& submission);
   Result<void> KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
                            std::vector<KeptFile>& kept);

@@ -86,8 +86,8 @@ LogEntry JobEntry(const Job& ended, double seconds) {
   const double ms = seconds * kSecondMs;
   LogEntry entry;
   entry.event = "job";
-  entry.text = ended.kind + " " + JobStateName(ended.state) + " " + Milliseconds(ms);
-  entry.fields = {{"kind", ended.kind},
+  entry.text = KindText(ended) + " " + JobStateName(ended.state) + " " + Milliseconds(ms);
+  entry.fields = {{"kind", KindText(ended)},
                   {"state", JobStateName(ended.state)},
                   {"ms", Rounded(ms)},
                   {"attempts", ended.attempts}};

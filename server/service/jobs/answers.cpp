@@ -95,8 +95,8 @@ Json ModelJson(const StoredModel& model) {
 }
 
 std::optional<std::string> AnswerText(const Job& job, Store& store) {
-  if (job.kind != "model") return store.FindAnswer(job.owner, job.question);
-  const auto model = store.FindModel(job.owner, job.request.value("model", ""));
+  if (job.kind != JobKind::kModel) return store.FindAnswer(job.owner, KeyOfItem(job.result));
+  const auto model = store.FindModel(job.owner, job.ModelId());
   if (!model) return std::nullopt;
   return JsonText(ModelJson(*model)) + "\n";
 }
@@ -105,7 +105,7 @@ Json ListedJobJson(const JobView& view) {
   const Job& job = view.job;
   const std::string self = "/v1/jobs/" + job.id;
   Json json = {{"id", job.id},
-               {"kind", job.kind},
+               {"kind", JobKindName(job.kind)},
                {"state", JobStateName(job.state)},
                {"stage", view.stage},
                {"fraction", view.fraction},
@@ -127,7 +127,7 @@ Json JobJson(const JobView& view, Store& store) {
   if (!text) return json;
   json["result"] = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
   json["links"]["result"] =
-      job.kind == "model" ? "/v1/models/" + job.request.value("model", "") : "/v1/answers/" + job.question;
+      job.kind == JobKind::kModel ? "/v1/models/" + job.ModelId() : "/v1/answers/" + KeyOfItem(job.result);
   return json;
 }
 

@@ -25,6 +25,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/base/result.h"
+#include "server/service/jobs/job_kinds.h"
 
 namespace facetless {
 
@@ -34,17 +35,20 @@ enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
 const char* JobStateName(JobState state);
 
 struct Job {
-  std::string id;          // 128 random bits, hexadecimal
-  std::string kind;        // model, render, comparison or trade
-  std::string owner;       // id of a key; "" for callers without a key
-  std::string question;    // digest of everything that determines the answer
-  nlohmann::json request;  // the complete request
+  std::string id;  // 128 random bits, hexadecimal
+  JobKind kind = JobKind::kModel;
+  std::string unknown_kind;  // kUnknown: what the store calls it
+  std::string owner;         // the id of a key; "" where there are none
+  std::string question;      // digest of what is asked
+  nlohmann::json request;    // what is asked, in full
   JobState state = JobState::kQueued;
   double created = 0, started = 0, finished = 0;  // seconds since 1970; 0: not yet
   int attempts = 0;
   std::string result;      // done: the item that contains the answer (store.h)
   nlohmann::json problem;  // failed: the problem document
 
+  // The id of the model that is asked about; "" where the request has none.
+  std::string ModelId() const { return request.is_object() ? request.value("model", "") : ""; }
   bool Ended() const { return state != JobState::kQueued && state != JobState::kRunning; }
 };
 
@@ -55,7 +59,8 @@ struct JobFile {
 };
 
 struct NewJob {
-  std::string kind, owner, question;
+  JobKind kind = JobKind::kModel;
+  std::string owner, question;
   nlohmann::json request;
   std::vector<JobFile> files;
   std::vector<std::string> needs;  // items that the store must keep until the job ends
@@ -125,6 +130,9 @@ class JobStore {
   // implementation.
   virtual Result<void> Forget(double finished_before) = 0;
 };
+
+// "comparison"; of an unknown kind what the store calls it.
+const std::string& KindText(const Job& job);
 
 // The problem document with the ids that identify the job in the log: its job_id, and the request_id and
 // trace_id of the request that submitted it.

@@ -18,6 +18,7 @@ struct Observer {
   std::function<void(const Job& job, double seconds)> job_ended;
   std::function<void(const std::string& stage, double seconds)> stage_ended;
   std::function<void(double rays, double seconds)> traced;  // one view of the direct renderer
+  std::function<void(double seconds)> model_read;           // a model's file, into memory
   // `cause` is crash, timeout, memory, output, threads or answer (import_process.h).
   std::function<void(const std::string& cause)> importer_died;
 };

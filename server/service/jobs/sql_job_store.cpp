@@ -36,7 +36,8 @@ JobState StateFromName(const std::string& name) {
 Job JobOf(const SqlRow& row) {
   Job job;
   job.id = row.Text(0);
-  job.kind = row.Text(1);
+  job.kind = JobKindOf(row.Text(1));
+  if (job.kind == JobKind::kUnknown) job.unknown_kind = row.Text(1);
   job.owner = row.Text(2);
   job.question = row.Text(3);
   job.request = Json::parse(row.Text(4), nullptr, /*allow_exceptions=*/false);
@@ -77,6 +78,10 @@ Json GaveUpProblem(int attempts) {
 const char* JobStateName(JobState state) {
   constexpr const char* kNames[] = {"queued", "running", "done", "failed", "cancelled"};
   return kNames[static_cast<int>(state)];
+}
+
+const std::string& KindText(const Job& job) {
+  return job.kind == JobKind::kUnknown ? job.unknown_kind : JobKindName(job.kind);
 }
 
 Json ProblemOfJob(Json problem, const Job& job) {
@@ -186,7 +191,7 @@ Result<void> SqlJobStore::Insert(const NewJob& job, const Job& row) {
       "INSERT INTO jobs(id, kind, owner, question, request, state, created, started, finished, attempts, "
       "cancelling, "
       "result, retry_key, body) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0, ?, ?, ?)",
-      {row.id, row.kind, row.owner, row.question, JsonText(row.request, -1), JobStateName(row.state),
+      {row.id, KindText(row), row.owner, row.question, JsonText(row.request, -1), JobStateName(row.state),
        row.created, ended ? SqlValue(row.started) : SqlValue(nullptr),
        ended ? SqlValue(row.finished) : SqlValue(nullptr), TextOrNull(row.result), TextOrNull(job.retry_key),
        job.body});

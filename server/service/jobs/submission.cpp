@@ -30,8 +30,8 @@ Result<Json> ParseObject(const std::string& text, const std::string& what) {
   return json;
 }
 
-std::string BodyDigest(const HttpRequest& request, const std::string& kind) {
-  Json parts = Json::array({kind});
+std::string BodyDigest(const HttpRequest& request, JobKind kind) {
+  Json parts = Json::array({JobKindName(kind)});
   for (const BodyPart& part : request.parts)
     parts.push_back({part.name, part.file_name, part.text, part.sha256});
   return Sha256Hex(JsonText(parts, -1));
@@ -60,7 +60,7 @@ Result<void> CheckModelId(const std::string& id) {
 }
 
 Result<void> TakeParts(const HttpRequest& request, Submission& submission) {
-  const bool mesh_allowed = submission.kind == "comparison";
+  const bool mesh_allowed = RowOf(submission.kind).compares_mesh;
   std::vector<std::string> names = {"file", "model", "options"};
   if (mesh_allowed) names.push_back("mesh");
   if (auto once = CheckPartNames(request); !once) return once;
@@ -97,10 +97,20 @@ Result<void> TakeJson(const HttpRequest& request, Submission& submission) {
   return {};
 }
 
+// A file alone, as the body or as a part.
 Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
   if (auto once = CheckPartNames(request); !once) return once;
   for (const BodyPart& part : request.parts) {
-    if (part.name == "file" || (request.parts.size() == 1 && part.name.empty())) submission.file = &part;
+    if (part.name == "file" || (request.parts.size() == 1 && part.name.empty())) {
+      submission.file = &part;
+    } else if (part.name == "options") {
+      std::string takers;
+      for (const JobKindRow& row : JobKinds())
+        if (row.commands != 0) takers += (takers.empty() ? "" : " or ") + row.addresses.front();
+      return Malformed("models take no options; send the part \"options\" to " + takers);
+    } else {
+      return Malformed("there is no part " + Shortened(part.name) + "; the only part is file");
+    }
   }
   if (submission.file == nullptr || submission.file->path.empty())
     return Malformed("send the file as the body, or as the part \"file\" of multipart/form-data");
@@ -121,20 +131,8 @@ Json AskedFor(const Json& given, const RunOptions& options) {
 
 // Checks the options, and stores their canonical form in submission.asked.
 Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
-  std::vector<std::string> names;
-  for (const std::string& name : OptionNames())
-    if (IsRequestOption(name)) names.push_back(name);
-  for (const auto& [key, value] : submission.options.items()) {
-    const OptionRow* row = FindOption(key);
-    if (row == nullptr)
-      return Malformed("there is no option " + Shortened(key) + Suggestion(OptionName(key), names) +
-                       "; the options are " + Joined(names));
-    if (row->owner == OptionOwner::kPart)
-      return Malformed(row->name + " is not an option of the service; send it as the part \"" + row->name +
-                       "\"");
-    if (row->owner == OptionOwner::kOperator)
-      return Malformed(row->name + " is not an option of a request; the operator of the service sets it");
-  }
+  const JobKindRow& row = RowOf(submission.kind);
+  if (auto named = CheckOptionNames(row, submission.options); !named) return named;
   // The part "mesh" corresponds to the option --mesh on the command line.
   Json all = submission.options;
   if (submission.mesh != nullptr) all["mesh"] = submission.mesh->file_name;
@@ -144,10 +142,7 @@ Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
   if (submission.mesh == nullptr && !(options.value().mesh_unit + options.value().mesh_up).empty())
     return Malformed("mesh_unit and mesh_up are about the part \"mesh\", and there is none");
   if (auto small = CheckSamples(options.value(), max_samples); !small) return small;
-  if (submission.kind == "comparison")
-    if (auto can = CheckMeshCanShow(options.value().inspection, true); !can) return can.error();
-  return CheckPictureOptions(options.value().picture,
-                             submission.kind == "comparison" ? "compare" : submission.kind);
+  return row.check == nullptr ? Result<void>() : row.check(options.value());
 }
 
 }  // namespace
@@ -162,11 +157,10 @@ Result<void> CheckSamples(const RunOptions& options, std::uint64_t most) {
                    " are allowed"};
 }
 
-Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind,
-                                   std::uint64_t max_samples) {
+Result<Submission> ParseSubmission(const HttpRequest& request, JobKind kind, std::uint64_t max_samples) {
   Submission submission;
   submission.kind = kind;
-  if (kind == "model") {
+  if (RowOf(kind).run == nullptr) {
     if (auto taken = TakeModelFile(request, submission); !taken) return taken.error();
   } else {
     const bool multipart = request.Header("content-type").starts_with("multipart/");
@@ -179,7 +173,7 @@ Result<Submission> ParseSubmission(const HttpRequest& request, const std::string
   }
   if (submission.file != nullptr) submission.model_id = submission.file->sha256;
   const Json identity = {{"version", Version()},
-                         {"kind", kind},
+                         {"kind", JobKindName(kind)},
                          {"model", submission.model_id},
                          {"mesh", submission.mesh != nullptr ? submission.mesh->sha256 : ""},
                          {"options", submission.asked}};

@@ -16,12 +16,13 @@
 
 #include "render/base/result.h"
 #include "server/options/options.h"
+#include "server/service/jobs/job_kinds.h"
 #include "server/service/protocol/message.h"
 
 namespace facetless {
 
 struct Submission {
-  std::string kind;                // model, render, comparison or trade
+  JobKind kind = JobKind::kModel;
   const BodyPart* file = nullptr;  // the model, if it was uploaded with the request
   const BodyPart* mesh = nullptr;
   std::string model_id;                               // id of the uploaded model, or of a stored model
@@ -33,8 +34,7 @@ struct Submission {
 
 // Parses a request, which must outlive the result. Everything that can be checked without the model is
 // checked. Errors: kBadUsage, kLimitExceeded (more than `max_samples` samples).
-Result<Submission> ParseSubmission(const HttpRequest& request, const std::string& kind,
-                                   std::uint64_t max_samples);
+Result<Submission> ParseSubmission(const HttpRequest& request, JobKind kind, std::uint64_t max_samples);
 
 // Checks the number of samples. Error: kLimitExceeded (the options need more than `most` samples).
 Result<void> CheckSamples(const RunOptions& options, std::uint64_t most);

@@ -11,11 +11,6 @@ bool IsOptionCharacter(char c) {
 
 }  // namespace
 
-bool IsRequestOption(std::string_view name) {
-  const OptionRow* row = FindOption(name);
-  return row != nullptr && row->owner == OptionOwner::kCaller;
-}
-
 std::string InHttpTerms(const std::string& sentence) {
   std::string text;
   for (std::size_t i = 0; i < sentence.size();) {

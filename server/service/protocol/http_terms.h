@@ -2,13 +2,8 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 namespace facetless {
-
-// Returns whether an HTTP request may contain the option `name` ("mesh_unit"). Options that concern the
-// machine (threads, memory and time limits) belong to the operator.
-bool IsRequestOption(std::string_view name);
 
 // The sentence with the names of options as in requests: "--mesh-unit" becomes "mesh_unit". An option of the
 // operator keeps its name, and the sentence states that the operator sets it.

@@ -50,6 +50,10 @@ std::string AnswerItem(const std::string& owner, const std::string& key) {
   return owner + "/answer/" + key;
 }
 
+std::string KeyOfItem(const std::string& item) {
+  return item.substr(item.rfind('/') + 1);
+}
+
 bool IsArtifactName(const std::string& name) {
   if (name.size() < 66 || name.size() > 73 || name[64] != '.' || !IsSha256Hex(name.substr(0, 64)))
     return false;
@@ -237,6 +241,9 @@ std::optional<StoredModel> FileStore::FindModel(const std::string& owner, const 
   model.name = record.value("name", "");
   model.bytes = record.value("bytes", std::uint64_t{0});
   model.report = record["report"];
+  if (!model.report.is_object()) return std::nullopt;
+  model.import_ms = model.report.value("import_ms", 0.0);
+  model.import_peak_bytes = model.report.value("import_peak_bytes", std::uint64_t{0});
   model.source_path = directory_.FilePath(*source);
   model.model_path = directory_.FilePath(*model_file);
   return model;

@@ -43,8 +43,10 @@ struct StoredModel {
   std::string id;    // SHA-256 of the uploaded bytes
   std::string name;  // file name of the first upload, sanitized
   std::uint64_t bytes = 0;
-  nlohmann::json report;                // the object "model" of a report
-  std::string source_path, model_path;  // files that must not be changed
+  nlohmann::json report;                // "model" of a report
+  double import_ms = 0;                 // what the import took, by the report
+  std::uint64_t import_peak_bytes = 0;  // 0: not known
+  std::string source_path, model_path;  // files to read; never to change
 };
 
 // A model in a list.
@@ -129,6 +131,8 @@ class Store {
 // (job_store.h).
 std::string ModelItem(const std::string& owner, const std::string& id);
 std::string AnswerItem(const std::string& owner, const std::string& key);
+// The id or key at the end of an item.
+std::string KeyOfItem(const std::string& item);
 
 // Returns whether the name has the form "<64 hexadecimal digits>.<extension of 1 to 8 lower-case letters and
 // digits>".

@@ -31,7 +31,7 @@ test("candidates are a choice beside the slider, and the address keeps it", asyn
   await pixelsRead(page);
   assert.deepEqual((await choices())[1], ["Box 100", "true"]);
   assert.ok(Number(await worst()) > ofMesh, "a box is farther off than a mesh");
-  assert.match(page.url(), /with=box-100/);
+  await page.waitForURL(/with=box-100/);
   await noViolations(page, "candidate");
   await shot(page, "candidate");
   for (const mode of ["Side by side", "Blink", "Onion skin", "Box 100", "Difference"]) {

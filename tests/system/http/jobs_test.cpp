@@ -266,7 +266,7 @@ TEST_F(HttpJobs, TakeTurnsBetweenOwners) {
     for (const auto& [owner, question] :
          {std::pair{"anna", "a1"}, {"anna", "a2"}, {"anna", "a3"}, {"", "b1"}, {"", "b2"}}) {
       NewJob job;
-      job.kind = "model";
+      job.kind = JobKind::kModel;
       job.owner = owner;
       job.question = question;
       job.request = {{"model", model}, {"options", Json::object()}};
@@ -292,6 +292,34 @@ TEST_F(HttpJobs, TakeTurnsBetweenOwners) {
   EXPECT_LT(started(4), started(2)) << "nor b2 by a3";
   directory.reset();
   server.Start();
+}
+
+TEST_F(HttpJobs, OfAKindOfANewerVersionFailAndSaySo) {
+  LiveServer server({"--jobs", "1"}, FakeImporter());
+  const std::string model = PostModel(server, "ok", {}).Json().at("id");
+  server.Stop(SIGTERM);
+  std::string strange, known;
+  {
+    auto directory = DataDirectory::Open(server.data()).value();
+    SqlJobStore jobs(*directory, {});
+    NewJob job;
+    job.kind = JobKind::kRender;
+    job.request = {{"model", model}, {"options", {{"size", "32x32"}}}};
+    job.question = "of a newer version";
+    strange = jobs.Submit(job).value().job.id;
+    job.question = std::string(64, 'c');
+    known = jobs.Submit(job).value().job.id;
+    ASSERT_TRUE(directory->writer().Run("UPDATE jobs SET kind = 'hologram' WHERE id = ?", {strange}).ok());
+  }
+  server.Start();
+  const Json failed = server.JobAtItsEnd(strange);
+  EXPECT_EQ(failed.at("state"), "failed");
+  EXPECT_EQ(failed.at("kind"), "unknown");
+  EXPECT_THAT(failed.at("problem").at("detail").get<std::string>(),
+              HasSubstr("a job of the kind \"hologram\", which this version of Facetless does not know"));
+  EXPECT_EQ(server.JobAtItsEnd(known).at("state"), "done") << "the others are not held up";
+  EXPECT_THAT(server.Get("/metrics").body,
+              HasSubstr("facetless_jobs_ended_total{kind=\"unknown\",state=\"failed\"} 1"));
 }
 
 TEST_F(HttpJobs, GiveUpOldModelsForNewOnes) {

@@ -12,7 +12,7 @@
 
 #include "server/base/version.h"
 #include "server/options/options.h"
-#include "server/service/protocol/routes.h"
+#include "server/service/jobs/routes.h"
 #include "tests/system/http/live_server.h"
 #include "tests/system/http/schema_check.h"
 #include "tests/unit/server/support.h"

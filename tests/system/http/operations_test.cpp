@@ -93,6 +93,32 @@ TEST(Metrics, CountRequestsJobsWorkAndLookUps) {
   EXPECT_THAT(text, Not(HasSubstr("nothing/here")));
 }
 
+TEST(Metrics, CountOneReadOfTheModelForEachJobAtMost) {
+  LiveServer server;
+  const auto reads = [&] {
+    return Value(server.Get("/metrics").body, "facetless_model_read_duration_seconds_count");
+  };
+  const std::string cone = ReadText(Sample("cone.step")), sphere = ReadText(Sample("sphere.step"));
+  const auto post = [&](const std::string& path, const std::string& file, const char* options) {
+    const Reply reply = server.PostForm(path, {{"file", "part.step", file}, {"options", "", options}});
+    EXPECT_EQ(reply.status, 200) << reply.body;
+  };
+  EXPECT_EQ(reads(), 0);
+  EXPECT_EQ(server.PostForm("/v1/models", {{"file", "part.step", cone}}).status, 201);
+  EXPECT_EQ(reads(), 1) << "the import of a model";
+  post("/v1/renders", cone, R"({"size":"32x32"})");
+  EXPECT_EQ(reads(), 2) << "a render of a model that is kept";
+  post("/v1/renders", cone, R"({"size":"32x32"})");
+  EXPECT_EQ(reads(), 2) << "an answer that is kept";
+  post("/v1/comparisons", sphere, R"({"size":"32x32","deflection":0.1})");
+  EXPECT_EQ(reads(), 3) << "a comparison, its import included";
+  post("/v1/comparisons", sphere, R"({"size":"32x32","deflection":0.05})");
+  EXPECT_EQ(reads(), 4) << "a comparison with another mesh of a model that is kept";
+  post("/v1/trades", sphere,
+       R"({"size":"32x32","deflections":"1e-1","angles":"30","tolerances":"1e-3","unit":"cm"})");
+  EXPECT_EQ(reads(), 5) << "a trade, its import in another unit included";
+}
+
 TEST(Metrics, AreWellFormed) {
   LiveServer server({}, FakeImporter());
   ASSERT_EQ(Post(server, "/v1/models", "ok").status, 201);

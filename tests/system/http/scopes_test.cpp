@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "server/service/protocol/routes.h"
+#include "server/service/jobs/routes.h"
 #include "tests/system/http/live_server.h"
 #include "tests/unit/server/support.h"
 

@@ -42,7 +42,7 @@ TEST(MeshSection, OfABallShowsACapWhereTheBallIsCut) {
   const Model model = testing::ClosedSolid(testing::ModelOf({testing::Sphere({0, 0, 0}, 5)}), "ball");
   const SectionSolids solids(model);
   const SectionPlane plane{{0, 0, 2}, {0, 0, 1}};
-  const auto scene = BaselineScene::Build(mesh, 0, /*to_be_cut=*/true);
+  const auto scene = BaselineScene::Build(mesh, {}, /*to_be_cut=*/true);
   ASSERT_TRUE(scene.ok());
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     const Camera camera = NamedView("iso", MeshBounds(mesh), projection, 100, 100).value();
@@ -70,7 +70,7 @@ TEST(MeshSection, OfABallShowsACapWhereTheBallIsCut) {
 
 TEST(MeshSection, NeedsAMeshThatIsPreparedForIt) {
   const Mesh mesh = OneNode(BoxMesh({1, 1, 1}));
-  const auto scene = BaselineScene::Build(mesh, 0);
+  const auto scene = BaselineScene::Build(mesh, {});
   const SectionPlane plane{{0, 0, 0.5}, {0, 0, 1}};
   const Camera camera = NamedView("iso", MeshBounds(mesh), Projection::kOrthographic, 8, 8).value();
   EXPECT_EQ(TraceBaseline(scene.value(), camera, {{}, {&plane, 1}, nullptr}).error().code,

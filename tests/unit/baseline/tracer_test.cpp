@@ -19,7 +19,7 @@ using testing::SphereMesh;
 using testing::Translation;
 
 BaselineResult Trace(const Mesh& mesh, const Camera& camera, int threads = 0) {
-  const Result<BaselineScene> scene = BaselineScene::Build(mesh, threads);
+  const Result<BaselineScene> scene = BaselineScene::Build(mesh, {.threads = threads});
   EXPECT_TRUE(scene.ok()) << scene.error().message;
   Result<BaselineResult> result = TraceBaseline(scene.value(), camera, {{.threads = threads}});
   EXPECT_TRUE(result.ok()) << result.error().message;
@@ -241,7 +241,7 @@ TEST(Baseline, AgreesWithTracingEveryTriangle) {
 
 TEST(Baseline, ReportsWhatItTook) {
   const Mesh mesh = OneNode(SphereMesh(5, 100, 50));
-  const Result<BaselineScene> scene = BaselineScene::Build(mesh, 0);
+  const Result<BaselineScene> scene = BaselineScene::Build(mesh, {});
   ASSERT_TRUE(scene.ok());
   EXPECT_EQ(scene.value().triangles(), 100u * 49 * 2);
   EXPECT_GT(scene.value().build_ms(), 0);
@@ -254,7 +254,7 @@ TEST(Baseline, ReportsWhatItTook) {
 TEST(Baseline, NumbersBeyondSinglePrecisionEndNoProcess) {
   // Embree's assertions would. A mesh that is too large is refused.
   for (const float size : {1.84e18f, 1e25f, 3e38f}) {
-    const Result<BaselineScene> scene = BaselineScene::Build(OneNode(BoxMesh({size, size, size})), 0);
+    const Result<BaselineScene> scene = BaselineScene::Build(OneNode(BoxMesh({size, size, size})), {});
     ASSERT_FALSE(scene.ok()) << size;
     EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
   }
@@ -286,15 +286,21 @@ TEST(Baseline, PartsOfFlatOrTinyPlacementsAreSeen) {
 }
 
 TEST(Baseline, RefusesAnEmptyMeshAndABadCameraAndCanBeCancelled) {
-  EXPECT_EQ(BaselineScene::Build(Mesh{}, 0).error().code, ErrorCode::kNothingUsable);
+  EXPECT_EQ(BaselineScene::Build(Mesh{}, {}).error().code, ErrorCode::kNothingUsable);
   const Mesh mesh = OneNode(SphereMesh(5, 10, 5));
-  const Result<BaselineScene> scene = BaselineScene::Build(mesh, 0);
+  const Result<BaselineScene> scene = BaselineScene::Build(mesh, {});
   ASSERT_TRUE(scene.ok());
   Camera camera = View(mesh, "iso", Projection::kPerspective);
   const std::atomic<bool> cancel{true};
   EXPECT_EQ(TraceBaseline(scene.value(), camera, {{.cancel = &cancel}}).error().code, ErrorCode::kCancelled);
   camera.eye = camera.target;
   EXPECT_EQ(TraceBaseline(scene.value(), camera, {}).error().code, ErrorCode::kBadUsage);
+}
+
+TEST(Baseline, ABuildThatIsCancelledEnds) {
+  const std::atomic<bool> cancel{true};
+  const Mesh mesh = OneNode(SphereMesh(5, 400, 200));
+  EXPECT_EQ(BaselineScene::Build(mesh, {.cancel = &cancel}).error().code, ErrorCode::kCancelled);
 }
 
 TEST(Baseline, ABuildThatWouldTakeMoreMemoryThanItMayEnds) {
@@ -305,21 +311,21 @@ TEST(Baseline, ABuildThatWouldTakeMoreMemoryThanItMayEnds) {
   const Mesh& twice = two;
   for (const Mesh* mesh : {&once, &twice}) {
     for (const int threads : {1, 0}) {
-      const Result<BaselineScene> free = BaselineScene::Build(*mesh, threads);
+      const Result<BaselineScene> free = BaselineScene::Build(*mesh, {.threads = threads});
       ASSERT_TRUE(free.ok());
       const std::uint64_t peak = free.value().bvh_peak_bytes();
       ASSERT_GT(peak, std::uint64_t{1} << 20);
       // Wherever it meets the bound.
       for (const double share : {1e-6, 0.02, 0.1, 0.3, 0.5, 0.7}) {
         const auto most = static_cast<std::uint64_t>(share * static_cast<double>(peak)) + 1;
-        const Result<BaselineScene> refused = BaselineScene::Build(*mesh, threads, false, most);
+        const Result<BaselineScene> refused = BaselineScene::Build(*mesh, {.threads = threads}, false, most);
         ASSERT_FALSE(refused.ok()) << share;
         EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);
         EXPECT_NE(refused.error().message.find("the mesh's search tree needs more than the"),
                   std::string::npos)
             << refused.error().message;
       }
-      const Result<BaselineScene> roomy = BaselineScene::Build(*mesh, threads, false, 2 * peak);
+      const Result<BaselineScene> roomy = BaselineScene::Build(*mesh, {.threads = threads}, false, 2 * peak);
       ASSERT_TRUE(roomy.ok()) << roomy.error().message;
       EXPECT_LE(roomy.value().bvh_bytes(), roomy.value().bvh_peak_bytes());
     }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <sstream>
+
 namespace facetless {
 namespace {
 
@@ -20,6 +23,23 @@ TEST(Table, IsReadableAsTextAndAsMarkdown) {
             "| a.step | 12.3× |\n"
             "| long name | 1× |\n"
             "\nA note.\n\n");
+}
+
+TEST(Table, NotesOfMarkdownAreWrappedAt120Columns) {
+  std::string note;
+  for (int i = 0; i < 60; ++i) note += (i == 0 ? "" : " ") + std::string("µ-word");
+  const std::string wrapped = Wrapped(note);
+  std::istringstream lines(wrapped);
+  std::string joined;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 120u + 17) << "one byte more for each µ";
+    joined += (joined.empty() ? "" : " ") + line;
+  }
+  EXPECT_EQ(joined, note) << "nothing but line breaks was added";
+  EXPECT_EQ(std::count(wrapped.begin(), wrapped.end(), '\n'), 3) << "17 words fit into a line";
+  const Table table{"Title", {"file"}, {{"a.step"}}, {note}};
+  EXPECT_NE(TableText(table, TableStyle::kMarkdown).find(wrapped), std::string::npos);
+  EXPECT_NE(TableText(table, TableStyle::kText).find(note), std::string::npos);
 }
 
 TEST(Table, NumbersHaveThreeDigits) {

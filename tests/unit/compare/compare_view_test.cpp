@@ -46,7 +46,7 @@ class SphereView : public ::testing::Test {
   };
 
   Compared Compare(const Mesh& mesh, const ViewOptions& options = {}, int size = 128) {
-    const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
+    const Result<BaselineScene> baseline = BaselineScene::Build(mesh, {});
     const Result<Camera> camera = NamedView("iso", model_.bounds, Projection::kPerspective, size, size);
     const Triangles triangles(baseline.value(), model_, {}, 0);
     const Representation* candidates[] = {&triangles};
@@ -118,7 +118,7 @@ TEST_F(SphereView, WhatNoMeshCanShowIsRefused) {
   const Mesh own = MeshOf(32, true), foreign = MeshOf(32, false);
   const Camera camera = NamedView("iso", model_.bounds, Projection::kPerspective, 32, 32).value();
   const auto refused = [&](const Mesh& mesh, const char* shade) {
-    const Result<BaselineScene> baseline = BaselineScene::Build(mesh, 0);
+    const Result<BaselineScene> baseline = BaselineScene::Build(mesh, {});
     ViewOptions options;
     options.inspection = ParseInspection(shade).value();
     const Triangles triangles(baseline.value(), model_, {}, 0);

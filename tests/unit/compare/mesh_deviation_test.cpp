@@ -74,7 +74,7 @@ TEST(MeshDeviation, OfASphereIsTheDistanceToItsCentre) {
                     3 + 10 * std::sin(v)};
       },
       24, 0, 2 * kPi, -kPi / 2, kPi / 2);
-  const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
+  const auto deviation = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(deviation.ok()) << deviation.error().message;
   ExpectDeviations(mesh, deviation.value(), [](Vec3 p) { return Length(p - Vec3{1, 2, 3}) - 10; });
   // A chord's sagitta at the equator, where the quads are largest.
@@ -89,7 +89,7 @@ TEST(MeshDeviation, OfATorusIsInsideAndOutside) {
         return Vec3{r * std::cos(u), r * std::sin(u), 3 * std::sin(v)};
       },
       20, 0, 2 * kPi, 0, 2 * kPi);
-  const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
+  const auto deviation = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(deviation.ok());
   ExpectDeviations(mesh, deviation.value(),
                    [](Vec3 p) { return std::hypot(std::hypot(p.x, p.y) - 10, p.z) - 3; });
@@ -115,7 +115,7 @@ TEST(MeshDeviation, OfAPlacedPartIsThatOfThePrototype) {
   mesh.nodes[0].placement.m[0][3] = centre.x;
   mesh.nodes[0].placement.m[1][3] = centre.y;
   mesh.nodes[0].placement.m[2][3] = centre.z;
-  const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
+  const auto deviation = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(deviation.ok()) << deviation.error().message;
   ExpectDeviations(mesh, deviation.value(), [](Vec3 p) { return Length(p) - 10; });
 }
@@ -145,7 +145,7 @@ double ByForce(const SurfaceEval& surface, Vec3 point, int n) {
 
 // Every triangle has the distance that search by force finds, and the largest is proven.
 void ExpectNearest(const Model& model, const Mesh& mesh, int n, const std::string& what) {
-  const auto measured = MeasureMeshDeviation(model, mesh, nullptr);
+  const auto measured = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(measured.ok()) << measured.error().message;
   const MeshDeviation& deviation = measured.value();
   const SurfaceEval surface(model, 0);
@@ -215,7 +215,7 @@ TEST(MeshDeviation, NamesTheFacesThatHaveNoTriangle) {
   const Model model = testing::ModelOf({testing::Sphere({0, 0, 0}, 10)});
   Mesh mesh = testing::BallMesh(10, 12);
   mesh.faces_unmeshed = {"cone #12"};
-  const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
+  const auto deviation = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(deviation.ok());
   EXPECT_EQ(deviation.value().faces_missing, mesh.faces_unmeshed);
 }
@@ -223,7 +223,7 @@ TEST(MeshDeviation, NamesTheFacesThatHaveNoTriangle) {
 TEST(MeshDeviation, OfAPlaneIsNothing) {
   const Model model = testing::ModelOf({testing::Rectangle({0, 0, 5}, {10, 0, 0}, {0, 20, 0})});
   const Mesh mesh = Tessellated([](double u, double v) { return Vec3{u, v, 5}; }, 4, 0, 10, 0, 20);
-  const auto deviation = MeasureMeshDeviation(model, mesh, nullptr);
+  const auto deviation = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(deviation.ok());
   EXPECT_LT(deviation.value().largest_mm, 1e-12);
 }
@@ -231,14 +231,14 @@ TEST(MeshDeviation, OfAPlaneIsNothing) {
 TEST(MeshDeviation, RefusesAForeignMesh) {
   const Model model = testing::ModelOf({testing::Sphere({0, 0, 0}, 1)});
   Mesh mesh;
-  EXPECT_EQ(MeasureMeshDeviation(model, mesh, nullptr).error().code, ErrorCode::kBadUsage);
+  EXPECT_EQ(MeasureMeshDeviation(model, mesh, {}).error().code, ErrorCode::kBadUsage);
 }
 
 TEST(MeshDeviation, CanBeStopped) {
   const Model model = testing::ModelOf({testing::Rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})});
   const Mesh mesh = Tessellated([](double u, double v) { return Vec3{u, v, 0}; }, 2, 0, 1, 0, 1);
   const std::atomic<bool> stop = true;
-  EXPECT_EQ(MeasureMeshDeviation(model, mesh, &stop).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(MeasureMeshDeviation(model, mesh, {.cancel = &stop}).error().code, ErrorCode::kCancelled);
 }
 
 TEST(MeshDeviation, IsReadBackAsItIsWritten) {
@@ -248,7 +248,7 @@ TEST(MeshDeviation, IsReadBackAsItIsWritten) {
         return Vec3{10 * std::cos(u) * std::cos(v), 10 * std::sin(u) * std::cos(v), 10 * std::sin(v)};
       },
       6, 0, 2 * kPi, -kPi / 2, kPi / 2);
-  const MeshDeviation deviation = MeasureMeshDeviation(model, mesh, nullptr).value();
+  const MeshDeviation deviation = MeasureMeshDeviation(model, mesh, {}).value();
   const std::string bytes = EncodeMeshDeviation(mesh, deviation);
   std::uint32_t length = 0;
   std::memcpy(&length, bytes.data(), sizeof length);

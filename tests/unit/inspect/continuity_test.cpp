@@ -17,7 +17,7 @@ using testing::Join;
 using testing::Joined;
 
 EdgeContinuity OnlyEdge(const Model& model) {
-  const Continuity continuity = MeasureContinuity(model, 0);
+  const Continuity continuity = MeasureContinuity(model, {}).value();
   EXPECT_EQ(continuity.edges.size(), 1u);
   EXPECT_EQ(continuity.unmeasured_edges, 0u);
   return continuity.edges.empty() ? EdgeContinuity{} : continuity.edges[0];
@@ -79,7 +79,7 @@ TEST(Continuity, ASegmentOfNoLengthStandsForItselfOnly) {
 }
 
 TEST(Continuity, ABoxHasTwelveCorners) {
-  const Continuity continuity = MeasureContinuity(testing::LooseBox({10, 20, 30}, 0, 1), 0);
+  const Continuity continuity = MeasureContinuity(testing::LooseBox({10, 20, 30}, 0, 1), {}).value();
   ASSERT_EQ(continuity.edges.size(), 12u);
   EXPECT_EQ(continuity.counts[static_cast<std::size_t>(Grade::kG0)], 12u);
   for (const EdgeContinuity& edge : continuity.edges) EXPECT_NEAR(edge.angle_deg.value, 90, 1e-12);
@@ -87,14 +87,20 @@ TEST(Continuity, ABoxHasTwelveCorners) {
 
 TEST(Continuity, TheWorstComesFirstAndTheReportLeavesOutWhatIsSmooth) {
   const Model model = testing::LooseBox({10, 20, 30}, 0, 1);
-  const nlohmann::json json = ContinuityJson(MeasureContinuity(model, 0), model);
+  const nlohmann::json json = ContinuityJson(MeasureContinuity(model, {}).value(), model);
   EXPECT_EQ(json["counts"]["G0"], 12);
   EXPECT_EQ(json["worst"]["G0"].size(), 12u);
   EXPECT_FALSE(json["worst"].contains("G2"));
   EXPECT_FALSE(json["worst"]["G0"][0].contains("curvature_jump")) << "curvatures say nothing across a corner";
   const Model smooth = Joined({.bend = 0.3, .other_bend = -0.1});
-  EXPECT_TRUE(
-      ContinuityJson(MeasureContinuity(smooth, 0), smooth)["worst"]["G1"][0].contains("curvature_jump"));
+  EXPECT_TRUE(ContinuityJson(MeasureContinuity(smooth, {}).value(), smooth)["worst"]["G1"][0].contains(
+      "curvature_jump"));
+}
+
+TEST(Continuity, CanBeCancelled) {
+  const std::atomic<bool> cancel{true};
+  EXPECT_EQ(MeasureContinuity(testing::LooseBox({10, 20, 30}, 0, 1), {.cancel = &cancel}).error().code,
+            ErrorCode::kCancelled);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(TileKernel, EveryInstructionSetGivesTheSameBytes) {
       const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
       const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
       DirectOptions options;
-      options.precision = precision;
+      options.accuracy.precision = precision;
       const PreparedView view = PrepareView(scene.data(), camera, frame, options).value();
       const TraceShared shared(scene.data(), view, camera, frame);
       TileCounters expected_counters;

@@ -32,7 +32,7 @@ class JobStoreConformance : public testing::TestWithParam<std::unique_ptr<JobSto
   JobStore& jobs() { return *jobs_; }
   static NewJob Asking(const std::string& question, const std::string& owner = "") {
     NewJob job;
-    job.kind = "render";
+    job.kind = JobKind::kRender;
     job.owner = owner;
     job.question = question;
     job.request = {{"question", question}};

@@ -7,6 +7,8 @@
 #include <set>
 #include <sstream>
 
+#include "server/service/jobs/job_kinds.h"
+
 namespace facetless {
 namespace {
 
@@ -186,7 +188,7 @@ std::vector<std::string> CliDocsDifferences(const OptionTable& table, const std:
 std::vector<std::string> ApiDocsDifferences(const OptionTable& table, const std::string& text) {
   std::vector<std::string> expected, differences;
   for (const OptionRow& row : table)
-    if (IsOfRequests(row)) expected.push_back(ApiRow(row));
+    if (IsOfRequests(row)) expected.push_back(ApiRow(row, CollectionsOf(row)));
   auto rows = RowsByHeading(text);
   const std::vector<std::string>& written = rows["Options of a request"];
   for (const std::string& line : expected)

@@ -12,6 +12,7 @@
 
 #include "server/command/cli_options.h"
 #include "server/options/option_binding.h"
+#include "server/service/jobs/job_kinds.h"
 #include "tests/unit/server/option_checks.h"
 #include "tests/unit/server/support.h"
 
@@ -182,7 +183,7 @@ TEST(OptionTable, OneMoreRowIsOneMoreOptionEverywhere) {
   EXPECT_THAT(ParseOptions({{"gain_facto", 3}}, table).error().message,
               HasSubstr("did you mean gain_factor?"));
   EXPECT_FALSE(ParseOptions(collected).ok()) << "the usual table has no such option";
-  EXPECT_THAT(AddressesOf(row), ElementsAre("renders", "comparisons"));
+  EXPECT_THAT(CollectionsOf(row), ElementsAre("renders", "comparisons"));
   // What people have not written yet is missed, by name.
   EXPECT_THAT(SchemaDifferences(table, OpenApiProperties()),
               ElementsAre(HasSubstr("openapi.json lacks gain_factor")));
@@ -199,7 +200,7 @@ TEST(OptionTable, OneMoreRowIsOneMoreOptionEverywhere) {
   std::string api = ApiDocs();
   const std::size_t last = api.find("| `unit` |");
   ASSERT_NE(last, std::string::npos);
-  api.insert(api.find('\n', last) + 1, ApiRow(row) + "\n");
+  api.insert(api.find('\n', last) + 1, ApiRow(row, CollectionsOf(row)) + "\n");
   EXPECT_THAT(ApiDocsDifferences(table, api), IsEmpty());
 }
 

@@ -21,7 +21,7 @@ TEST(Options, HaveTheDocumentedDefaults) {
   EXPECT_EQ(options.height, 1024);
   EXPECT_EQ(options.projection, Projection::kOrthographic);
   EXPECT_EQ(options.samples, 4);
-  EXPECT_EQ(options.precision, Precision::kStandard);
+  EXPECT_EQ(options.accuracy.precision, Precision::kStandard);
   EXPECT_EQ(options.tessellation.deflection, 1e-3);
   EXPECT_EQ(options.tessellation.deflection_mm, 0);
   EXPECT_EQ(options.tessellation.angular_deg, 20);
@@ -58,7 +58,7 @@ TEST(Options, AreReadByName) {
   EXPECT_EQ(options.height, 200);
   EXPECT_EQ(options.projection, Projection::kPerspective);
   EXPECT_EQ(options.samples, 9);
-  EXPECT_EQ(options.precision, Precision::kCertified);
+  EXPECT_EQ(options.accuracy.precision, Precision::kCertified);
   EXPECT_EQ(options.background, Background::kTransparent);
   EXPECT_TRUE(options.WantsAov("uv"));
   EXPECT_FALSE(options.WantsAov("normal"));

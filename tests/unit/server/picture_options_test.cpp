@@ -52,20 +52,6 @@ TEST(PictureOptions, AreReadByName) {
   EXPECT_EQ(ParsedOptions(R"({"color":"face"})").picture.coloring.source, ColorSource::kFile);
 }
 
-TEST(PictureOptions, BelongToTheCommandsThatDrawPictures) {
-  const auto refusal = [](const std::string& json, const std::string& command) {
-    auto can = CheckPictureOptions(ParsedOptions(json).picture, command);
-    return can.ok() ? std::string() : can.error().message;
-  };
-  EXPECT_EQ(refusal(R"({"turntable":3,"sheet":true})", "render"), "");
-  EXPECT_EQ(refusal(R"({"sheet":true,"parts":"a"})", "compare"), "");
-  EXPECT_THAT(refusal(R"({"turntable":3})", "compare"), HasSubstr("turntable is an option of render"));
-  EXPECT_EQ(refusal(R"({"margin":0.1,"up":"y"})", "trade"), "");
-  for (const char* json : {R"({"color":"part"})", R"({"parts":"a"})", R"({"hide":"a"})", R"({"explode":1})",
-                           R"({"scale_bar":true})", R"({"axes":true})", R"({"sheet":true})"})
-    EXPECT_THAT(refusal(json, "regress"), HasSubstr("render and compare")) << json;
-}
-
 TEST(PictureOptions, AScaleBarNeedsViewsWithOneScale) {
   EXPECT_THAT(OptionsMessage(R"({"scale_bar":true,"projection":"perspective"})"), HasSubstr("orthographic"));
   const char* const mixed =

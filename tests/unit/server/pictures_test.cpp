@@ -171,7 +171,7 @@ TEST_F(Pictures, AViewThatNeedsMoreMemoryThanItMayTakeSaysSo) {
   RunOptions options;
   options.width = options.height = 32;
   EXPECT_TRUE(RunRender(imported.value(), options, directory_.File("bounded"), {}).ok());
-  options.max_view_bytes = 1;
+  options.accuracy.max_bytes = 1;
   const auto refused = RunRender(imported.value(), options, directory_.File("bounded"), {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);

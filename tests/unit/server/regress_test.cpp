@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "server/base/exit_code.h"
+#include "tests/unit/server/option_samples.h"
 #include "tests/unit/server/support.h"
 
 namespace facetless {
@@ -94,16 +96,104 @@ TEST_F(Manifest, AFileThatCannotBeUsedFailsAloneAndTheRestGoesOn) {
                 R"({"files":[{"file":"broken.step"},{"file":"crash.step"},{"file":"absent.step"}]})");
   auto verdict = RunRegress(request);
   ASSERT_TRUE(verdict.ok()) << verdict.error().message;
-  EXPECT_EQ(verdict.value().at("exit_code"), kExitUnusable);
-  EXPECT_FALSE(verdict.value().at("passed").get<bool>());
-  ASSERT_EQ(verdict.value().at("files").size(), 3u);
-  EXPECT_EQ(verdict.value()["files"][0]["error"]["code"], "format-broken");
-  EXPECT_EQ(verdict.value()["files"][1]["error"]["code"], "importer-crashed");
-  EXPECT_EQ(verdict.value()["files"][2]["error"]["code"], "file-unreadable");
+  EXPECT_EQ(verdict.value().exit_code, kExitUnusable);
+  const nlohmann::json& json = verdict.value().verdict;
+  EXPECT_EQ(json.at("exit_code"), kExitUnusable);
+  EXPECT_FALSE(json.at("passed").get<bool>());
+  ASSERT_EQ(json.at("files").size(), 3u);
+  EXPECT_EQ(json["files"][0]["error"]["code"], "format-broken");
+  EXPECT_EQ(json["files"][1]["error"]["code"], "importer-crashed");
+  EXPECT_EQ(json["files"][2]["error"]["code"], "file-unreadable");
+  EXPECT_THAT(verdict.value().failures,
+              testing::ElementsAre(testing::StartsWith("broken: "), testing::StartsWith("crash: "),
+                                   testing::StartsWith("absent: ")));
 }
 
 TEST_F(Manifest, WithoutAFileIsRefused) {
   EXPECT_THAT(ErrorOf(R"({"files": []})"), testing::HasSubstr("it lists no file"));
+}
+
+// A manifest's options are those of its rows in the option table.
+class ManifestOptions : public testing::Test {
+ protected:
+  // The exit code of a manifest whose one file is `sample` with these options; -1 where the manifest is wrong.
+  int Regress(const std::string& sample, nlohmann::json options, bool update) {
+    options["file"] = Sample(sample);
+    RegressRequest request;
+    request.manifest =
+        WriteText(directory_.File("manifest.json"), nlohmann::json{{"files", {options}}}.dump());
+    request.update = update;
+    auto verdict = RunRegress(request);
+    if (!verdict.ok()) {
+      message_ = verdict.error().message;
+      return -1;
+    }
+    result_ = verdict.value();
+    return result_.exit_code;
+  }
+  // With the option `name` another picture or depth comes out than without it, and the same one with it again.
+  void ExpectFollowed(const std::string& sample, const nlohmann::json& base, const std::string& name,
+                      const nlohmann::json& value) {
+    nlohmann::json with = base;
+    with[name] = value;
+    EXPECT_EQ(Regress(sample, with, true), kExitDone) << message_;
+    EXPECT_EQ(Regress(sample, with, false), kExitDone) << message_;
+    EXPECT_EQ(Regress(sample, base, false), kExitFailed) << name << " makes no difference";
+  }
+
+  const ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-import")};
+  TempDir directory_ = TempDir::Create().value();
+  std::string message_;
+  RegressResult result_;
+};
+
+TEST_F(ManifestOptions, AreEachTakenOrRefusedAsTheTableSays) {
+  for (const OptionRow& row : AllOptions()) {
+    if (row.name == "tolerances") continue;  // a key of the manifest's own
+    SCOPED_TRACE(row.name);
+    message_.clear();
+    (void)Regress("no such file.step", {{row.name, AnotherValueOf(row)}}, false);
+    if ((row.commands & kManifest) != 0)
+      EXPECT_EQ(message_, "");
+    else
+      EXPECT_THAT(message_, HasSubstr("the option " + row.name + " has no meaning here"));
+  }
+}
+
+TEST_F(ManifestOptions, ShadeIsFollowed) {
+  ExpectFollowed("cone.step", {{"size", "48x40"}}, "shade", "zebra");
+}
+
+TEST_F(ManifestOptions, OrientIsFollowed) {
+  // A sheet, from below: the side that the file calls outside is not the one that is seen.
+  ExpectFollowed("wavy_sheet.step", {{"size", "48x40"}, {"view", "bottom"}, {"shade", "curvature:kind=mean"}},
+                 "orient", "viewer");
+}
+
+TEST_F(ManifestOptions, NewtonToleranceIsFollowed) {
+  ExpectFollowed("wavy_sheet.step", {{"size", "48x40"}, {"tolerances", {{"depth_mm", 0}, {"max", 1}}}},
+                 "newton_tolerance", 1e-3);
+}
+
+TEST_F(ManifestOptions, MaxViewMemoryIsFollowed) {
+  EXPECT_EQ(Regress("teapot.step", {{"size", "512x512"}}, true), kExitDone) << message_;
+  EXPECT_EQ(Regress("teapot.step", {{"size", "512x512"}, {"max_view_memory", 1}}, false), kExitUnusable);
+  EXPECT_EQ(result_.verdict.at("files").at(0).at("error").at("code"), "limit-exceeded");
+}
+
+TEST_F(ManifestOptions, ThatBreakTolerancesAreNamedWithTheirViews) {
+  const nlohmann::json two = {{"size", "32x32"}, {"view", {"iso", "top"}}};
+  ASSERT_EQ(Regress("cone.step", two, true), kExitDone) << message_;
+  EXPECT_THAT(result_.failures, testing::IsEmpty());
+  std::filesystem::remove(directory_.File("references/cone.top.png"));
+  nlohmann::json other = two;
+  other["shade"] = "zebra";
+  EXPECT_EQ(Regress("cone.step", other, false), kExitFailed);
+  ASSERT_EQ(result_.failures.size(), 2u);
+  EXPECT_THAT(result_.failures[0],
+              testing::MatchesRegex("cone, view 'iso': the tolerance max is broken: the value "
+                                    "is 0[.][0-9]+, the limit is 0"));
+  EXPECT_THAT(result_.failures[1], HasSubstr("cone, view 'top': no reference: run with --update"));
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST_P(StoreConformance, NeverGivesUpWhatAJobNeeds) {
   PutModel(std::string(300, 's'), std::string(300, 'm'));
   const std::string id = Sha256Hex(std::string(300, 's'));
   NewJob job;
-  job.kind = "render";
+  job.kind = JobKind::kRender;
   job.question = "question";
   job.needs = {ModelItem("", id)};
   ASSERT_TRUE(jobs().Submit(job).ok());

@@ -25,8 +25,8 @@ Result<DirectResult> Render(const Model& model) {
   camera.width_px = camera.height_px = kSize;
   DirectOptions options;
   options.execution.threads = 1;
-  options.precision = Precision::kCertified;
-  options.check = CheckLevel::kNone;
+  options.accuracy.precision = Precision::kCertified;
+  options.accuracy.check = CheckLevel::kNone;
   return TraceDirect(Scene(model), camera, options);
 }
 

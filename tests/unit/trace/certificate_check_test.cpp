@@ -38,8 +38,8 @@ TEST(CertificateCheck, AgreesWithEveryCertifiedSampleOfEveryPrecision) {
     for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
       for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
         DirectOptions options;
-        options.precision = precision;
-        options.check = CheckLevel::kAll;
+        options.accuracy.precision = precision;
+        options.accuracy.check = CheckLevel::kAll;
         const Camera camera = NamedView("iso", model.bounds, projection, 150, 140).value();
         const DirectStats stats = TraceDirect(scene, camera, options).value().stats;
         EXPECT_GE(stats.check.roots, stats.certified_hits);
@@ -58,9 +58,9 @@ TEST(CertificateCheck, IsAskedAsThePrecisionAndTheAuditSay) {
   const Camera camera = NamedView("iso", model.bounds, Projection::kOrthographic, 100, 100).value();
   const auto checked = [&](Precision precision, bool audit, CheckLevel level) {
     DirectOptions options;
-    options.precision = precision;
+    options.accuracy.precision = precision;
     options.audit = audit;
-    options.check = level;
+    options.accuracy.check = level;
     const CheckStats check = TraceDirect(scene, camera, options).value().stats.check;
     return check.roots > 0 && check.rays > 0;
   };

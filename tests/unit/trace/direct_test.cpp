@@ -241,7 +241,7 @@ TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
   const Model model = ModelOf({Torus({0, 0, 0}, 10, 3)});
   const Scene scene(model);
   DirectOptions small;
-  small.max_bytes = 100000;
+  small.accuracy.max_bytes = 100000;
   const Result<DirectResult> limited =
       TraceDirect(scene, ViewOf(model, "iso", Projection::kPerspective), small);
   ASSERT_FALSE(limited.ok());
@@ -377,7 +377,7 @@ TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
   for (const char* view : {"front", "top"}) {
     for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
       DirectOptions options;
-      options.precision = precision;
+      options.accuracy.precision = precision;
       const Camera camera = ViewOf(model, view, Projection::kOrthographic, 101);
       const DirectStats stats = TraceDirect(Scene(model), camera, options).value().stats;
       EXPECT_GE(stats.certified, stats.rays - 1) << view;
@@ -398,7 +398,7 @@ TEST(Direct, TheEndsOfAnOpenSpiralDoNotVouchForEachOther) {
   const Model model = ModelOf({spiral});
   for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
     DirectOptions options;
-    options.precision = precision;
+    options.accuracy.precision = precision;
     const Camera camera = ViewOf(model, "top", Projection::kOrthographic, 101);
     const SampleBuffer samples = TraceDirect(Scene(model), camera, options).value().samples;
     int at_ends = 0, within = 0;
@@ -436,7 +436,7 @@ TEST(Direct, AnEyeAtAPoleOrFarDownATubeCostsNoMoreLeavesThanAnyOther) {
     camera.fov_y_deg = 90;
     camera.width_px = camera.height_px = 65;
     DirectOptions options;
-    options.max_bytes = 1 << 25;
+    options.accuracy.max_bytes = 1 << 25;
     const Result<DirectResult> direct = TraceDirect(Scene(at.model), camera, options);
     ASSERT_TRUE(direct.ok()) << at.what << ": " << direct.error().message;
     EXPECT_LT(direct.value().stats.leaves, 20000u) << at.what;

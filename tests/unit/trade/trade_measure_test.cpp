@@ -28,7 +28,7 @@ class TradeOnABall : public ::testing::Test {
   }
   TradePoint Measured(int longitudes) const {
     const Mesh mesh = BallMesh(kRadius, longitudes);
-    const BaselineScene tree = BaselineScene::Build(mesh, 0).value();
+    const BaselineScene tree = BaselineScene::Build(mesh, {}).value();
     const Triangles triangles(tree, model_, {}, 0);
     TradePoint point = MeasurePoint(triangles, triangles, model_, reference_, MeshSetting{}, {}).value();
     CompleteCosts(point);
@@ -37,7 +37,7 @@ class TradeOnABall : public ::testing::Test {
 
   Result<TradePoint> MeasureExact(const DirectSetting& setting, const TradeViewOptions& options) const {
     DirectOptions direct;
-    direct.precision = setting.precision;
+    direct.accuracy.precision = setting.precision;
     const ExactSurfaces exact(scene_, direct);
     return MeasurePoint(exact, exact, model_, reference_, setting, options);
   }

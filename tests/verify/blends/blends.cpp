@@ -277,7 +277,7 @@ Result<BlendReport> JudgeBlend(const Model& model, std::uint64_t seed, int size)
     const Result<Camera> camera = NamedView(view, model.bounds, projection, size, size - 1);
     if (!camera.ok()) return camera.error();
     DirectOptions options;
-    options.precision = Precision::kCertified;
+    options.accuracy.precision = Precision::kCertified;
     options.audit = true;
     options.depth_error = true;
     const Result<DirectResult> direct = TraceDirect(scene, camera.value(), options);

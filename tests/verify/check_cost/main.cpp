@@ -24,8 +24,8 @@ int Run(const std::string& path, CheckLevel level, int size) {
     return 1;
   }
   DirectOptions options;
-  options.precision = Precision::kCertified;
-  options.check = level;
+  options.accuracy.precision = Precision::kCertified;
+  options.accuracy.check = level;
   options.execution.threads = 1;
   const Scene scene(model.value());
   const Result<DirectResult> result = TraceDirect(scene, camera.value(), options);

@@ -55,9 +55,9 @@ class Measuring {
     std::array<std::optional<DirectResult>, 3> pictures;
     for (std::size_t p = 0; p < kPrecisions.size(); ++p) {
       DirectOptions options;
-      options.precision = kPrecisions[p];
+      options.accuracy.precision = kPrecisions[p];
       options.depth_error = true;
-      options.max_bytes = kMostBytes;
+      options.accuracy.max_bytes = kMostBytes;
       const auto begin = std::chrono::steady_clock::now();
       Result<DirectResult> direct = TraceDirect(scene, camera, options);
       Outcome& outcome = result_.outcomes[p];

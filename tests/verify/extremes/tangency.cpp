@@ -57,7 +57,7 @@ void Ask(const Scene& scene, const oracle::Oracle& surfaces, const Camera& camer
   const oracle::Judge judge(surfaces, camera);
   for (std::size_t p = 0; p < kPrecisions.size(); ++p) {
     DirectOptions options;
-    options.precision = kPrecisions[p];
+    options.accuracy.precision = kPrecisions[p];
     options.depth_error = true;
     const DirectResult direct = TraceDirect(scene, camera, options).value();
     const oracle::Claim claim = oracle::Judge::ClaimOf(direct.samples, 0, 0);

@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& triangle : part.triangles)
       for (const std::uint32_t vertex : triangle) facetless::Require(vertex < part.positions.size());
   }
-  const auto scene = facetless::BaselineScene::Build(mesh.value(), 1);
+  const auto scene = facetless::BaselineScene::Build(mesh.value(), {.threads = 1});
   if (!scene.ok()) return 0;
   const facetless::Vec3 center = scene.value().bounds().center();
   facetless::Camera camera;

@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   camera.width_px = camera.height_px = 16;
   facetless::DirectOptions options;
   options.execution.threads = 1;
-  options.max_bytes = std::uint64_t{256} << 20;
+  options.accuracy.max_bytes = std::uint64_t{256} << 20;
   const facetless::Scene scene(model.value());
   const auto result = facetless::TraceDirect(scene, camera, options);
   if (!result.ok()) return 0;

@@ -32,9 +32,9 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   DirectOptions options;
   options.execution.threads = 1;
   options.uv = true;
-  options.precision =
+  options.accuracy.precision =
       std::array{Precision::kFast, Precision::kStandard, Precision::kCertified}[Choice(data, size, 2, 3)];
-  options.max_bytes = std::uint64_t{256} << 20;
+  options.accuracy.max_bytes = std::uint64_t{256} << 20;
   if (Choice(data, size, 3, 2) != 0) options.sections = {{center, {0.6, 0, 0.8}}};
   const Scene scene(model);
   const Result<DirectResult> direct = TraceDirect(scene, camera, options);
@@ -45,7 +45,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   if (!options.sections.empty()) {
     SectionAreaOptions area;
     area.execution.threads = 1;
-    area.max_bytes = options.max_bytes;
+    area.max_bytes = options.accuracy.max_bytes;
     const Result<SectionArea> measured = MeasureSection(scene, options.sections, 0, area);
     Require(!measured.ok() || measured.value().area_mm2 >= 0);
   }
@@ -75,7 +75,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
     const Result<Film> drawn = Draw(model, &scene, samples, frame, view.value(), {});
     Require(drawn.ok() || drawn.error().code != ErrorCode::kNotFinite);
   }
-  MeasureContinuity(model, 1);
+  (void)MeasureContinuity(model, {.threads = 1});
 }
 
 }  // namespace

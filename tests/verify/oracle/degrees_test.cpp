@@ -72,10 +72,10 @@ TEST_P(EveryPairOfDegrees, IsRenderedAsTheOracleSays) {
     const Oracle oracle(model);
     for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
       DirectOptions options;
-      options.precision = precision;
-      options.check = CheckLevel::kAll;
+      options.accuracy.precision = precision;
+      options.accuracy.check = CheckLevel::kAll;
       options.depth_error = true;
-      options.max_bytes = kMostBytes;
+      options.accuracy.max_bytes = kMostBytes;
       const Result<DirectResult> direct = TraceDirect(scene, camera, options);
       ASSERT_TRUE(direct.ok()) << direct.error().message;
       const DirectStats& stats = direct.value().stats;
@@ -96,7 +96,7 @@ TEST_P(EveryPairOfDegrees, IsRenderedAsTheOracleSays) {
     // The same from every instruction set.
     for (const Precision precision : {Precision::kFast, Precision::kStandard}) {
       DirectOptions options;
-      options.precision = precision;
+      options.accuracy.precision = precision;
       const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
       const PreparedView view = PrepareView(scene.data(), camera, frame, options).value();
       const TraceShared shared(scene.data(), view, camera, frame);

@@ -56,7 +56,7 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
  protected:
   DirectResult Traced(const Model& model, const Camera& camera) const {
     DirectOptions options;
-    options.precision = GetParam();
+    options.accuracy.precision = GetParam();
     options.depth_error = true;
     return TraceDirect(Scene(model), camera, options).value();
   }
@@ -66,8 +66,8 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     const Result<void> valid = Validate(model);
     if (!valid.ok()) RC_FAIL(valid.error().message);
     DirectOptions options;
-    options.precision = GetParam();
-    options.max_bytes = kMostBytes;
+    options.accuracy.precision = GetParam();
+    options.accuracy.max_bytes = kMostBytes;
     options.depth_error = true;
     const Result<DirectResult> direct = TraceDirect(Scene(model), camera, options);
     if (!direct.ok()) RC_FAIL(direct.error().message + "\n" + Numbers(camera));
@@ -204,7 +204,7 @@ TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
   camera = CloseUp(camera, MakeFrame(camera, model.Diagonal()).value(), pole, 0.1 * model.Diagonal(), kSize);
   camera.eye = camera.target + (camera.target - camera.eye);
   DirectOptions options;
-  options.precision = GetParam();
+  options.accuracy.precision = GetParam();
   options.depth_error = true;
   const DirectResult direct = TraceDirect(Scene(model), camera, options).value();
   std::vector<std::uint32_t> pixels(direct.samples.size());

@@ -76,9 +76,9 @@ class Hunt {
   Hunt(const Model& model, const Options& options)
       : model_(model), options_(options), scene_(model), oracle_(model), random_(options.seed) {
     direct_.depth_error = true;
-    direct_.precision = options.precision == "fast"        ? Precision::kFast
-                        : options.precision == "certified" ? Precision::kCertified
-                                                           : Precision::kStandard;
+    direct_.accuracy.precision = options.precision == "fast"        ? Precision::kFast
+                                 : options.precision == "certified" ? Precision::kCertified
+                                                                    : Precision::kStandard;
   }
 
   // The number of certified samples that are wrong.

@@ -1,4 +1,4 @@
-#include "server/service/protocol/routes.h"
+#include "server/service/jobs/routes.h"
 
 #include <algorithm>
 #include <optional>
@@ -10,8 +10,9 @@ Route Page(const char* path, const char* file, const char* content_type) {
   return {RouteKind::kPage, file, content_type, "GET, HEAD", path};
 }
 
-Route Submit(const char* path, const char* kind) {
-  return {RouteKind::kSubmit, kind, "", "POST", path};
+// Models can be listed where they are posted.
+Route Submit(const std::string& path, JobKind kind) {
+  return {RouteKind::kSubmit, "", "", kind == JobKind::kModel ? "GET, HEAD, POST" : "POST", path, kind};
 }
 
 Route Look(RouteKind kind, const char* path, const char* methods = "GET, HEAD") {
@@ -41,31 +42,29 @@ bool Route::Allows(const std::string& method) const {
 }
 
 const std::vector<Route>& AllRoutes() {
-  static const std::vector<Route> kRoutes = {
-      Page("/", "index.html", "text/html; charset=utf-8"),
-      Page("/style.css", "style.css", "text/css; charset=utf-8"),
-      // The page's modules.
-      Page("/page/{name}", "", "text/javascript; charset=utf-8"),
-      Page("/favicon.svg", "favicon.svg", "image/svg+xml"),
-      Page("/openapi.json", "openapi.json", "application/json"),
-      Look(RouteKind::kHealth, "/healthz"),
-      Look(RouteKind::kReady, "/readyz"),
-      Look(RouteKind::kMetrics, "/metrics"),
-      {RouteKind::kSubmit, "model", "", "GET, HEAD, POST", "/v1/models"},
-      Submit("/v1/renders", "render"),
-      Submit("/v1/comparisons", "comparison"),
-      Submit("/v1/trades", "trade"),
-      // Their names before there were jobs.
-      Submit("/v1/render", "render"),
-      Submit("/v1/compare", "comparison"),
-      Look(RouteKind::kModel, "/v1/models/{id}", "GET, HEAD, DELETE"),
-      Look(RouteKind::kAnswer, "/v1/answers/{id}"),
-      Look(RouteKind::kArtifact, "/v1/artifacts/{name}"),
-      Look(RouteKind::kJobs, "/v1/jobs"),
-      // Before the next one, which would take it for an id.
-      Look(RouteKind::kJobEvents, "/v1/jobs/{id}/events"),
-      Look(RouteKind::kJob, "/v1/jobs/{id}", "GET, HEAD, DELETE"),
-  };
+  static const std::vector<Route> kRoutes = [] {
+    std::vector<Route> routes = {
+        Page("/", "index.html", "text/html; charset=utf-8"),
+        Page("/style.css", "style.css", "text/css; charset=utf-8"),
+        // The page's modules.
+        Page("/page/{name}", "", "text/javascript; charset=utf-8"),
+        Page("/favicon.svg", "favicon.svg", "image/svg+xml"),
+        Page("/openapi.json", "openapi.json", "application/json"),
+        Look(RouteKind::kHealth, "/healthz"),
+        Look(RouteKind::kReady, "/readyz"),
+        Look(RouteKind::kMetrics, "/metrics"),
+        Look(RouteKind::kModel, "/v1/models/{id}", "GET, HEAD, DELETE"),
+        Look(RouteKind::kAnswer, "/v1/answers/{id}"),
+        Look(RouteKind::kArtifact, "/v1/artifacts/{name}"),
+        Look(RouteKind::kJobs, "/v1/jobs"),
+        // Before the next one, which would take it for an id.
+        Look(RouteKind::kJobEvents, "/v1/jobs/{id}/events"),
+        Look(RouteKind::kJob, "/v1/jobs/{id}", "GET, HEAD, DELETE"),
+    };
+    for (const JobKindRow& kind : JobKinds())
+      for (const std::string& address : kind.addresses) routes.push_back(Submit(address, kind.kind));
+    return routes;
+  }();
   return kRoutes;
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "server/service/jobs/job_kinds.h"
+
 namespace facetless {
 
 enum class RouteKind {
@@ -23,10 +25,11 @@ enum class RouteKind {
 
 struct Route {
   RouteKind kind = RouteKind::kNone;
-  std::string argument;      // kPage: the file in server/web; kSubmit: the job's kind; else the id or name
+  std::string argument;      // kPage: the file in server/web; else the id or name
   std::string content_type;  // kPage
   std::string methods = "GET, HEAD";
-  std::string pattern = "none";  // the path as in openapi.json: "/v1/models/{id}"
+  std::string pattern = "none";     // as in openapi.json: "/v1/models/{id}"
+  JobKind job = JobKind::kUnknown;  // kSubmit
 
   bool Allows(const std::string& method) const;
 };

@@ -1,0 +1,35 @@
+#include "server/run/trace_options.h"
+
+#include <algorithm>
+
+namespace facetless {
+
+ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
+                          const Execution& execution) {
+  ViewOptions view;
+  view.execution = execution;
+  view.sections = sections;
+  view.samples = options.samples;
+  view.edges = options.edges;
+  view.lines = options.lines;
+  view.find_lines = options.svg;
+  view.background = options.background;
+  view.inspection = options.inspection;
+  view.inspection.orient = options.orient;
+  view.coloring = options.picture.coloring;
+  view.uv = options.WantsAov("uv");
+  view.depth_error = options.WantsAov("certificate");
+  view.audit = options.audit;
+  return view;
+}
+
+DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
+                              std::uint64_t taken_bytes) {
+  DirectOptions direct;
+  direct.accuracy = options.accuracy;
+  direct.accuracy.max_bytes -= std::min(direct.accuracy.max_bytes, taken_bytes);
+  direct.sections = sections;
+  return direct;
+}
+
+}  // namespace facetless
