@@ -209,7 +209,7 @@ Result<ImportedFiles> JobInputs::Import(const std::string& path, const std::stri
       request_.options.import_limits.mesh_timeout_s > MostMeshing())
     files.value().mesh_failure->error.message =
         name + ": meshing took longer than " + NumberText(MostMeshing()) +
-        " s, half of what a job may take; --timeout allows more, and a coarser --deflection needs less";
+        " s, half of what a job may take; use --timeout to allow more, or a coarser --deflection";
   return files;
 }
 
