@@ -111,9 +111,10 @@ Result<Conversion> Convert(CadDocument document, const Progress& progress) {
   ModelBuilder builder;
   builder.info() = std::move(document.info);
   std::vector<TopoDS_Face> faces;
+  Healing healing = HealDocument(document);
   for (std::size_t p = 0; p < document.prototypes.size(); ++p) {
     std::size_t done = 0;
-    PartConverter part(document, document.prototypes[p], builder, faces);
+    PartConverter part(document, document.prototypes[p], healing.loops, builder, faces);
     part.Run([&] {
       const double share = static_cast<double>(++done) / static_cast<double>(part.face_count());
       progress((static_cast<double>(p) + share) / static_cast<double>(document.prototypes.size()));
@@ -129,12 +130,19 @@ Result<Conversion> Convert(CadDocument document, const Progress& progress) {
   builder.SetBounds(PlacedBounds(builder.model()));
   Result<Model> model = std::move(builder).Finish();
   if (!model.ok()) return model.error();
-  Conversion result{std::move(model).value(), std::move(faces), {}};
+  Conversion result{std::move(model).value(), std::move(faces), {}, std::move(healing)};
   for (const Occurrence& occurrence : document.occurrences) result.placements.push_back(occurrence.placement);
   return result;
 }
 
-std::vector<TopoDS_Face> PlacedFaces(const Conversion& conversion) {
+void CompleteForOpenCascade(Conversion& conversion) {
+  if (conversion.healing.sound.empty()) return;
+  conversion.faces = HealedFaces(conversion.faces, conversion.healing);
+  conversion.healing = {};
+}
+
+std::vector<TopoDS_Face> PlacedFaces(Conversion& conversion) {
+  CompleteForOpenCascade(conversion);
   std::vector<TopoDS_Face> faces;
   faces.reserve(conversion.model.PlacedFaceCount());
   for (std::size_t i = 0; i < conversion.model.instances.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "import/document.h"
+#include "import/heal.h"
 #include "render/base/result.h"
 #include "render/model/model.h"
 
@@ -16,6 +17,7 @@ struct Conversion {
   Model model;
   std::vector<TopoDS_Face> faces;   // the shape of each of model.faces, placed within its part
   std::vector<gp_Trsf> placements;  // of each of model.instances
+  Healing healing;                  // names bodies whose faces may lack p-curves
 };
 
 // Called with the share of prototypes' faces done, 0 … 1.
@@ -25,7 +27,10 @@ using Progress = std::function<void(double)>;
 // loops_lost and edges_lost. Errors: kNothingUsable (no face is left); those of Validate.
 Result<Conversion> Convert(CadDocument document, const Progress& progress);
 
-// The shapes of all placed faces, by placed-face id. They share their geometry.
-std::vector<TopoDS_Face> PlacedFaces(const Conversion& conversion);
+// Gives the faces what OpenCASCADE's mesher and intersector need of them (heal.h, law 4), once.
+void CompleteForOpenCascade(Conversion& conversion);
+
+// The shapes of all placed faces, by placed-face id, completed. They share their geometry.
+std::vector<TopoDS_Face> PlacedFaces(Conversion& conversion);
 
 }  // namespace facetless

@@ -6,6 +6,7 @@
 #include <TopoDS_Shape.hxx>
 #include <cstdint>
 #include <gp_Trsf.hxx>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -54,6 +55,9 @@ struct CadDocument {
   std::vector<Occurrence> occurrences;
   std::unordered_map<const void*, FaceOrigin> origins;  // by TShape
   bool pcurves_in_file = false;
+  // What the file says that its points are known to, in mm, if its shapes are as the file has them: no
+  // OpenCASCADE repair has seen them, and edges may lack p-curves. Empty: they are healed.
+  std::optional<double> unhealed_mm;
   std::vector<LinearMap> linear_maps;  // what stand-ins among the placements stand for (step_placements.h)
 };
 

@@ -208,7 +208,7 @@ Poles PolesOf(const Handle(Geom_Surface) & surface) {
 // Loops that wind around the surface enclose nothing in the plane of parameters: join two by a cut, or close
 // one through the pole that its material lies towards.
 bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const Poles& poles,
-                      std::vector<std::string>& repairs) {
+                      std::vector<std::string>& joins) {
   std::vector<FaceLoop> closed, winding;
   for (FaceLoop& loop : loops) {
     const Vec2 turns = Winding(loop, period);
@@ -233,7 +233,7 @@ bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const 
       Append(loop, {Connector(End(loop), other_start)});
       Append(loop, std::move(other.coedges));
       Append(loop, {Connector(other_end, start)});
-      repairs.push_back("a cut was made between two bounds that go around the surface");
+      joins.push_back("a cut was made between two bounds that go around the surface");
     } else {
       // Material is on the left: towards higher v if the loop runs along growing u.
       const double pole = turn.x > 0 ? poles.high : poles.low;
@@ -241,7 +241,7 @@ bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const 
       const Vec2 end = End(loop);
       Append(loop, {Connector(end, {end.x, pole}), Connector({end.x, pole}, {start.x, pole}),
                     Connector({start.x, pole}, start)});
-      repairs.push_back("a bound that goes around the surface was closed through its pole");
+      joins.push_back("a bound that goes around the surface was closed through its pole");
     }
     closed.push_back(std::move(loop));
   }
@@ -379,7 +379,7 @@ std::string Millimetres(double value) {
 
 }  // namespace
 
-Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file) {
+Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file, MissingPcurve missing) {
   const TopoDS_Face face = TopoDS::Face(oriented.Oriented(TopAbs_FORWARD));
   TopLoc_Location location;
   const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, location));
@@ -393,10 +393,11 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file) {
     for (TopoDS_Iterator edges(wires.Value()); edges.More(); edges.Next()) {
       const TopoDS_Edge& edge = TopoDS::Edge(edges.Value());
       if (edge.Orientation() != TopAbs_FORWARD && edge.Orientation() != TopAbs_REVERSED) continue;
-      Result<Pcurve> pcurve = PcurveOf(edge, face, pcurves_in_file);
+      Result<Pcurve> pcurve = PcurveOf(edge, face, pcurves_in_file, missing);
       if (pcurve.ok()) {
         uses.push_back(MakeUse(edge, std::move(pcurve.value())));
-      } else {
+      } else if (missing == MissingPcurve::kByOpenCascade || !BRep_Tool::Degenerated(edge)) {
+        // A pole that the file names by a vertex alone has nothing to project; a loop around it is closed there.
         result.lost_edges.push_back(edge);
       }
     }
@@ -410,7 +411,7 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file) {
   }
   // Unwrap, join what winds around, bring all into one turn, close.
   for (FaceLoop& loop : result.loops) Unwrap(loop, period);
-  if (!JoinWindingLoops(result.loops, period, PolesOf(surface), result.repairs))
+  if (!JoinWindingLoops(result.loops, period, PolesOf(surface), result.joins))
     return Error{ErrorCode::kFormatBroken, "a bound goes around the surface and nothing closes it"};
   Gather(result.loops, period);
   // Material on the left: the loops together must enclose a positive area.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "import/bezier_pieces.h"
+#include "import/pcurve.h"
 #include "import/surface_patches.h"
 #include "render/base/result.h"
 
@@ -39,16 +40,21 @@ struct FaceLoops {
   std::vector<FaceLoop> loops;
   ParameterBox box;                     // of all control points
   std::vector<TopoDS_Edge> lost_edges;  // no p-curve could be had
-  std::vector<std::string> repairs;     // what had to be done, one clause each
+  std::vector<std::string> repairs;     // what had to be done to the bounds, one clause each
+  std::vector<std::string> joins;       // cuts and poles that loops which go around the surface need
   double open_mm =
       0;  // length of the longest line that was invented to close a loop; open_loop is the index of that loop
   std::size_t open_loop = 0;
   double open_share = 0;  // open_mm as a share of that loop's length
 };
 
+// A line that closes a loop is said if it is longer than this share of the loop.
+inline constexpr double kOpenSaid = 1e-3;
+
 // The loops of `face` in its FORWARD orientation. `pcurves_in_file`: a stored p-curve is the file's. Errors:
 // kFormatBroken (a wire that cannot be closed on its surface, or only by inventing more than half of its
 // length; loops that enclose nothing; an edge far off the surface).
-Result<FaceLoops> LoopsOf(const TopoDS_Face& face, bool pcurves_in_file);
+Result<FaceLoops> LoopsOf(const TopoDS_Face& face, bool pcurves_in_file,
+                          MissingPcurve missing = MissingPcurve::kByOpenCascade);
 
 }  // namespace facetless

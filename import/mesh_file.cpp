@@ -291,11 +291,12 @@ void Tessellate(const std::vector<TopoDS_Face>& faces, const MeshOptions& option
 
 }  // namespace
 
-Result<MeshReport> WriteMesh(const Conversion& conversion, const MeshOptions& options,
-                             const std::string& path, const Progress& progress) {
+Result<MeshReport> WriteMesh(Conversion& conversion, const MeshOptions& options, const std::string& path,
+                             const Progress& progress) {
   if (!(options.deflection_mm > 0) || !(options.angular_deg > 0) || !(options.angular_deg <= 180))
     return Error{ErrorCode::kBadUsage,
                  "A mesh needs a deflection above 0 and an angle above 0 and up to 180 degrees."};
+  CompleteForOpenCascade(conversion);
   MeshReport report{options.deflection_mm, options.angular_deg, 0, 0, 0, {}};
   MemoryGauge memory;
   GltfWriter writer(conversion.model);

@@ -32,7 +32,7 @@ struct MeshReport {
 
 // Removes what was meshed before, meshes all parts on one thread, and writes `path` in full or not at all.
 // Errors: kBadUsage (options out of range), kWriteFailed.
-Result<MeshReport> WriteMesh(const Conversion& conversion, const MeshOptions& options,
-                             const std::string& path, const Progress& progress);
+Result<MeshReport> WriteMesh(Conversion& conversion, const MeshOptions& options, const std::string& path,
+                             const Progress& progress);
 
 }  // namespace facetless

@@ -36,9 +36,9 @@ constexpr double kExact = 1e-12;
 // A p-curve that is farther from its 3D edge than this share of the edge's length is worth a warning: one of
 // the two is wrong.
 constexpr double kOffSurface = 0.01;
-// A line that closes a loop is said if it is longer than this share of the loop, and counts as a lost edge
-// from the other on: real files have gaps of up to a ten-thousandth.
-constexpr double kOpenSaid = 1e-3, kOpenLost = 1e-2;
+// A line that closes a loop counts as a lost edge if it is longer than this share of the loop: real files have
+// gaps of up to a ten-thousandth.
+constexpr double kOpenLost = 1e-2;
 // Indices into the model's vectors are 32 bits wide; stop well before they run out.
 constexpr std::size_t kMaxElements = std::size_t{1} << 31;
 
@@ -103,7 +103,8 @@ std::uint32_t PartConverter::EdgeIndex(const TopoDS_Edge& oriented) {
   const TopoDS_Edge shape = TopoDS::Edge(oriented.Oriented(TopAbs_FORWARD));
   if (const int* known = edge_index_.Seek(shape)) return static_cast<std::uint32_t>(*known);
   Edge edge;
-  edge.tolerance_mm = BRep_Tool::Tolerance(shape);
+  // What the file says of the distance between entities that it connects holds for every edge.
+  edge.tolerance_mm = std::fmax(BRep_Tool::Tolerance(shape), document_.unhealed_mm.value_or(0));
   edge.vertices[0] = VertexIndex(TopExp::FirstVertex(shape));
   edge.vertices[1] = VertexIndex(TopExp::LastVertex(shape));
   // Its curve; an edge without one is degenerate.
@@ -192,7 +193,9 @@ std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shap
   TopLoc_Location location;
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape, location);
   if (surface.IsNull()) return "it has no surface";
-  Result<FaceLoops> loops = LoopsOf(shape, document_.pcurves_in_file);
+  const FaceLoops* known = loops_.Seek(shape);
+  Result<FaceLoops> loops =
+      known != nullptr ? Result<FaceLoops>(*known) : LoopsOf(shape, document_.pcurves_in_file);
   if (!loops.ok()) return loops.error().message;
   const bool whole = loops.value().loops.empty();
   ParameterBox box = loops.value().box;
@@ -304,6 +307,9 @@ void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops,
 void PartConverter::NoteLoops(std::uint32_t index, const FaceOrigin* origin, const FaceLoops& loops) {
   const Face& face = model().faces[index];
   for (const std::string& repair : loops.repairs) Warn("Face " + FaceName(index) + ": " + repair + ".");
+  // STEP lets bounds go around a surface without a seam or a pole; elsewhere one is missing.
+  if (!document_.unhealed_mm)
+    for (const std::string& join : loops.joins) Warn("Face " + FaceName(index) + ": " + join + ".");
   for (std::size_t i = 0; i < loops.lost_edges.size(); ++i)
     builder_.info().edges_lost.push_back(
         {index, face.name, face.entity, "an edge has no curve on the surface and none can be computed"});

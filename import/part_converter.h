@@ -11,15 +11,17 @@
 
 #include "import/document.h"
 #include "import/face_loops.h"
+#include "import/heal.h"
 #include "render/model/builder.h"
 
 namespace facetless {
 
 class PartConverter {
  public:
-  PartConverter(const CadDocument& document, const Prototype& prototype, ModelBuilder& builder,
-                std::vector<TopoDS_Face>& faces)
-      : document_(document), prototype_(prototype), builder_(builder), faces_(faces) {}
+  // `loops` has those that are known already.
+  PartConverter(const CadDocument& document, const Prototype& prototype, const LoopsByFace& loops,
+                ModelBuilder& builder, std::vector<TopoDS_Face>& faces)
+      : document_(document), prototype_(prototype), loops_(loops), builder_(builder), faces_(faces) {}
 
   // Appends the part, its faces, loops, edges, vertices and solids. `done` is called after each face.
   template <typename Done>
@@ -85,6 +87,7 @@ class PartConverter {
 
   const CadDocument& document_;
   const Prototype& prototype_;
+  const LoopsByFace& loops_;
   ModelBuilder& builder_;
   std::vector<TopoDS_Face>& faces_;
   std::vector<Member> members_;

@@ -14,6 +14,7 @@
 
 #include "import/approximate.h"
 #include "import/curve_pieces.h"
+#include "import/edge_projection.h"
 #include "import/surface_patches.h"
 
 namespace facetless {
@@ -53,6 +54,21 @@ struct SpatialEdge {
     gp_Pnt point = curve.Value(s);
     if (moved) point.Transform(to_surface);
     return point;
+  }
+  // By a polygon of three points, in mm.
+  double Size() const {
+    const gp_Pnt middle = Value(0.5 * (first + last));
+    return Value(first).Distance(middle) + middle.Distance(Value(last));
+  }
+  // Its ends, and where it is not smooth.
+  std::vector<double> Breaks() const {
+    std::vector<double> breaks{first};
+    TColStd_Array1OfReal intervals(1, curve.NbIntervals(GeomAbs_C2) + 1);
+    curve.Intervals(intervals, GeomAbs_C2);
+    for (double value : intervals)
+      if (value > breaks.back() && value < last) breaks.push_back(value);
+    breaks.push_back(last);
+    return breaks;
   }
 };
 
@@ -160,24 +176,24 @@ std::vector<CurvePiece> Refitted(const std::vector<CurvePiece>& old, const GeomA
   surface.D1(middle.x, middle.y, point, du, dv);
   const double scale_u = du.Magnitude(), scale_v = dv.Magnitude();
   if (!(scale_u > 0) || !(scale_v > 0)) return {};
-  std::vector<double> breaks{edge.first};
-  TColStd_Array1OfReal intervals(1, edge.curve.NbIntervals(GeomAbs_C2) + 1);
-  edge.curve.Intervals(intervals, GeomAbs_C2);
-  for (double value : intervals) {
-    if (value > breaks.back() && value < edge.last) breaks.push_back(value);
-  }
-  breaks.push_back(edge.last);
   double deviation = 0;
   std::vector<CurvePiece> pieces = ApproximateCurve(
       [&](double s) {
         const Vec2 uv = Project(surface, edge.Value(s), guess(s));
         return Vec3{uv.x * scale_u, uv.y * scale_v, 0};
       },
-      breaks, tolerance, kFitDepth, &deviation);
+      edge.Breaks(), tolerance, kFitDepth, &deviation);
   for (CurvePiece& piece : pieces) {
     for (Vec4& p : piece.points) p = {p.x / scale_u, p.y / scale_v, 0, 1};
   }
   return pieces;
+}
+
+// The edge projected onto a surface that is no plane; empty where that fails.
+std::vector<CurvePiece> Projected(const SpatialEdge& edge, const GeomAdaptor_Surface& surface) {
+  if (surface.GetType() == GeomAbs_Plane) return {};
+  return ProjectEdge(
+      surface, [&](double s) { return edge.Value(s); }, edge.Breaks(), kGapNoise * edge.Size());
 }
 
 // On a plane every curve projects exactly: its control points do.
@@ -210,7 +226,8 @@ StoredCurve CurveOn(const TopoDS_Edge& edge, const TopoDS_Face& face) {
 
 }  // namespace
 
-Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file) {
+Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file,
+                        MissingPcurve missing) {
   TopLoc_Location surface_location, edge_location;
   const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, surface_location));
   const Handle(Geom_Plane) plane = Handle(Geom_Plane)::DownCast(surface);
@@ -227,14 +244,19 @@ Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool p
 
   StoredCurve stored = CurveOn(edge, face);
   Pcurve result;
-  if (!stored.stored && !plane.IsNull() && spatial) {
+  const GeomAdaptor_Surface adaptor(surface);
+  const bool lacks = stored.curve.IsNull() && spatial;
+  if (lacks) result.pieces = Projected(*in_space, adaptor);
+  if (!result.pieces.empty()) {
+    // Its parameter is the edge's own.
+  } else if (!stored.stored && !plane.IsNull() && spatial) {
     // A plane's p-curves are rarely stored: project the control points.
     Result<CurvePieces> pieces = PiecesOf(curve, first, last, kMaxArc, Parametrization::kEndsOnly);
     if (!pieces.ok()) return pieces.error();
     if (in_space->moved) Transform(in_space->to_surface, pieces.value().pieces);
     result.pieces = PlanarPieces(*plane, std::move(pieces.value().pieces));
   } else {
-    if (stored.curve.IsNull() && spatial) {
+    if (lacks && missing == MissingPcurve::kByOpenCascade) {
       ShapeFix_Edge().FixAddPCurve(edge, face, BRep_Tool::IsClosed(edge, face));
       stored = CurveOn(edge, face);
     }
@@ -258,11 +280,9 @@ Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool p
   if (!spatial) return result;
 
   // Measure; a computed curve that is not good enough is computed again by us.
-  const GeomAdaptor_Surface adaptor(surface);
   result.gap_mm = MeasureGap(result.pieces, adaptor, *in_space);
-  const double size = in_space->Value(first).Distance(in_space->Value(0.5 * (first + last))) +
-                      in_space->Value(0.5 * (first + last)).Distance(in_space->Value(last));
-  if (!result.from_file && plane.IsNull() && !(result.gap_mm <= kGapNoise * size)) {
+  const double size = in_space->Size();
+  if (!lacks && !result.from_file && plane.IsNull() && !(result.gap_mm <= kGapNoise * size)) {
     std::vector<CurvePiece> refitted = Refitted(result.pieces, adaptor, *in_space, kGapNoise * size);
     const double gap = refitted.empty() ? INFINITY : MeasureGap(refitted, adaptor, *in_space);
     if (gap <= kWorthwhile * result.gap_mm) {

@@ -7,6 +7,7 @@
 #include <Interface_Graph.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
+#include <Precision.hxx>
 #include <RWStepAP214_GeneralModule.hxx>
 #include <STEPCAFControl_ExternFile.hxx>
 #include <STEPCAFControl_Reader.hxx>
@@ -27,6 +28,7 @@
 #include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepGeom_Surface.hxx>
 #include <StepRepr_CharacterizedDefinition.hxx>
+#include <StepRepr_GlobalUncertaintyAssignedContext.hxx>
 #include <StepRepr_GlobalUnitAssignedContext.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_ProductDefinitionShape.hxx>
@@ -62,6 +64,9 @@
 
 namespace facetless {
 namespace {
+
+// What a file may say of its precision, in mm: as much as OpenCASCADE's reader allows.
+constexpr double kMostUncertainty = 1;
 
 // Bounds with edges, and their different edges, that the file gives a face.
 void CountBounds(const Handle(StepShape_FaceSurface) & face, FaceOrigin& origin) {
@@ -136,6 +141,21 @@ class QuickChecks : public RWStepAP214_GeneralModule {
   Handle(Standard_Transient) & last_;
 };
 
+// As long as this lives, transfers leave shapes as the file has them (readers.cpp has the sequences).
+class UnhealedTransfer {
+ public:
+  UnhealedTransfer() : before_(Interface_Static::CVal(kParameter)) {
+    Interface_Static::SetCVal(kParameter, "Unhealed");
+  }
+  ~UnhealedTransfer() { Interface_Static::SetCVal(kParameter, before_.c_str()); }
+  UnhealedTransfer(const UnhealedTransfer&) = delete;
+  UnhealedTransfer& operator=(const UnhealedTransfer&) = delete;
+
+ private:
+  static constexpr const char* kParameter = "read.step.sequence";
+  const std::string before_;
+};
+
 class StepReader {
  public:
   StepReader(const SourceFile& source, StageProgress progress) : source_(source), progress_(progress) {}
@@ -144,10 +164,12 @@ class StepReader {
     progress_("read", 0);
     document_.info.format = StepFormatName(source_.step.schema);
     document_.pcurves_in_file = source_.step.has_pcurves;
+    document_.unhealed_mm = Precision::Confusion();
     for (const StepFace& face : source_.step.faces) names_[Label(face.id)] = face.name;
     if (Result<void> read = Read(); !read.ok()) return read.error();
     progress_("read", 1);
     progress_("transfer", 0);
+    const UnhealedTransfer unhealed;
     Transfer();
     progress_("transfer", 1);
     return std::move(document_);
@@ -209,6 +231,7 @@ class StepReader {
   void ReadUnit() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     for (int i = 1; i <= model->NbEntities(); ++i) {
+      Handle(StepRepr_GlobalUncertaintyAssignedContext) uncertainty;
       Handle(StepRepr_GlobalUnitAssignedContext) context =
           Handle(StepRepr_GlobalUnitAssignedContext)::DownCast(model->Value(i));
       if (const auto both = Handle(
@@ -220,12 +243,16 @@ class StepReader {
                          model->Value(i));
                  !three.IsNull()) {
         context = three->GlobalUnitAssignedContext();
+        uncertainty = three->GlobalUncertaintyAssignedContext();
       }
       if (context.IsNull()) continue;
       STEPConstruct_UnitContext unit;
       unit.ComputeFactors(context);
       if (!unit.LengthDone()) continue;
       document_.info.unit_mm = unit.LengthFactor();
+      if (!uncertainty.IsNull() && unit.ComputeTolerance(uncertainty) == 0 && unit.HasUncertainty())
+        document_.unhealed_mm =
+            std::clamp(unit.Uncertainty() * unit.LengthFactor(), *document_.unhealed_mm, kMostUncertainty);
       // Where some body has no unit the report names none.
       if (!source_.step_repair.unit_missing) document_.info.unit = UnitName(document_.info.unit_mm, "");
       return;

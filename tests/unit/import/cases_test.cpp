@@ -59,7 +59,7 @@ TEST_P(Cases, AreShownOrNamed) {
   const std::string path = CadFile(std::string("cases/") + expected.file);
   if (path.empty())
     GTEST_SKIP() << "FACETLESS_CAD names no folder with " << expected.file << ", which is not tested";
-  const Result<Conversion> conversion = ConvertFile(path);
+  Result<Conversion> conversion = ConvertFile(path);
   if (expected.shown == 0) {
     ASSERT_FALSE(conversion.ok());
     EXPECT_EQ(conversion.error().code, ErrorCode::kNothingUsable);
@@ -217,7 +217,7 @@ TEST(ScaledPlacements, ScaleMirrorAndConvertTogether) {
       text.replace(at, from.size(), to);
     }
     std::ofstream(folder.File("changed.step"), std::ios::binary) << text;
-    const Result<Conversion> conversion = ConvertFile(folder.File("changed.step"));
+    Result<Conversion> conversion = ConvertFile(folder.File("changed.step"));
     ASSERT_TRUE(conversion.ok()) << conversion.error().message;
     const Model& model = conversion.value().model;
     EXPECT_TRUE(Validate(model).ok());
@@ -248,7 +248,7 @@ TEST(DegenerateTorus, IsAnAppleOrALemon) {
   text.replace(text.find("10.,.T.)"), 8, "10.,.F.)");
   const TemporaryFolder folder;
   std::ofstream(folder.File("lemon.step"), std::ios::binary) << text;
-  const Result<Conversion> conversion = ConvertFile(folder.File("lemon.step"));
+  Result<Conversion> conversion = ConvertFile(folder.File("lemon.step"));
   ASSERT_TRUE(conversion.ok()) << conversion.error().message;
   ASSERT_EQ(conversion.value().model.faces.size(), 1u);
   EXPECT_NEAR(TrimmedArea(conversion.value().model, 0), 430.3, 0.5);

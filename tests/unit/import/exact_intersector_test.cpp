@@ -17,7 +17,7 @@ namespace {
 constexpr double kRadius = 10;
 
 std::vector<TopoDS_Face> BallFaces() {
-  static const Conversion ball = ConvertShape(BRepPrimAPI_MakeSphere(kRadius).Shape()).value();
+  static Conversion ball = ConvertShape(BRepPrimAPI_MakeSphere(kRadius).Shape()).value();
   return PlacedFaces(ball);
 }
 

@@ -144,7 +144,7 @@ TEST(FaceLoops, TwoBoundsThatGoAroundAreJoinedByACut) {
   ASSERT_EQ(loops.loops.size(), 1u);
   ExpectClosed(loops);
   EXPECT_NEAR(SignedArea(loops), 2 * 2 * kPi * 3, 1e-12);
-  EXPECT_EQ(loops.repairs.size(), 1u);
+  EXPECT_EQ(loops.joins.size(), 1u);
 }
 
 TEST(FaceLoops, OneBoundThatGoesAroundIsClosedThroughThePoleOnItsLeft) {
@@ -153,7 +153,7 @@ TEST(FaceLoops, OneBoundThatGoesAroundIsClosedThroughThePoleOnItsLeft) {
   EXPECT_NEAR(SignedArea(north), 2 * 2 * kPi * (kPi / 2 - 0.5), 1e-12);
   const FaceLoops south = Loops(WithoutSeam(sphere, {{0.5, false}}));
   EXPECT_NEAR(SignedArea(south), 2 * 2 * kPi * (kPi / 2 + 0.5), 1e-12);
-  EXPECT_EQ(south.repairs.size(), 1u);
+  EXPECT_EQ(south.joins.size(), 1u);
 }
 
 TEST(FaceLoops, OneBoundAroundACylinderEnclosesNothing) {

@@ -51,7 +51,7 @@ TopoDS_Compound BoxesAndSphere() {
 
 TEST(MeshFile, OneMeshPerPartOnePrimitivePerFaceOneNodePerInstance) {
   const TemporaryFolder folder;
-  const Result<Conversion> conversion = ConvertShape(BoxesAndSphere());
+  Result<Conversion> conversion = ConvertShape(BoxesAndSphere());
   ASSERT_TRUE(conversion.ok());
   const std::string path = folder.File("a.glb");
   const Result<MeshReport> report = WriteMesh(conversion.value(), {0.1, 20}, path, [](double) {});
@@ -81,7 +81,7 @@ TEST(MeshFile, OneMeshPerPartOnePrimitivePerFaceOneNodePerInstance) {
 
 TEST(MeshFile, TellsWhatTheMesherNeedsWithoutWhatWasReadBefore) {
   const TemporaryFolder folder;
-  const Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, 0), 10).Shape());
+  Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, 0), 10).Shape());
   ASSERT_TRUE(conversion.ok());
   // Memory of the process that the mesher has no part in, and memory that was free before it began.
   const std::vector<char> held(64 << 20, 'x');
@@ -97,8 +97,7 @@ TEST(MeshFile, TellsWhatTheMesherNeedsWithoutWhatWasReadBefore) {
 
 TEST(MeshFile, SphereNodesLieOnTheSphereWithItsNormals) {
   const TemporaryFolder folder;
-  const Result<Conversion> conversion =
-      ConvertShape(BRepPrimAPI_MakeSphere(gp_Pnt(100, 200, 300), 10).Shape());
+  Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(gp_Pnt(100, 200, 300), 10).Shape());
   ASSERT_TRUE(conversion.ok());
   ASSERT_TRUE(WriteMesh(conversion.value(), {0.01, 20}, folder.File("a.glb"), [](double) {}).ok());
   const tinygltf::Model gltf = Load(folder.File("a.glb"));
@@ -121,7 +120,7 @@ TEST(MeshFile, SphereNodesLieOnTheSphereWithItsNormals) {
 
 TEST(MeshFile, ACoarserRequestAfterAFinerOneIsHonoured) {
   const TemporaryFolder folder;
-  const Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(10).Shape());
+  Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(10).Shape());
   ASSERT_TRUE(conversion.ok());
   const auto triangles = [&](double deflection) {
     return WriteMesh(conversion.value(), {deflection, 90}, folder.File("a.glb"), [](double) {})
@@ -135,7 +134,7 @@ TEST(MeshFile, ACoarserRequestAfterAFinerOneIsHonoured) {
 
 TEST(MeshFile, OptionsOutOfRangeAndFoldersThatAreNot) {
   const TemporaryFolder folder;
-  const Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeBox(1, 1, 1).Shape());
+  Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeBox(1, 1, 1).Shape());
   ASSERT_TRUE(conversion.ok());
   for (const MeshOptions& options : {MeshOptions{0, 20}, MeshOptions{-1, 20}, MeshOptions{NAN, 20},
                                      MeshOptions{1, 0}, MeshOptions{1, 181}})

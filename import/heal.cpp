@@ -1,0 +1,364 @@
+#include "import/heal.h"
+
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom_Plane.hxx>
+#include <Geom_Surface.hxx>
+#include <Message_ProgressRange.hxx>
+#include <OSD_Signal.hxx>
+#include <Resource_Manager.hxx>
+#include <ShapeBuild_ReShape.hxx>
+#include <ShapeProcess.hxx>
+#include <ShapeProcess_OperLibrary.hxx>
+#include <ShapeProcess_ShapeContext.hxx>
+#include <Standard_ErrorHandler.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_DataMapOfShapeShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "import/loop_crossings.h"
+#include "import/surface_patches.h"
+
+namespace facetless {
+namespace {
+
+// An edge that is farther off its surface than this share of its length, and than the file's own precision,
+// was projected to the wrong place, or is wrong in the file.
+constexpr double kOffSurface = 1e-3;
+// A volume that is smaller than this share of what the faces contribute to it is not known to be positive.
+constexpr double kVolumeKnown = 0.02;
+// Lines across a face's parameters, and points on each stretch of them, for its part of the volume.
+constexpr int kLines = 12, kPoints = 6;
+// Points of a loop's segment for the same.
+constexpr int kChords = 6;
+// What OpenCASCADE's reader allows tolerances to grow to, in mm.
+constexpr double kMaxTolerance = 1;
+
+using FaceMap = TopTools_DataMapOfShapeShape;
+
+void Gather(const TopoDS_Shape& shape, std::vector<TopoDS_Shape>& bodies) {
+  if (shape.IsNull()) return;
+  switch (shape.ShapeType()) {
+    case TopAbs_SOLID:
+    case TopAbs_SHELL:
+    case TopAbs_FACE:
+      bodies.push_back(shape);
+      return;
+    case TopAbs_COMPOUND:
+    case TopAbs_COMPSOLID:
+      for (TopoDS_Iterator child(shape); child.More(); child.Next()) Gather(child.Value(), bodies);
+      return;
+    default:
+      return;
+  }
+}
+
+bool EdgesLieOn(const FaceLoops& loops, double precision_mm) {
+  const auto length = [](const LoopCoedge& coedge) {
+    double first = 0, last = 0;
+    TopLoc_Location location;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(coedge.edge, location, first, last);
+    if (curve.IsNull()) return 0.0;
+    const gp_Pnt middle = curve->Value(0.5 * (first + last));
+    return curve->Value(first).Distance(middle) + middle.Distance(curve->Value(last));
+  };
+  for (const FaceLoop& loop : loops.loops)
+    for (const LoopCoedge& coedge : loop.coedges) {
+      if (coedge.edge.IsNull() || coedge.degenerate || coedge.gap_mm <= precision_mm) continue;
+      if (!(coedge.gap_mm <= kOffSurface * length(coedge))) return false;
+    }
+  return true;
+}
+
+bool IsSound(const FaceLoops& loops, double precision_mm) {
+  return loops.lost_edges.empty() && loops.repairs.empty() && loops.open_share <= kOpenSaid &&
+         EdgesLieOn(loops, precision_mm) && CrossingsOf(loops.loops).empty();
+}
+
+// The loops' edges as chords in the plane of parameters; a face without loops has its surface's borders.
+struct Chord {
+  Vec2 from, to;
+};
+std::vector<Chord> ChordsOf(const FaceLoops& loops, const Handle(Geom_Surface) & surface) {
+  std::vector<Chord> chords;
+  for (const FaceLoop& loop : loops.loops)
+    for (const LoopCoedge& coedge : loop.coedges)
+      for (const LoopSegment& segment : coedge.segments) {
+        const auto at = [&](int i) {
+          const Vec3 uv = Cartesian(EvaluateBezier(segment.points, static_cast<double>(i) / kChords));
+          return Vec2{uv.x, uv.y};
+        };
+        for (int i = 0; i < kChords; ++i) chords.push_back({at(i), at(i + 1)});
+      }
+  if (!chords.empty()) return chords;
+  double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+  surface->Bounds(u0, u1, v0, v1);
+  return {{{u0, v0}, {u0, v1}}, {{u1, v0}, {u1, v1}}};
+}
+
+// What a face contributes to three times the volume, about `origin`.
+double FluxOf(const TopoDS_Face& face, const FaceLoops& loops, const gp_Pnt& origin) {
+  TopLoc_Location location;
+  const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, location));
+  const gp_Trsf& placement = location.Transformation();
+  const std::vector<Chord> chords = ChordsOf(loops, surface);
+  double low = INFINITY, high = -INFINITY;
+  for (const Chord& chord : chords) {
+    low = std::min({low, chord.from.y, chord.to.y});
+    high = std::max({high, chord.from.y, chord.to.y});
+  }
+  double flux = 0;
+  std::vector<double> crossings;
+  for (int line = 0; line < kLines; ++line) {
+    const double v = low + (high - low) * (line + 0.5) / kLines;
+    crossings.clear();
+    for (const Chord& chord : chords)
+      if ((chord.from.y <= v) != (chord.to.y <= v))
+        crossings.push_back(chord.from.x +
+                            (v - chord.from.y) / (chord.to.y - chord.from.y) * (chord.to.x - chord.from.x));
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+      const double width = (crossings[i + 1] - crossings[i]) / kPoints;
+      for (int k = 0; k < kPoints; ++k) {
+        gp_Pnt point;
+        gp_Vec du, dv;
+        surface->D1(crossings[i] + (k + 0.5) * width, v, point, du, dv);
+        point.Transform(placement);
+        du.Transform(placement);
+        dv.Transform(placement);
+        flux += gp_Vec(origin, point).Dot(du.Crossed(dv)) * width;
+      }
+    }
+  }
+  flux *= (high - low) / kLines;
+  // A placement that mirrors turns the cross product with it.
+  const bool mirrored = placement.IsNegative();
+  return (face.Orientation() == TopAbs_REVERSED) != mirrored ? -flux : flux;
+}
+
+struct Uses {
+  int forward = 0, reversed = 0;
+};
+
+// How a body's faces run through its edges: each at most once in a direction; of a solid exactly once.
+bool EdgesMeet(const TopoDS_Shape& body, bool solid) {
+  NCollection_DataMap<TopoDS_Shape, Uses, TopTools_ShapeMapHasher> uses;
+  for (TopExp_Explorer edge(body, TopAbs_EDGE); edge.More(); edge.Next()) {
+    if (BRep_Tool::Degenerated(TopoDS::Edge(edge.Current()))) continue;
+    if (!uses.IsBound(edge.Current())) uses.Bind(edge.Current(), {});
+    Uses& use = uses.ChangeFind(edge.Current());
+    if (edge.Current().Orientation() == TopAbs_FORWARD) ++use.forward;
+    if (edge.Current().Orientation() == TopAbs_REVERSED) ++use.reversed;
+  }
+  for (NCollection_DataMap<TopoDS_Shape, Uses, TopTools_ShapeMapHasher>::Iterator it(uses); it.More();
+       it.Next()) {
+    const Uses& use = it.Value();
+    if (use.forward > 1 || use.reversed > 1) return false;
+    if (solid && (use.forward != 1 || use.reversed != 1)) return false;
+  }
+  return true;
+}
+
+bool EnclosesVolume(const std::vector<TopoDS_Face>& faces, const std::vector<FaceLoops>& loops) {
+  TopLoc_Location location;
+  const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(faces.front(), location));
+  const Vec2 at = loops.front().loops.empty() ? Vec2{} : ChordsOf(loops.front(), surface).front().from;
+  const gp_Pnt origin = surface->Value(at.x, at.y).Transformed(location.Transformation());
+  double volume = 0, all = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const double flux = FluxOf(faces[i], loops[i], origin);
+    volume += flux;
+    all += std::fabs(flux);
+  }
+  return volume > kVolumeKnown * all;
+}
+
+// Stores the loops of the body's faces if it is sound. OpenCASCADE may raise exceptions.
+bool StoreIfSound(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm, LoopsByFace& stored) {
+  const bool solid = body.ShapeType() == TopAbs_SOLID;
+  if (!EdgesMeet(body, solid)) return false;
+  std::vector<TopoDS_Face> faces;
+  std::vector<FaceLoops> loops;
+  for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next()) {
+    faces.push_back(TopoDS::Face(face.Current()));
+    TopLoc_Location location;
+    if (BRep_Tool::Surface(faces.back(), location).IsNull()) return false;
+    Result<FaceLoops> found = LoopsOf(faces.back(), pcurves_in_file, MissingPcurve::kProjected);
+    if (!found.ok() || !IsSound(found.value(), precision_mm)) return false;
+    loops.push_back(std::move(found).value());
+  }
+  if (faces.empty() || (solid && !EnclosesVolume(faces, loops))) return false;
+  for (std::size_t i = 0; i < faces.size(); ++i) stored.Bind(faces[i], std::move(loops[i]));
+  return true;
+}
+
+bool StoreIfSoundOrThrows(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm,
+                          LoopsByFace& stored) {
+  try {
+    OCC_CATCH_SIGNALS
+    return StoreIfSound(body, pcurves_in_file, precision_mm, stored);
+  } catch (const Standard_Failure&) {
+    return false;
+  }
+}
+
+// What OpenCASCADE makes of a body; `faces` receives what became of its faces, of those that changed. The body
+// itself where OpenCASCADE fails.
+TopoDS_Shape Healed(const TopoDS_Shape& body, double precision_mm, FaceMap& faces) {
+  try {
+    OCC_CATCH_SIGNALS
+    ShapeProcess_OperLibrary::Init();
+    const Handle(ShapeProcess_ShapeContext) context = new ShapeProcess_ShapeContext(body, "STEP");
+    context->ResourceManager()->SetResource("Runtime.Tolerance", precision_mm);
+    context->ResourceManager()->SetResource("Runtime.MaxTolerance", kMaxTolerance);
+
+    if (!ShapeProcess::Perform(context, "FromSTEP") || context->Result().IsNull()) return body;
+    for (TopTools_DataMapIteratorOfDataMapOfShapeShape it(context->Map()); it.More(); it.Next())
+      if (it.Key().ShapeType() == TopAbs_FACE) faces.Bind(it.Key(), it.Value());
+    return context->Result();
+  } catch (const Standard_Failure&) {
+    return body;
+  }
+}
+
+// What became of a face: the map may have it without its place.
+TopoDS_Shape Mapped(const FaceMap& faces, const TopoDS_Shape& face) {
+  if (const TopoDS_Shape* found = faces.Seek(face)) return *found;
+  const TopoDS_Shape* bare = faces.Seek(face.Located(TopLoc_Location()));
+  return bare == nullptr ? face : bare->Moved(face.Location());
+}
+
+// One use of an edge as a B-spline in the edge's own parameter and direction; null where its segments make none.
+Handle(Geom2d_BSplineCurve) PcurveOfUse(const LoopCoedge& use) {
+  std::vector<const LoopSegment*> segments;
+  for (const LoopSegment& segment : use.segments)
+    if (segment.edge_begin != segment.edge_end) segments.push_back(&segment);
+  if (use.reversed) std::reverse(segments.begin(), segments.end());
+  if (segments.empty()) return {};
+  const std::size_t degree = segments.front()->points.size() - 1;
+  const int count = static_cast<int>(segments.size());
+  TColgp_Array1OfPnt2d poles(1, count * static_cast<int>(degree) + 1);
+  TColStd_Array1OfReal knots(1, count + 1);
+  TColStd_Array1OfInteger multiplicities(1, count + 1);
+  multiplicities.Init(static_cast<int>(degree));
+  multiplicities.SetValue(1, static_cast<int>(degree) + 1);
+  multiplicities.SetValue(count + 1, static_cast<int>(degree) + 1);
+  for (int i = 0; i < count; ++i) {
+    const LoopSegment& segment = *segments[static_cast<std::size_t>(i)];
+    const double begin = use.reversed ? segment.edge_end : segment.edge_begin;
+    const double end = use.reversed ? segment.edge_begin : segment.edge_end;
+    if (segment.points.size() != degree + 1 || !(begin < end)) return {};
+    knots.SetValue(i + 1, begin);
+    knots.SetValue(i + 2, end);
+    for (std::size_t k = 0; k <= degree; ++k) {
+      const Vec4& p = segment.points[use.reversed ? degree - k : k];
+      if (p.w != 1) return {};
+      poles.SetValue(i * static_cast<int>(degree) + static_cast<int>(k) + 1, gp_Pnt2d(p.x, p.y));
+    }
+  }
+  return new Geom2d_BSplineCurve(poles, knots, multiplicities, static_cast<int>(degree));
+}
+
+// Stores the p-curves of a face's loops with its edges, where OpenCASCADE has none. On planes it needs none.
+void StorePcurves(const TopoDS_Face& placed, const FaceLoops& loops) {
+  const TopoDS_Face face = TopoDS::Face(placed.Oriented(TopAbs_FORWARD));
+  TopLoc_Location location;
+  if (Untrimmed(BRep_Tool::Surface(face, location))->IsKind(STANDARD_TYPE(Geom_Plane))) return;
+  // A seam has two uses, one in each direction.
+  NCollection_DataMap<TopoDS_Shape, std::pair<const LoopCoedge*, const LoopCoedge*>, TopTools_ShapeMapHasher>
+      uses;
+  for (const FaceLoop& loop : loops.loops)
+    for (const LoopCoedge& coedge : loop.coedges) {
+      if (coedge.edge.IsNull() || coedge.degenerate || coedge.from_file) continue;
+      if (!uses.IsBound(coedge.edge)) uses.Bind(coedge.edge, {nullptr, nullptr});
+      auto& [along, against] = uses.ChangeFind(coedge.edge);
+      (coedge.reversed ? against : along) = &coedge;
+    }
+  const BRep_Builder builder;
+  for (decltype(uses)::Iterator it(uses); it.More(); it.Next()) {
+    const TopoDS_Edge edge = TopoDS::Edge(it.Key().Oriented(TopAbs_FORWARD));
+    double first = 0, last = 0;
+    Standard_Boolean stored = false;
+    if (!BRep_Tool::CurveOnSurface(edge, face, first, last, &stored).IsNull() && stored) continue;
+    const auto& [along, against] = it.Value();
+    const Handle(Geom2d_BSplineCurve) one = PcurveOfUse(along != nullptr ? *along : *against);
+    const Handle(Geom2d_BSplineCurve) other =
+        along != nullptr && against != nullptr ? PcurveOfUse(*against) : Handle(Geom2d_BSplineCurve)();
+    const double tolerance = BRep_Tool::Tolerance(edge);
+    if (one.IsNull() || (along != nullptr && against != nullptr && other.IsNull())) continue;
+    if (other.IsNull()) {
+      builder.UpdateEdge(edge, one, face, tolerance);
+    } else {
+      builder.UpdateEdge(edge, one, other, face, tolerance);
+    }
+  }
+}
+
+// Faces after `face` was healed have its origin and its colour.
+void Inherit(const TopoDS_Shape& face, const TopoDS_Shape& healed, CadDocument& document,
+             Prototype& prototype) {
+  const void* before = face.TShape().get();
+  for (TopExp_Explorer piece(healed, TopAbs_FACE); piece.More(); piece.Next()) {
+    const void* after = piece.Current().TShape().get();
+    if (after == before) continue;
+    if (const auto origin = document.origins.find(before); origin != document.origins.end()) {
+      const FaceOrigin copy = origin->second;
+      document.origins[after] = copy;
+    }
+    if (const auto color = prototype.colors.find(before); color != prototype.colors.end()) {
+      const Color copy = color->second;
+      prototype.colors[after] = copy;
+    }
+  }
+}
+
+}  // namespace
+
+Healing HealDocument(CadDocument& document) {
+  Healing healing;
+  if (!document.unhealed_mm) return healing;
+  healing.precision_mm = *document.unhealed_mm;
+  for (Prototype& prototype : document.prototypes) {
+    std::vector<TopoDS_Shape> bodies;
+    Gather(prototype.shape, bodies);
+    const Handle(ShapeBuild_ReShape) changes = new ShapeBuild_ReShape;
+    bool changed = false;
+    for (const TopoDS_Shape& body : bodies) {
+      if (StoreIfSoundOrThrows(body, document.pcurves_in_file, *document.unhealed_mm, healing.loops)) {
+        healing.sound.push_back(body);
+        continue;
+      }
+      FaceMap faces;
+      const TopoDS_Shape healed = Healed(body, *document.unhealed_mm, faces);
+      if (healed.IsSame(body)) continue;
+      for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next())
+        Inherit(face.Current(), Mapped(faces, face.Current()), document, prototype);
+      changes->Replace(body, healed);
+      changed = true;
+    }
+    if (changed) prototype.shape = changes->Apply(prototype.shape);
+  }
+  return healing;
+}
+
+std::vector<TopoDS_Face> HealedFaces(const std::vector<TopoDS_Face>& faces, const Healing& healing) {
+  for (LoopsByFace::Iterator it(healing.loops); it.More(); it.Next())
+    StorePcurves(TopoDS::Face(it.Key()), it.Value());
+  FaceMap map;
+  for (const TopoDS_Shape& body : healing.sound) Healed(body, healing.precision_mm, map);
+  std::vector<TopoDS_Face> healed;
+  for (const TopoDS_Face& face : faces) {
+    const TopoDS_Shape mapped = Mapped(map, face);
+    healed.push_back(mapped.ShapeType() == TopAbs_FACE ? TopoDS::Face(mapped.Oriented(face.Orientation()))
+                                                       : face);
+  }
+  return healed;
+}
+
+}  // namespace facetless
