@@ -132,7 +132,7 @@ const std::vector<Aim>& Aims() {
   return aims;
 }
 
-const Aim& AimOf(const std::string& id) {
+const Aim& FindAim(const std::string& id) {
   return *std::find_if(Aims().begin(), Aims().end(), [&](const Aim& aim) { return id == aim.id; });
 }
 

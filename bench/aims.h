@@ -33,7 +33,7 @@ struct Aim {
 // All rows, in the order of the table.
 const std::vector<Aim>& Aims();
 // Requires an id of Aims().
-const Aim& AimOf(const std::string& id);
+const Aim& FindAim(const std::string& id);
 
 enum class ValueUnit : std::uint8_t { kMilliseconds, kRaysPerSecond, kBytes, kNone };
 

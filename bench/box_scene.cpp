@@ -35,7 +35,7 @@ std::vector<SceneBox> RandomBoxes(int objects, int size, bool perspective, std::
   return boxes;
 }
 
-SceneRay PixelRayOf(int x, int y, bool perspective) {
+SceneRay ScenePixelRay(int x, int y, bool perspective) {
   const Vec3 through{static_cast<double>(x), static_cast<double>(y), 0};
   return {through.x, through.y, perspective ? Normalized(through - kEye) : Vec3{0, 0, 1}};
 }

@@ -36,7 +36,7 @@ struct SceneRay {
   double x, y;
   Vec3 direction;  // of unit length; perspective only
 };
-SceneRay PixelRayOf(int x, int y, bool perspective);
+SceneRay ScenePixelRay(int x, int y, bool perspective);
 
 // Min-max boxes, one after the other.
 class BoxScan {

@@ -22,7 +22,7 @@ Result<GrowthStep> MeasureStep(const Model& model, Camera camera, int size, int 
   for (int run = 0; run < repeats; ++run) {
     GrowthStep step;
     std::optional<Scene> scene;
-    step.scene_ms = MillisecondsOf([&] { RunWithThreads(1, [&] { scene.emplace(model); }); });
+    step.scene_ms = MeasureMilliseconds([&] { RunWithThreads(1, [&] { scene.emplace(model); }); });
     Result<DirectResult> traced = TraceDirect(*scene, camera, options);
     if (!traced) return traced.error();
     step.stats = std::move(traced.value().stats);

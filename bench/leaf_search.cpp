@@ -45,7 +45,7 @@ class Query {
         winner_(winner) {}
 
   // Returns the nearest depth so far.
-  double Meet(std::uint32_t index) {
+  double TestLeaf(std::uint32_t index) {
     ++candidates;
     if (winner_ != nullptr) {
       if (index == winner_->leaf) nearest = *winner_;
@@ -72,7 +72,7 @@ class Comparison {
   Comparison(const Camera& camera, const LeafSpans& leaves, int repeats)
       : camera_(camera), repeats_(repeats) {
     const std::vector<LeafSpans> one_part{leaves};
-    build_bitmaps_ms_ = MillisecondsOf(
+    build_bitmaps_ms_ = MeasureMilliseconds(
         [&] { tiles_ = std::make_unique<TileLeaves>(one_part, camera.width_px, camera.height_px); });
   }
 
@@ -85,17 +85,17 @@ class Comparison {
         1, static_cast<std::size_t>(std::ceil(static_cast<double>(rays_.size()) *
                                               static_cast<double>(leaves().size()) / kMostScanTests)));
     Add("scan of boxes", 0, leaves().size() * sizeof(ScreenBox), stride, &Comparison::TraceScan);
-    circles_ms_ = MillisecondsOf([&] { MakeCircles(); });
+    circles_ms_ = MeasureMilliseconds([&] { MakeCircles(); });
     Add("scan of circles", circles_ms_, circles_.size() * sizeof(Circle), stride, &Comparison::TraceCircles);
     // Trees.
-    const double tree_ms = MillisecondsOf([&] { tree_.emplace(leaves()); });
+    const double tree_ms = MeasureMilliseconds([&] { tree_.emplace(leaves()); });
     Add("bounding volume hierarchy", tree_ms, tree_->bytes(), 1, &Comparison::TraceTree);
     std::vector<ScreenBox> boxes;
     for (const CertifiedLeaf& leaf : leaves())
       boxes.push_back({leaf.box.col_begin(), leaf.box.col_end(), leaf.box.row_begin(), leaf.box.row_end(),
                        leaf.near_depth});
     std::optional<Result<BoxTree>> embree;
-    const double embree_ms = MillisecondsOf([&] { embree = BoxTree::Build(boxes); });
+    const double embree_ms = MeasureMilliseconds([&] { embree = BoxTree::Build(boxes); });
     if (!embree->ok()) return embree->error();
     embree_ = &embree->value();
     Add("Embree, user geometry", embree_ms, embree_->bytes(), 1, &Comparison::TraceEmbree);
@@ -203,7 +203,7 @@ class Comparison {
       for (std::uint64_t bits = row[word] & column[word]; bits != 0; bits &= bits - 1) {
         const std::uint32_t index = list[static_cast<std::size_t>(64 * word + __builtin_ctzll(bits))];
         if (leaves()[index].near_depth > query.nearest.depth) return;
-        query.Meet(index);
+        query.TestLeaf(index);
       }
   }
 
@@ -215,7 +215,7 @@ class Comparison {
       for (std::uint32_t k = 0; k < leaves().size(); ++k) {
         if (!leaves()[k].box.Holds(rays_[i].column, rays_[i].row)) continue;
         if (leaves()[k].near_depth > query.nearest.depth) break;
-        query.Meet(k);
+        query.TestLeaf(k);
       }
       found[i] = query.nearest;
       tally.candidates += query.candidates;
@@ -243,7 +243,7 @@ class Comparison {
         const float dx = x - circles_[k].x, dy = y - circles_[k].y;
         if (dx * dx + dy * dy > circles_[k].radius2) continue;
         if (circles_[k].near_depth > query.nearest.depth) break;
-        query.Meet(k);
+        query.TestLeaf(k);
       }
       found[i] = query.nearest;
       tally.candidates += query.candidates;
@@ -253,7 +253,7 @@ class Comparison {
   void TraceTree(std::size_t stride, const Winner* known, std::vector<Winner>& found, Tally& tally) const {
     for (std::size_t i = 0; i < rays_.size(); i += stride) {
       Query query(leaves(), camera_, rays_[i], known != nullptr ? known + i : nullptr);
-      tree_->Visit(rays_[i].column, rays_[i].row, [&](std::uint32_t leaf) { return query.Meet(leaf); });
+      tree_->Visit(rays_[i].column, rays_[i].row, [&](std::uint32_t leaf) { return query.TestLeaf(leaf); });
       found[i] = query.nearest;
       tally.candidates += query.candidates;
     }
@@ -264,7 +264,8 @@ class Comparison {
       Query query(leaves(), camera_, rays_[i], known != nullptr ? known + i : nullptr);
       embree_->Visit(
           rays_[i].column, rays_[i].row,
-          [](void* context, std::uint32_t leaf) { return static_cast<Query*>(context)->Meet(leaf); }, &query);
+          [](void* context, std::uint32_t leaf) { return static_cast<Query*>(context)->TestLeaf(leaf); },
+          &query);
       found[i] = query.nearest;
       tally.candidates += query.candidates;
     }

@@ -143,7 +143,8 @@ class Measurement {
   Result<FirstImage> DirectImage(const Camera& camera, int threads) const {
     FirstImage image;
     std::optional<Scene> scene;
-    image.scene_ms = MillisecondsOf([&] { RunWithThreads(threads, [&] { scene.emplace(*case_.model); }); });
+    image.scene_ms =
+        MeasureMilliseconds([&] { RunWithThreads(threads, [&] { scene.emplace(*case_.model); }); });
     return DirectImage(*scene, camera, threads, image);
   }
 

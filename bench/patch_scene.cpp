@@ -225,7 +225,7 @@ Model FieldOfFaces(int faces) {
 std::vector<ScenePatch> PatchesOf(const Model& model) {
   std::vector<ScenePatch> patches;
   for (const Instance& instance : model.instances) {
-    for (const PlacedFace face : PlacedFacesOf(model, instance)) {
+    for (const PlacedFace face : WalkPlacedFaces(model, instance)) {
       const Surface& surface = model.surfaces[model.faces[face.face].surface];
       for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
         ScenePatch out;

@@ -280,12 +280,12 @@ PatchImage TraceMartin(const std::vector<ScenePatch>& patches, const CameraFrame
                        int height) {
   PatchImage image;
   PatchTree tree;
-  image.prepare_ms = MillisecondsOf([&] { tree = BuildPatchTree(patches, kFlattening); });
+  image.prepare_ms = MeasureMilliseconds([&] { tree = BuildPatchTree(patches, kFlattening); });
   image.bytes = tree.bytes();
   for (const ScenePatch& patch : patches)
     image.bytes += sizeof patch + patch.points.size() * sizeof patch.points[0];
   MartinMethod method(patches, frame);
-  image.trace_ms = MillisecondsOf([&] { Walk(tree, method).Trace(width, height, image); });
+  image.trace_ms = MeasureMilliseconds([&] { Walk(tree, method).Trace(width, height, image); });
   return image;
 }
 
@@ -294,14 +294,14 @@ PatchImage TraceNewtonCramer(const std::vector<ScenePatch>& patches, const Camer
   PatchImage image;
   PatchTree tree;
   std::vector<ScenePatch> projected;
-  image.prepare_ms = MillisecondsOf([&] {
+  image.prepare_ms = MeasureMilliseconds([&] {
     tree = BuildPatchTree(patches, kFlattening);
     projected = Project(patches, frame);
     ReplaceBoxes(tree, projected);
   });
   NewtonCramerMethod method(projected, frame);
   image.bytes = tree.bytes() + method.bytes();
-  image.trace_ms = MillisecondsOf([&] { Walk(tree, method).Trace(width, height, image); });
+  image.trace_ms = MeasureMilliseconds([&] { Walk(tree, method).Trace(width, height, image); });
   return image;
 }
 

@@ -65,7 +65,7 @@ std::uint64_t VisitImage(const Method& method, bool perspective, int step) {
   std::uint64_t sum = 0;
   for (int y = 0; y < kSceneSize; y += step)
     for (int x = 0; x < kSceneSize; ++x)
-      method.Visit(PixelRayOf(x, y, perspective), [&](std::uint32_t k) { sum += k + 1; });
+      method.Visit(ScenePixelRay(x, y, perspective), [&](std::uint32_t k) { sum += k + 1; });
   return sum;
 }
 
@@ -151,7 +151,7 @@ SkalaCell MeasureSkalaCell(int objects, int size, bool perspective, int repeats)
   std::uint64_t all = 0;
   for (int y = 0; y < kSceneSize; ++y)
     for (int x = 0; x < kSceneSize; ++x) {
-      const SceneRay ray = PixelRayOf(x, y, perspective);
+      const SceneRay ray = ScenePixelRay(x, y, perspective);
       int hits = 0;
       bitmaps->Visit(ray, [&](std::uint32_t k) { hits += scan.Meets(ray, k); });
       all += static_cast<std::uint64_t>(hits);

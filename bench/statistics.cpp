@@ -40,11 +40,12 @@ std::vector<std::vector<double>> TakeTurns(int rounds,
                                            const std::vector<std::function<void()>>& competitors) {
   std::vector<std::vector<double>> times(competitors.size());
   for (int round = 0; round < rounds; ++round)
-    for (std::size_t i = 0; i < competitors.size(); ++i) times[i].push_back(MillisecondsOf(competitors[i]));
+    for (std::size_t i = 0; i < competitors.size(); ++i)
+      times[i].push_back(MeasureMilliseconds(competitors[i]));
   return times;
 }
 
-double MillisecondsOf(const std::function<void()>& work) {
+double MeasureMilliseconds(const std::function<void()>& work) {
   const Stopwatch stopwatch;
   work();
   return stopwatch.Milliseconds();

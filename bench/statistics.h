@@ -26,6 +26,6 @@ double GrowthExponent(std::span<const double> x, std::span<const double> y);
 std::vector<std::vector<double>> TakeTurns(int rounds, const std::vector<std::function<void()>>& competitors);
 
 // The time of `work` in ms, by a steady clock.
-double MillisecondsOf(const std::function<void()>& work);
+double MeasureMilliseconds(const std::function<void()>& work);
 
 }  // namespace facetless

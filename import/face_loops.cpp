@@ -393,7 +393,7 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file, Mis
     for (TopoDS_Iterator edges(wires.Value()); edges.More(); edges.Next()) {
       const TopoDS_Edge& edge = TopoDS::Edge(edges.Value());
       if (edge.Orientation() != TopAbs_FORWARD && edge.Orientation() != TopAbs_REVERSED) continue;
-      Result<Pcurve> pcurve = PcurveOf(edge, face, pcurves_in_file, missing);
+      Result<Pcurve> pcurve = MakePcurve(edge, face, pcurves_in_file, missing);
       if (pcurve.ok()) {
         uses.push_back(MakeUse(edge, std::move(pcurve.value())));
       } else if (missing == MissingPcurve::kByOpenCascade || !BRep_Tool::Degenerated(edge)) {

@@ -78,7 +78,7 @@ bool EdgesLieOn(const FaceLoops& loops, double precision_mm) {
 
 bool IsSound(const FaceLoops& loops, double precision_mm) {
   return loops.lost_edges.empty() && loops.repairs.empty() && loops.open_share <= kOpenSaid &&
-         EdgesLieOn(loops, precision_mm) && CrossingsOf(loops.loops).empty();
+         EdgesLieOn(loops, precision_mm) && FindLoopCrossings(loops.loops).empty();
 }
 
 // The loops' edges as chords in the plane of parameters; a face without loops has its surface's borders.

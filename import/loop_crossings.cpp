@@ -126,7 +126,7 @@ struct Outline {
   Box box;
 };
 
-Outline OutlineOf(const FaceLoop& loop) {
+Outline MakeLoopOutline(const FaceLoop& loop) {
   constexpr int kSteps = 8;
   Outline outline;
   for (const LoopCoedge& coedge : loop.coedges) {
@@ -183,7 +183,7 @@ bool Straddles(const Outline& loop, const Outline& other, Vec2& at) {
 
 }  // namespace
 
-std::vector<LoopCrossing> CrossingsOf(const std::vector<FaceLoop>& loops) {
+std::vector<LoopCrossing> FindLoopCrossings(const std::vector<FaceLoop>& loops) {
   // Gather the curves, by where they begin in u.
   std::vector<Curve> curves;
   std::vector<double> sizes;
@@ -209,7 +209,7 @@ std::vector<LoopCrossing> CrossingsOf(const std::vector<FaceLoop>& loops) {
   std::set<std::pair<std::size_t, std::size_t>> found;
   int steps = 0;
   std::vector<Outline> outlines;
-  for (const FaceLoop& loop : loops) outlines.push_back(OutlineOf(loop));
+  for (const FaceLoop& loop : loops) outlines.push_back(MakeLoopOutline(loop));
   for (std::size_t i = 0; i < loops.size(); ++i) {
     for (std::size_t j = i + 1; j < loops.size(); ++j) {
       Vec2 at;

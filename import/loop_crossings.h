@@ -16,6 +16,6 @@ struct LoopCrossing {
 
 // At most one crossing for each pair of loops. Curves that touch, that meet at their ends or that run along
 // each other do not cross; nor do borders that were made for the face.
-std::vector<LoopCrossing> CrossingsOf(const std::vector<FaceLoop>& loops);
+std::vector<LoopCrossing> FindLoopCrossings(const std::vector<FaceLoop>& loops);
 
 }  // namespace facetless

@@ -287,7 +287,7 @@ void PartConverter::WarnOfOpening(std::uint32_t index, const FaceLoops& loops) {
 
 // Loops that cross, with the place where they do.
 void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops, const TopoDS_Face& shape) {
-  for (const LoopCrossing& crossing : CrossingsOf(loops.loops)) {
+  for (const LoopCrossing& crossing : FindLoopCrossings(loops.loops)) {
     TopLoc_Location location;
     const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape, location);
     const gp_Pnt p = surface->Value(crossing.at.x, crossing.at.y).Transformed(location.Transformation());

@@ -226,8 +226,8 @@ StoredCurve CurveOn(const TopoDS_Edge& edge, const TopoDS_Face& face) {
 
 }  // namespace
 
-Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file,
-                        MissingPcurve missing) {
+Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file,
+                          MissingPcurve missing) {
   TopLoc_Location surface_location, edge_location;
   const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, surface_location));
   const Handle(Geom_Plane) plane = Handle(Geom_Plane)::DownCast(surface);

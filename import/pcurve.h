@@ -25,7 +25,7 @@ enum class MissingPcurve {
 
 // The p-curve of `edge` (its orientation chooses among the two of a seam) on the FORWARD face.
 // Errors: kFormatBroken (none stored, and none can be computed).
-Result<Pcurve> PcurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file,
-                        MissingPcurve missing);
+Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file,
+                          MissingPcurve missing);
 
 }  // namespace facetless

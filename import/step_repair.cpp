@@ -66,10 +66,10 @@ void Repairer::Warn(std::string sentence) {
 
 std::optional<StepRecord> Repairer::Record(std::uint64_t id) const {
   const StepEntity* entity = entities_.Find(id);
-  return entity ? RecordOf(*entity) : std::nullopt;
+  return entity ? FindStepRecord(*entity) : std::nullopt;
 }
 
-std::optional<StepRecord> Repairer::RecordOf(const StepEntity& entity) const {
+std::optional<StepRecord> Repairer::FindStepRecord(const StepEntity& entity) const {
   const auto edited = edits_.find(&entity);
   return ParseStepRecord(edited != edits_.end() ? std::string_view(edited->second)
                                                 : entity.Body(entities_.bytes()));

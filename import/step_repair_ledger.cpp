@@ -128,7 +128,7 @@ void Repairer::FindUnread() {
         if (holder != nullptr && holder->keyword.ends_with("SHAPE_REPRESENTATION")) NoteOtherItem(*entity);
         continue;
       }
-      const auto record = RecordOf(*entity);
+      const auto record = FindStepRecord(*entity);
       // A tessellation that says of which body it is one is not missed where the body is shown.
       if (record && entity->keyword.starts_with("TESSELLATED_S") && Value(*record, 2) != nullptr &&
           Value(*record, 2)->IsReference())
@@ -170,7 +170,7 @@ void Repairer::FindUnplaced() {
     if (keyword == "PRODUCT_DEFINITION" || keyword == "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
       products.push_back(&entity);
     if (!usage && !shape && !placement && !definition && !link) continue;
-    const auto record = RecordOf(entity);
+    const auto record = FindStepRecord(entity);
     if (!record) continue;
     if (usage) usages[entity.id] = &entity;
     if (shape) definition_of[entity.id] = ReferenceIn(*record, 2);
@@ -205,7 +205,7 @@ void Repairer::FindUnplaced() {
                                       [&](const Unread& kind) { return kind.keyword == entity->keyword; });
       if (unread || Holds(kRead, entity->keyword)) bodies.insert(representation.id);
       if (entity->keyword != "MAPPED_ITEM") continue;
-      const auto record = RecordOf(*entity);
+      const auto record = FindStepRecord(*entity);
       const auto map = record ? Record(ReferenceIn(*record, 1)) : std::nullopt;
       if (map) maps[representation.id].insert(ReferenceIn(*map, 1));
     }
@@ -226,14 +226,14 @@ void Repairer::FindUnplaced() {
   };
   std::set<std::uint64_t> parents, children;
   for (const auto& [id, entity] : usages) {
-    const auto record = RecordOf(*entity);
+    const auto record = FindStepRecord(*entity);
     if (!record) continue;
     const std::uint64_t parent = ReferenceIn(*record, 3), child = ReferenceIn(*record, 4);
     parents.insert(parent);
     children.insert(child);
   }
   for (const auto& [id, entity] : usages) {
-    const auto record = RecordOf(*entity);
+    const auto record = FindStepRecord(*entity);
     if (!record || placed.contains(id)) continue;
     const std::uint64_t parent = ReferenceIn(*record, 3), child = ReferenceIn(*record, 4);
     // The parent may hold the child as a mapped item instead.
@@ -294,7 +294,7 @@ bool Repairer::HasLengthUnit(std::uint64_t context) {
   for (const StepValue& list : units->values) {
     for (const StepValue& item : list.items) {
       const StepEntity* entity = item.IsReference() ? entities_.Find(item.reference) : nullptr;
-      const auto unit = entity ? RecordOf(*entity) : std::nullopt;
+      const auto unit = entity ? FindStepRecord(*entity) : std::nullopt;
       if (!unit || unit->Find("LENGTH_UNIT") == nullptr) continue;
       if (IsReadable(*unit)) return true;
       edits_[entity] = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))";

@@ -388,13 +388,14 @@ void Repairer::TakeOut() {
       }
     }
     open_.clear();
-    for (const auto& [user, ids] : touched) TakeOutOf(*user, {ids.begin(), ids.end()}, removed_[ids.front()]);
+    for (const auto& [user, ids] : touched)
+      RemoveReferences(*user, {ids.begin(), ids.end()}, removed_[ids.front()]);
   }
 }
 
-void Repairer::TakeOutOf(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
-                         const std::string& reason) {
-  std::optional<StepRecord> record = RecordOf(user);
+void Repairer::RemoveReferences(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
+                                const std::string& reason) {
+  std::optional<StepRecord> record = FindStepRecord(user);
   if (!record) return;
   const bool whole = record->complex || Holds(kWhole, user.keyword);
   bool needed = false;

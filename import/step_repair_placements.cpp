@@ -57,7 +57,7 @@ void Repairer::FindRepresentations() {
     if (entity.keyword.empty() &&
         entity.Body(entities_.bytes()).find("REPRESENTATION") == std::string_view::npos)
       continue;
-    const auto record = RecordOf(entity);
+    const auto record = FindStepRecord(entity);
     if (!record) continue;
     if (auto representation = AsRepresentation(entity, *record))
       representations_.push_back(std::move(*representation));
@@ -74,7 +74,7 @@ void Repairer::MapReplicas() {
     for (const std::uint64_t item : representation.items) {
       const StepEntity* entity = entities_.Find(item);
       if (entity == nullptr || entity->keyword != "SOLID_REPLICA") continue;
-      std::optional<StepRecord> record = RecordOf(*entity);
+      std::optional<StepRecord> record = FindStepRecord(*entity);
       if (!record || record->parts.front().keyword != "SOLID_REPLICA") continue;
       const StepValue *parent = Value(*record, 1), *transformation = Value(*record, 2);
       if (parent == nullptr || transformation == nullptr || !parent->IsReference() ||
@@ -220,7 +220,7 @@ std::optional<std::uint64_t> Repairer::FrameFor(Similarity placed) {
 }
 
 void Repairer::MapItem(const StepEntity& entity) {
-  std::optional<StepRecord> record = RecordOf(entity);
+  std::optional<StepRecord> record = FindStepRecord(entity);
   if (!record || record->parts.front().values.size() != 3) return;
   std::vector<StepValue>& values = record->parts.front().values;
   if (!values[1].IsReference() || !values[2].IsReference()) return;
@@ -255,7 +255,7 @@ void Repairer::MapRelationship(const StepEntity& entity) {
   if (entity.Body(entities_.bytes()).find("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") ==
       std::string_view::npos)
     return;
-  std::optional<StepRecord> record = RecordOf(entity);
+  std::optional<StepRecord> record = FindStepRecord(entity);
   if (!record) return;
   StepPart* transformation = nullptr;
   for (StepPart& part : record->parts) {

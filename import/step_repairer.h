@@ -109,7 +109,7 @@ class Repairer {
   void Warn(std::string sentence);
   std::optional<StepRecord> Record(std::uint64_t id) const;
   // As it is by now.
-  std::optional<StepRecord> RecordOf(const StepEntity& entity) const;
+  std::optional<StepRecord> FindStepRecord(const StepEntity& entity) const;
   void Edit(const StepEntity& entity, const StepRecord& record) { edits_[&entity] = ToText(record); }
   // Texts are cut where the reader's room for them ends.
   void AppendShortened(std::string_view text, std::uint64_t id, std::string& out);
@@ -154,8 +154,8 @@ class Repairer {
   // Takes out what cannot be without what is out, step by step.
   void TakeOut();
   // Takes what is out out of an entity's lists, or the entity itself out.
-  void TakeOutOf(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
-                 const std::string& reason);
+  void RemoveReferences(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
+                        const std::string& reason);
   // Takes the reference out of lists; true if an attribute itself, or a list that must be whole, holds it.
   static bool WithoutReferences(std::vector<StepValue>& values, const std::unordered_set<std::uint64_t>& ids,
                                 bool whole);

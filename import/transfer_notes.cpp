@@ -5,15 +5,15 @@
 namespace facetless {
 
 Standard_Boolean TransferNotes::UserBreak() {
-  Look();
+  CollectNewNotes();
   return false;
 }
 
 void TransferNotes::Show(const Message_ProgressScope&, const Standard_Boolean) {
-  Look();
+  CollectNewNotes();
 }
 
-void TransferNotes::Look() {
+void TransferNotes::CollectNewNotes() {
   const Handle(Transfer_TransientProcess) process = session_->TransferReader()->TransientProcess();
   if (process.IsNull() || process->NbMapped() == known_) return;
   // A transfer begins anew with an empty map.

@@ -21,7 +21,7 @@ class TransferNotes : public Message_ProgressIndicator {
   void Show(const Message_ProgressScope& scope, const Standard_Boolean forced) override;
 
  private:
-  void Look();
+  void CollectNewNotes();
 
   const Handle(XSControl_WorkSession) session_;
   const std::function<void(const Handle(Standard_Transient)&)> note_;

@@ -106,7 +106,7 @@ TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int row
 }
 
 std::uint32_t TileLeaves::Gather(const LeafSpans& part, std::uint32_t leaf, std::size_t to) {
-  const std::uint32_t from = IndexOf(leaf);
+  const std::uint32_t from = IndexWithin(leaf);
   switch (KindOf(leaf)) {
     case LeafKind::kCertified:
       certified_[to] = part.certified[from];

@@ -40,7 +40,7 @@ float RoundedUp(double x) {
   return f >= x ? f : std::nextafter(f, INFINITY);
 }
 
-void BoundsOf(const BoxTree::Data& data, unsigned index, RTCBounds& bounds) {
+void SetBoxBounds(const BoxTree::Data& data, unsigned index, RTCBounds& bounds) {
   const ScreenBox& box = data.boxes[index];
   bounds.lower_x = static_cast<float>(box.col_begin);
   bounds.upper_x = static_cast<float>(box.col_end);
@@ -53,7 +53,7 @@ void BoundsOf(const BoxTree::Data& data, unsigned index, RTCBounds& bounds) {
 // The data of a ray. Embree passes the context back to the callback.
 struct Query {
   RTCIntersectContext context;  // must be the first member, so that a pointer to it is a pointer to the query
-  BoxTree::Meet meet;
+  BoxTree::VisitBox meet;
   void* caller;
   double nearest;
 };
@@ -88,7 +88,7 @@ Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
   const RTCGeometry geometry = rtcNewGeometry(data->device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes.size()));
   // Embree calls this function on oneTBB's threads.
-  const auto bounds = [&data](unsigned index, RTCBounds* out) { BoundsOf(*data, index, *out); };
+  const auto bounds = [&data](unsigned index, RTCBounds* out) { SetBoxBounds(*data, index, *out); };
   using BoundsWork = SharedWork<decltype(bounds)>;
   std::optional<BoundsWork> work(bounds);
   rtcSetGeometryUserData(geometry, &*work);
@@ -111,7 +111,7 @@ Result<BoxTree> BoxTree::Build(std::span<const ScreenBox> boxes) {
   return BoxTree(std::move(data));
 }
 
-void BoxTree::Visit(int column, int row, Meet meet, void* context) const {
+void BoxTree::Visit(int column, int row, VisitBox meet, void* context) const {
   Query query{{}, meet, context, data_->nearest};
   rtcInitIntersectContext(&query.context);
   RTCRayHit ray{};

@@ -23,7 +23,7 @@ struct ScreenBox {
 class BoxTree {
  public:
   // Processes box `box`. Returns the depth of the nearest hit so far; infinite if there is none.
-  using Meet = double (*)(void* context, std::uint32_t box);
+  using VisitBox = double (*)(void* context, std::uint32_t box);
 
   // Builds the tree. Requires columns and rows below 2^16, and finite depths. Errors: kNothingUsable (there
   // is no box); kLimitExceeded and kBadUsage as for BaselineScene::Build.
@@ -33,7 +33,7 @@ class BoxTree {
   BoxTree& operator=(BoxTree&&) noexcept;
 
   // Visits the boxes on the ray through the centre of a pixel.
-  void Visit(int column, int row, Meet meet, void* context) const;
+  void Visit(int column, int row, VisitBox meet, void* context) const;
   std::uint64_t bytes() const;  // memory that Embree has allocated
 
   struct Data;

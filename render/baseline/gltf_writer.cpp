@@ -62,12 +62,12 @@ class GlbWriter {
   };
 
   void AddNode(const MeshNode& node) {
-    std::vector<Rgba> colors = ColorsOf(node, model_);
+    std::vector<Rgba> colors = PlacedFaceColors(node, model_);
     const auto [mesh, fresh] =
         meshes_.try_emplace({node.part, std::move(colors)}, static_cast<int>(gltf_.meshes.size()));
     if (fresh) AddMesh(node.part, mesh->first.second);
     tinygltf::Node placed;
-    placed.name = Printable(model_.instances[model_.InstanceOf(node.first_placed_face)].name);
+    placed.name = Printable(model_.instances[model_.InstanceOfPlacedFace(node.first_placed_face)].name);
     placed.mesh = mesh->second;
     const auto& m = node.placement.m;
     for (int column = 0; column < 4; ++column) {
@@ -91,7 +91,7 @@ class GlbWriter {
       primitive.attributes["POSITION"] = face.positions;
       primitive.attributes["NORMAL"] = face.normals;
       primitive.indices = face.indices;
-      primitive.material = MaterialOf(colors[face.face]);
+      primitive.material = MaterialIndex(colors[face.face]);
       primitive.extras = tinygltf::Value({{"face", tinygltf::Value(static_cast<int>(face.face))}});
       mesh.primitives.push_back(std::move(primitive));
     }
@@ -164,11 +164,11 @@ class GlbWriter {
     return static_cast<int>(gltf_.accessors.size()) - 1;
   }
 
-  int MaterialOf(const Rgba& color) {
+  int MaterialIndex(const Rgba& color) {
     const auto [place, fresh] = materials_.try_emplace(color, static_cast<int>(gltf_.materials.size()));
     if (fresh) {
       tinygltf::Material material;
-      material.name = "color_" + HexOf(color);
+      material.name = "color_" + HexRgba(color);
       material.pbrMetallicRoughness.baseColorFactor = {Linear(color[0]), Linear(color[1]), Linear(color[2]),
                                                        color[3] / 255.0};
       if (color[3] < 255) material.alphaMode = "BLEND";

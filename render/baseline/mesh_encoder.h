@@ -14,10 +14,10 @@ namespace facetless {
 using Rgba = std::array<std::uint8_t, 4>;
 Rgba ToRgba(const Color& color);
 // "b2b2b8", or "b2b2b880" for a colour that is not opaque.
-std::string HexOf(const Rgba& color);
+std::string HexRgba(const Rgba& color);
 
 // The colours of the faces that `node` places, indexed by the face within its part.
-std::vector<Rgba> ColorsOf(const MeshNode& node, const Model& model);
+std::vector<Rgba> PlacedFaceColors(const MeshNode& node, const Model& model);
 
 // Appends the shortest decimal that reads back as the same number.
 void AppendNumber(std::string& text, double number);

@@ -87,14 +87,14 @@ double HalfUlp(float x) {
 
 }  // namespace
 
-bool NamesFacesOf(const Mesh& mesh, const Model& model) {
+bool RefersToFacesOfModel(const Mesh& mesh, const Model& model) {
   if (!mesh.from_model) return false;
   const std::uint32_t placed = model.PlacedFaceCount();
   for (const MeshNode& node : mesh.nodes) {
     const MeshPart& part = mesh.parts[node.part];
     if (part.triangles.empty()) continue;
     if (node.first_placed_face >= placed) return false;
-    const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
+    const Instance& instance = model.instances[model.InstanceOfPlacedFace(node.first_placed_face)];
     const std::uint32_t highest =
         *std::max_element(part.face_of_triangle.begin(), part.face_of_triangle.end());
     if (instance.first_placed_face != node.first_placed_face ||
@@ -207,7 +207,7 @@ Result<Mesh> LoadMesh(const std::string& path, const MeshLoadOptions& options, c
   // Compare with the model.
   const Result<void> size = CheckMeshSize(MeshBounds(mesh.value()), axes.value().unit_mm, model->bounds);
   if (!size.ok()) return Error{size.error().code, name + ": " + size.error().message};
-  mesh.value().from_model = NamesFacesOf(mesh.value(), *model);
+  mesh.value().from_model = RefersToFacesOfModel(mesh.value(), *model);
   return mesh;
 }
 

@@ -55,7 +55,7 @@ Result<void> CheckMeshSize(const Box3& mesh, double unit_mm, const Box3& model);
 
 // Returns whether a mesh that refers to faces (Mesh::from_model) refers to those of `model`: each node is an
 // instance of the model, and each face exists in its part. The mesh may lack instances.
-bool NamesFacesOf(const Mesh& mesh, const Model& model);
+bool RefersToFacesOfModel(const Mesh& mesh, const Model& model);
 
 // The number of triangles whose orientation contradicts the normals at their corners, if that is true of at
 // least nine tenths of the triangles that have an orientation; otherwise 0.

@@ -11,15 +11,15 @@ namespace facetless {
 namespace {
 
 // A position of a solid. −0 and +0 are the same.
-struct Place {
+struct SolidPosition {
   std::array<std::uint32_t, 3> bits;
   std::uint32_t solid;
 
-  bool operator==(const Place&) const = default;
+  bool operator==(const SolidPosition&) const = default;
 };
 
 struct PlaceHash {
-  std::size_t operator()(const Place& place) const {
+  std::size_t operator()(const SolidPosition& place) const {
     // Multiply by an odd constant to spread similar bit patterns.
     std::uint64_t hash = place.solid;
     for (std::uint32_t word : place.bits) hash = (hash ^ word) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
@@ -27,8 +27,8 @@ struct PlaceHash {
   }
 };
 
-Place PlaceOf(const std::array<float, 3>& position, std::uint32_t solid) {
-  Place place{{}, solid};
+SolidPosition MakeSolidPosition(const std::array<float, 3>& position, std::uint32_t solid) {
+  SolidPosition place{{}, solid};
   for (int k = 0; k < 3; ++k) place.bits[k] = std::bit_cast<std::uint32_t>(position[k] + 0.0f);
   return place;
 }
@@ -41,7 +41,7 @@ struct EdgeUse {
   bool SameEdge(const EdgeUse& other) const { return low == other.low && high == other.high; }
 };
 
-MeshTopology TopologyOf(const WeldedPart& part, std::size_t all_triangles) {
+MeshTopology CountSharedEdges(const WeldedPart& part, std::size_t all_triangles) {
   MeshTopology topology;
   topology.triangles = part.triangles.size();
   topology.collapsed = all_triangles - part.triangles.size();
@@ -72,7 +72,7 @@ std::string Counted(std::uint64_t count, const std::string& what) {
 
 WeldedPart Weld(const MeshPart& part, const std::vector<std::uint32_t>& solid_of_face) {
   WeldedPart welded;
-  std::unordered_map<Place, std::uint32_t, PlaceHash> index_of;
+  std::unordered_map<SolidPosition, std::uint32_t, PlaceHash> index_of;
   index_of.reserve(part.positions.size());
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     const std::uint32_t face = part.face_of_triangle[t];
@@ -80,8 +80,8 @@ WeldedPart Weld(const MeshPart& part, const std::vector<std::uint32_t>& solid_of
     std::array<std::uint32_t, 3> corners;
     for (int k = 0; k < 3; ++k) {
       const auto& position = part.positions[part.triangles[t][k]];
-      const auto [found, fresh] =
-          index_of.try_emplace(PlaceOf(position, solid), static_cast<std::uint32_t>(welded.positions.size()));
+      const auto [found, fresh] = index_of.try_emplace(MakeSolidPosition(position, solid),
+                                                       static_cast<std::uint32_t>(welded.positions.size()));
       if (fresh) welded.positions.push_back(position);
       corners[k] = found->second;
     }
@@ -93,7 +93,7 @@ WeldedPart Weld(const MeshPart& part, const std::vector<std::uint32_t>& solid_of
 }
 
 std::vector<std::uint32_t> SolidsOfFaces(const MeshNode& node, const Model& model) {
-  const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
+  const Instance& instance = model.instances[model.InstanceOfPlacedFace(node.first_placed_face)];
   std::vector<std::uint32_t> solids;
   for (const Face& face : FacesOf(model, model.parts[instance.part])) solids.push_back(face.solid);
   return solids;
@@ -106,7 +106,7 @@ MeshTopology MeasureTopology(const Mesh& mesh, const Model& model) {
     const MeshPart& part = mesh.parts[node.part];
     if (part.triangles.empty()) continue;
     std::optional<MeshTopology>& one = of_part[node.part];
-    if (!one) one = TopologyOf(Weld(part, SolidsOfFaces(node, model)), part.triangles.size());
+    if (!one) one = CountSharedEdges(Weld(part, SolidsOfFaces(node, model)), part.triangles.size());
     sum.triangles += one->triangles;
     sum.collapsed += one->collapsed;
     sum.open_edges += one->open_edges;

@@ -38,7 +38,7 @@ Rgba ToRgba(const Color& color) {
   return {byte(color.r), byte(color.g), byte(color.b), byte(color.a)};
 }
 
-std::string HexOf(const Rgba& color) {
+std::string HexRgba(const Rgba& color) {
   constexpr const char* kDigits = "0123456789abcdef";
   std::string text;
   for (std::uint8_t byte : color) text += {kDigits[byte >> 4], kDigits[byte & 15]};
@@ -46,8 +46,8 @@ std::string HexOf(const Rgba& color) {
   return text;
 }
 
-std::vector<Rgba> ColorsOf(const MeshNode& node, const Model& model) {
-  const Instance& instance = model.instances[model.InstanceOf(node.first_placed_face)];
+std::vector<Rgba> PlacedFaceColors(const MeshNode& node, const Model& model) {
+  const Instance& instance = model.instances[model.InstanceOfPlacedFace(node.first_placed_face)];
   std::vector<Rgba> colors;
   for (std::uint32_t f = 0; f < model.parts[instance.part].faces.count; ++f)
     colors.push_back(ToRgba(model.PlacedFaceColor(instance.first_placed_face + f)));
@@ -71,7 +71,7 @@ Vec3 PlacedNormal(const Placement& placement, Vec3 normal) {
   return Normalized(placement.Determinant() < 0 ? -turned : turned);
 }
 
-Result<MeshFormat> MeshFormatOf(const std::string& path) {
+Result<MeshFormat> MeshFormatFromPath(const std::string& path) {
   std::string suffix = std::filesystem::path(path).extension().string();
   for (char& c : suffix)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
@@ -86,7 +86,7 @@ Result<MeshFormat> MeshFormatOf(const std::string& path) {
 
 Result<std::vector<MeshOutput>> EncodeMesh(const Mesh& mesh, const Model& model, MeshFormat format,
                                            const std::string& stem) {
-  if (!NamesFacesOf(mesh, model))
+  if (!RefersToFacesOfModel(mesh, model))
     return Error{ErrorCode::kInternal, "the mesh to be written does not belong to the model"};
   try {
     if (format == MeshFormat::kObj) return EncodeObj(mesh, model, stem);

@@ -1,11 +1,11 @@
 // Writing mesh files: glTF binary, STL, OBJ and 3MF, with the colours of the model if the format supports
 // them.
 //
-//     Result<MeshFormat> format = MeshFormatOf(path);
+//     Result<MeshFormat> format = MeshFormatFromPath(path);
 //     if (!format) return format.error();
 //     auto files = EncodeMesh(mesh, model, format.value(), "part");
 //
-//  1. The suffix of the file name, in any case, selects the format (MeshFormatOf). Any other suffix is an
+//  1. The suffix of the file name, in any case, selects the format (MeshFormatFromPath). Any other suffix is an
 //     error that lists the valid ones.
 //  2. The placed triangles of `mesh` are written. The faces of the mesh must be those of `model`
 //     (Mesh::from_model). A placed face has the colour Model::PlacedFaceColor.
@@ -41,7 +41,7 @@ struct MeshOutput {
 };
 
 // The format that the suffix of the path selects (law 1). Error: kBadUsage.
-Result<MeshFormat> MeshFormatOf(const std::string& path);
+Result<MeshFormat> MeshFormatFromPath(const std::string& path);
 
 // Encodes the mesh. The file that the user named is the last of the result. `stem` is its name without suffix
 // and folder; an OBJ file refers to its material file by it. Errors: kInternal (the mesh does not belong to

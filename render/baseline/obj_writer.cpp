@@ -33,13 +33,13 @@ class ObjWriter {
 
   void Add(const MeshNode& node, const MeshPart& part) {
     const WeldedPart welded = Weld(part, SolidsOfFaces(node, model_));
-    const std::uint32_t instance = model_.InstanceOf(node.first_placed_face);
+    const std::uint32_t instance = model_.InstanceOfPlacedFace(node.first_placed_face);
     text_ += "o " + Word(model_.instances[instance].name, Word(part.name, "part")) + "\n";
     for (const auto& p : welded.positions) AppendVector(text_, "v", node.placement.Point({p[0], p[1], p[2]}));
     for (const auto& n : part.normals)
       AppendVector(text_, "vn", PlacedNormal(node.placement, {n[0], n[1], n[2]}));
 
-    const std::vector<Rgba> colors = ColorsOf(node, model_);
+    const std::vector<Rgba> colors = PlacedFaceColors(node, model_);
     const bool mirrored = node.placement.Determinant() < 0;
     std::uint32_t face = kNoIndex;
     for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
@@ -47,7 +47,7 @@ class ObjWriter {
       if (part.face_of_triangle[source] != face) {
         face = part.face_of_triangle[source];
         text_ += "g " + Word(model_.PlacedFaceName(node.first_placed_face + face), "face") + "\n";
-        text_ += "usemtl " + MaterialOf(colors[face]) + "\n";
+        text_ += "usemtl " + MaterialName(colors[face]) + "\n";
       }
       text_ += 'f';
       for (int k = 0; k < 3; ++k) {
@@ -79,8 +79,8 @@ class ObjWriter {
   std::string Take() && { return std::move(text_); }
 
  private:
-  const std::string& MaterialOf(const Rgba& color) {
-    return materials_.try_emplace(color, "color_" + HexOf(color)).first->second;
+  const std::string& MaterialName(const Rgba& color) {
+    return materials_.try_emplace(color, "color_" + HexRgba(color)).first->second;
   }
 
   const Model& model_;

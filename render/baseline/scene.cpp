@@ -56,7 +56,7 @@ float Entry(double entry, double largest) {
   return std::fabs(entry) >= kLeastEntry * largest ? static_cast<float>(entry) : 0.0f;
 }
 
-PlacedNode Place(const Placement& placement) {
+PlacedNode MakePlacedNode(const Placement& placement) {
   // Transform normals by the cofactors of the placement's linear part, which need no division.
   const auto& m = placement.m;
   PlacedNode node;
@@ -76,7 +76,7 @@ float LargestCoordinate(const MeshPart& part) {
 
 // Returns whether the inverse of the placement keeps rays that start within `reach` of the origin in the
 // valid range: the inverse must not enlarge them beyond the range or reduce them to nothing.
-bool CanBeUndone(const Placement& placement, double reach) {
+bool IsInvertibleInRange(const Placement& placement, double reach) {
   const auto& m = placement.m;
   const Vec3 row[3] = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
   const auto largest = [](Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); };
@@ -145,10 +145,10 @@ class Builder {
     data_.scene = NewScene(data_.device, data_.to_be_cut);
     for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
       const MeshNode& node = mesh_.nodes[i];
-      data_.nodes.push_back(Place(node.placement));
+      data_.nodes.push_back(MakePlacedNode(node.placement));
       const MeshPart& part = mesh_.parts[node.part];
       if (part.triangles.empty()) continue;
-      const bool instanced = shared[node.part] && CanBeUndone(node.placement, data_.reach);
+      const bool instanced = shared[node.part] && IsInvertibleInRange(node.placement, data_.reach);
       if (uses[node.part] > 1 && !instanced) copied += part.triangles.size();
       if (copied > kMostCopied)
         return Error{ErrorCode::kLimitExceeded,

@@ -49,7 +49,7 @@ class ModelWriter {
   void Add(const MeshNode& node, const MeshPart& part) {
     // Placements of one part with the same colours share an object. 3MF does not allow mirroring placements,
     // so mirrored placements share a separate, mirrored object.
-    std::vector<Rgba> colors = ColorsOf(node, model_);
+    std::vector<Rgba> colors = PlacedFaceColors(node, model_);
     const bool mirrored = node.placement.Determinant() < 0;
     const auto [object, fresh] =
         objects_.try_emplace({node.part, mirrored, std::move(colors)},
@@ -58,7 +58,7 @@ class ModelWriter {
       AddObject(object->second, part, Weld(part, SolidsOfFaces(node, model_)), std::get<2>(object->first),
                 mirrored);
     AddItem(object->second, node.placement, mirrored,
-            model_.instances[model_.InstanceOf(node.first_placed_face)].name);
+            model_.instances[model_.InstanceOfPlacedFace(node.first_placed_face)].name);
   }
 
   std::string Text() const {
@@ -70,7 +70,7 @@ class ModelWriter {
             "</metadata>\n<metadata name=\"Application\">facetless</metadata>\n<resources>\n";
     text += "<basematerials id=\"" + std::to_string(kMaterials) + "\">\n";
     for (const Rgba& color : palette_)
-      text += "<base name=\"color_" + HexOf(color) + "\" displaycolor=\"#" + HexOf(color) + "\"/>\n";
+      text += "<base name=\"color_" + HexRgba(color) + "\" displaycolor=\"#" + HexRgba(color) + "\"/>\n";
     text += "</basematerials>\n" + resources_ + "</resources>\n<build>\n" + items_ + "</build>\n</model>\n";
     return text;
   }

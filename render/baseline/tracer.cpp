@@ -198,16 +198,16 @@ class TileTracer {
   bool TraceCutRay(int x, int y, const BaselineOptions& options, std::vector<MetTriangle>* met,
                    std::vector<SolidCrossing>* crossings, SectionDecision* decision) const {
     const Ray ray = PixelRay(frame_, x + 0.5, y + 0.5);
-    const KeptInterval kept = KeptOf(
+    const KeptInterval kept = ClipRayToSections(
         ray, options.sections, frame_.projection == Projection::kPerspective ? frame_.near_mm : -INFINITY);
-    MeetAll(ray, met);
+    FindAllTriangles(ray, met);
 
     // Sort the triangles by depth, and merge those that share an edge.
     const auto solid_of = [&](const MetTriangle& m) {
       if (!data_.mesh->from_model) return m.node;
       const MeshNode& node = data_.mesh->nodes[m.node];
       const std::uint32_t face = data_.mesh->parts[node.part].face_of_triangle[m.triangle];
-      return options.solids->SolidOf(node.first_placed_face + face);
+      return options.solids->ClosedSolidOfFace(node.first_placed_face + face);
     };
     std::sort(met->begin(), met->end(), [&](const MetTriangle& a, const MetTriangle& b) {
       return std::tuple(solid_of(a), a.hit.depth, a.node, a.triangle) <
@@ -243,7 +243,7 @@ class TileTracer {
   }
 
   // Finds all triangles that the ray meets, with their points.
-  void MeetAll(const Ray& ray, std::vector<MetTriangle>* met) const {
+  void FindAllTriangles(const Ray& ray, std::vector<MetTriangle>* met) const {
     met->clear();
     EveryTriangle every;
     rtcInitIntersectContext(&every.context);
@@ -265,15 +265,15 @@ class TileTracer {
     rtcIntersect1(data_.scene, &every.context, &query);
     for (MetTriangle& m : *met) {
       Vec3 corners[3], normals[3];
-      CornersOf(m.node, m.triangle, corners, normals);
+      LoadTriangleCorners(m.node, m.triangle, corners, normals);
       const double side = data_.nodes[m.node].side;
       m.hit = Refine(frame_, ray, start_, corners, normals, side);
       m.leaving = side * Dot(Cross(corners[1] - corners[0], corners[2] - corners[0]), ray.direction) > 0;
     }
   }
 
-  void CornersOf(std::uint32_t node_index, std::uint32_t triangle, Vec3 (&corners)[3],
-                 Vec3 (&normals)[3]) const {
+  void LoadTriangleCorners(std::uint32_t node_index, std::uint32_t triangle, Vec3 (&corners)[3],
+                           Vec3 (&normals)[3]) const {
     const MeshNode& node = data_.mesh->nodes[node_index];
     const MeshPart& part = data_.mesh->parts[node.part];
     const PlacedNode& placed = data_.nodes[node_index];
@@ -290,7 +290,7 @@ class TileTracer {
 
   void Store(std::size_t pixel, const Ray& ray, std::uint32_t node_index, std::uint32_t triangle) const {
     Vec3 corners[3], normals[3];
-    CornersOf(node_index, triangle, corners, normals);
+    LoadTriangleCorners(node_index, triangle, corners, normals);
     const HitPoint hit = Refine(frame_, ray, start_, corners, normals, data_.nodes[node_index].side);
     out_.depth[pixel] = hit.depth;
     out_.normal[pixel] = {static_cast<float>(hit.normal.x), static_cast<float>(hit.normal.y),

@@ -55,7 +55,8 @@ struct Subject {
     for (std::uint32_t solid = 0; solid < solids->stride(); ++solid) caps.push_back(solids->ColorOf(solid));
     if (options.coloring.source != ColorSource::kFile)
       for (std::uint32_t face = 0; face < colors.size(); ++face)
-        if (const std::uint32_t solid = solids->SolidOf(face); solid != kNoIndex) caps[solid] = colors[face];
+        if (const std::uint32_t solid = solids->ClosedSolidOfFace(face); solid != kNoIndex)
+          caps[solid] = colors[face];
     for (std::size_t plane = 0; plane < options.sections.size(); ++plane)
       colors.insert(colors.end(), caps.begin(), caps.end());
   }
@@ -187,7 +188,7 @@ class ViewMaker {
         camera_(camera),
         subject_(subject),
         options_(options),
-        grid_(GridOf(options.samples)) {}
+        grid_(EvenSampleGrid(options.samples)) {}
 
   // Makes the view. `reference` is null for a view without a comparison, for which lines are found here.
   Result<View> Make(const ReferenceView* reference) {
@@ -208,7 +209,7 @@ class ViewMaker {
  private:
   Result<void> TraceCentres() {
     Result<TracedView> traced = representation_.Trace(camera_,
-                                                      {.uv = options_.uv || WantsUv(options_.inspection.kind),
+                                                      {.uv = options_.uv || NeedsUv(options_.inspection.kind),
                                                        .depth_error = options_.depth_error,
                                                        .audit = options_.audit},
                                                       options_.execution);
@@ -365,7 +366,7 @@ Error OutOfMemory(const Camera& camera) {
 
 }  // namespace
 
-SampleGrid GridOf(int samples) {
+SampleGrid EvenSampleGrid(int samples) {
   SampleGrid grid{samples, 1};
   for (int y = 1; y * y <= samples; ++y)
     if (samples % y == 0) grid = {samples / y, y};

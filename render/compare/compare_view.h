@@ -67,7 +67,7 @@ struct SampleGrid {
   int x = 1, y = 1;
 };
 // The most even factorisation of the number of samples: 4 → 2×2, 8 → 4×2, 7 → 7×1.
-SampleGrid GridOf(int samples);
+SampleGrid EvenSampleGrid(int samples);
 
 // The view of one representation from one camera.
 struct View {

@@ -232,7 +232,7 @@ Result<Difference> ComputeDifference(const DifferenceInput& input) {
   // Only a closed solid defines which side is outside.
   std::vector<bool> closed(input.model.PlacedFaceCount(), false);
   for (const Instance& instance : input.model.instances) {
-    for (const PlacedFace placed : PlacedFacesOf(input.model, instance)) {
+    for (const PlacedFace placed : WalkPlacedFaces(input.model, instance)) {
       const std::uint32_t solid = input.model.faces[placed.face].solid;
       closed[placed.id] = solid != kNoIndex && input.model.solids[solid].closed;
     }

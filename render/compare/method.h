@@ -8,7 +8,7 @@
 //     setting is measured once.
 //  3. A method starts from the model as exact surfaces.
 //
-// A new method needs one file and one row of kBuiltIn (method.cpp). Programs outside this library register
+// A new method needs one file and one row of BuiltIn() (method.cpp). Programs outside this library register
 // their methods:
 //
 //   const RegisterMethod kPoints({.name = "points", .title = "Points", .help = "...", .make = MakePoints});

@@ -49,13 +49,13 @@ class Channels {
   void Id(const char* name, const std::uint32_t* first) { Add(name, Imf::UINT, first, sizeof *first); }
   // Adds a channel of values that must be converted; `value(i)` returns them.
   template <typename Value>
-  void FloatOf(const char* name, std::size_t count, Value value) {
+  void AddConvertedFloats(const char* name, std::size_t count, Value value) {
     std::vector<float>& floats = floats_.emplace_back(count);
     for (std::size_t i = 0; i < count; ++i) floats[i] = static_cast<float>(value(i));
     Float(name, floats.data(), sizeof(float));
   }
   template <typename Value>
-  void IdOf(const char* name, std::size_t count, Value value) {
+  void AddConvertedIds(const char* name, std::size_t count, Value value) {
     std::vector<std::uint32_t>& ids = ids_.emplace_back(count);
     for (std::size_t i = 0; i < count; ++i) ids[i] = static_cast<std::uint32_t>(value(i));
     Id(name, ids.data());
@@ -98,7 +98,8 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
     return Error{ErrorCode::kSizeMismatch, path + ": the curvature and the samples have different sizes"};
   try {
     Channels channels(samples.width, samples.height);
-    if (aovs.depth) channels.FloatOf("depth.Z", count, [&](std::size_t i) { return samples.depth[i]; });
+    if (aovs.depth)
+      channels.AddConvertedFloats("depth.Z", count, [&](std::size_t i) { return samples.depth[i]; });
     if (aovs.normal)
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const char* const names[] = {"normal.X", "normal.Y", "normal.Z"};
@@ -106,12 +107,12 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
       }
     if (aovs.face) channels.Id("face.id", samples.face.data());
     if (aovs.uv) {
-      channels.FloatOf("uv.U", count, [&](std::size_t i) { return samples.uv[i][0]; });
-      channels.FloatOf("uv.V", count, [&](std::size_t i) { return samples.uv[i][1]; });
+      channels.AddConvertedFloats("uv.U", count, [&](std::size_t i) { return samples.uv[i][0]; });
+      channels.AddConvertedFloats("uv.V", count, [&](std::size_t i) { return samples.uv[i][1]; });
     }
     if (aovs.certificate) {
-      channels.IdOf("certificate.C", count, [&](std::size_t i) { return samples.certificate[i]; });
-      channels.IdOf("certificate.doubt", count, [&](std::size_t i) { return samples.doubt[i]; });
+      channels.AddConvertedIds("certificate.C", count, [&](std::size_t i) { return samples.certificate[i]; });
+      channels.AddConvertedIds("certificate.doubt", count, [&](std::size_t i) { return samples.doubt[i]; });
       channels.Float("certificate.error", samples.depth_error.data(), sizeof(float));
     }
     if (aovs.curvature != nullptr) channels.Float("curvature.H", aovs.curvature->data(), sizeof(float));

@@ -19,7 +19,7 @@ namespace {
 constexpr int kMostSteps = 6;
 
 // The foot of `target` on the surface, within its grid, found by Gauss–Newton from `start`.
-Vec2 FootOf(const SurfaceEval& surface, Vec3 target, Vec2 start) {
+Vec2 FindSurfaceFoot(const SurfaceEval& surface, Vec3 target, Vec2 start) {
   const auto within = [&](Vec2 at) {
     return Vec2{std::clamp(at.x, surface.u_begin(), surface.u_end()),
                 std::clamp(at.y, surface.v_begin(), surface.v_end())};
@@ -70,7 +70,7 @@ class EdgeMeter {
     Vec3 before;
     for (int k = 0; k <= kPlaces; ++k) {
       const double parameter = k < kPlaces ? begin + (end - begin) * k / kPlaces : end;
-      const EdgePoint place = PointOfEdge(model_, edge, parameter);
+      const EdgePoint place = EvaluateEdge(model_, edge, parameter);
       if (k > 0) result.length_mm += Length(place.position - before);
       before = place.position;
       const std::optional<Side> one = SideAt(uses[0], place, parameter),
@@ -96,8 +96,8 @@ class EdgeMeter {
 
   std::optional<Side> SideAt(const EdgeUse& use, const EdgePoint& place, double parameter) const {
     const SurfaceEval& surface = surfaces_[use.face];
-    const Vec2 foot =
-        FootOf(surface, place.position, PointOfCoedge(model_, model_.coedges[use.coedge], parameter));
+    const Vec2 foot = FindSurfaceFoot(surface, place.position,
+                                      EvaluateCoedge(model_, model_.coedges[use.coedge], parameter));
     const SurfacePoint point = surface.Second(foot.x, foot.y);
     const std::optional<TangentFrame> frame =
         FrameAt(point, model_.faces[use.face].reversed ? -1 : 1, surface.u_end() - surface.u_begin(),
@@ -142,7 +142,7 @@ class EdgeMeter {
   const std::vector<SurfaceEval>& surfaces_;
 };
 
-double MeasureOf(const EdgeContinuity& edge) {
+double GradeMeasure(const EdgeContinuity& edge) {
   switch (edge.grade) {
     case Grade::kGap:
       return edge.gap_mm.value;
@@ -192,7 +192,7 @@ Result<Continuity> MeasureContinuity(const Model& model, const Execution& execut
   }
   std::stable_sort(continuity.edges.begin(), continuity.edges.end(),
                    [](const EdgeContinuity& a, const EdgeContinuity& b) {
-                     return a.grade != b.grade ? a.grade < b.grade : MeasureOf(a) > MeasureOf(b);
+                     return a.grade != b.grade ? a.grade < b.grade : GradeMeasure(a) > GradeMeasure(b);
                    });
   return continuity;
 }

@@ -34,7 +34,7 @@ constexpr Rgb kPlain = {205, 208, 212}, kSignal = {204, 30, 140}, kWarning = {23
 
 // The classes of each kind, in the order of Painter::ClassOf. The colours are distinct for all common kinds
 // of colour blindness (Okabe and Ito).
-std::vector<InspectionClass> ClassesOf(const Inspection& inspection) {
+std::vector<InspectionClass> InspectionClasses(const Inspection& inspection) {
   const auto classes = [](std::initializer_list<std::pair<const char*, Rgb>> list) {
     std::vector<InspectionClass> out;
     for (const auto& [name, rgb] : list) out.push_back({name, ToColor(rgb), 0});
@@ -93,7 +93,8 @@ class Painter {
         pattern_(view.inspection, frame, bounds),
         scale_(view.quantity.has_sign),
         none_(Linear(ToColor(kNoNumber))) {
-    for (const InspectionClass& one : ClassesOf(view.inspection)) class_colors_.push_back(Linear(one.color));
+    for (const InspectionClass& one : InspectionClasses(view.inspection))
+      class_colors_.push_back(Linear(one.color));
   }
 
   // Requires a kind with classes. `normal` is the outward one.
@@ -185,15 +186,15 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
   if (Result<void> sound = CheckSizes(centres); !sound.ok()) return sound.error();
   InspectionView view;
   view.inspection = inspection;
-  view.quantity = QuantityOf(inspection);
+  view.quantity = InspectionQuantity(inspection);
 
   // Compute the numbers.
   if (HasValues(inspection.kind)) {
     Result<PerSample<double>> values = InspectionValues(model, scene, centres, frame, inspection, execution);
     if (!values.ok()) return values.error();
     view.values = std::move(values).value();
-    view.statistics = StatisticsOf(view.values, centres);
-    view.range = RangeOf(inspection, view.statistics, model.Diagonal());
+    view.statistics = ComputeStatistics(view.values, centres);
+    view.range = ResolveRange(inspection, view.statistics, model.Diagonal());
   }
 
   // Count the pixels of the faces, and then of the classes, which may depend on them.
@@ -204,7 +205,7 @@ Result<InspectionView> Measure(const Model& model, const Scene* scene, const Sam
   }
   for (std::size_t i = 0; i < centres.size(); ++i)
     view.back_pixels += IsNumber(centres, i) && !IsCap(model, centres.face[i]) && IsBack(centres, frame, i);
-  view.classes = ClassesOf(inspection);
+  view.classes = InspectionClasses(inspection);
   if (view.classes.empty()) return view;
   const Painter painter(view, centres, view.values, frame, model.bounds);
   for (std::size_t i = 0; i < centres.size(); ++i) {

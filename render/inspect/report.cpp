@@ -21,7 +21,7 @@ std::string HexColor(const Color& color) {
 }
 
 // The faces that the view shows at too few pixel centres, those without any first.
-json HardlySeen(const InspectionView& view, const Model& model) {
+json HardlyVisibleFaces(const InspectionView& view, const Model& model) {
   json list = json::array();
   for (int pixels = 0; pixels < view.inspection.few_pixels && list.size() < kMostListedBreaks; ++pixels)
     for (std::uint32_t id = 0; id < view.face_pixels.size() && list.size() < kMostListedBreaks; ++id)
@@ -87,7 +87,8 @@ json InspectionJson(const InspectionView& view, const Model& model) {
   for (const InspectionClass& one : view.classes)
     classes.push_back({{"name", one.name}, {"pixels", one.pixels}, {"color", HexColor(one.color)}});
   if (!classes.empty()) out["classes"] = classes;
-  if (view.inspection.kind == InspectionKind::kUnseen) out["faces_hardly_seen"] = HardlySeen(view, model);
+  if (view.inspection.kind == InspectionKind::kUnseen)
+    out["faces_hardly_seen"] = HardlyVisibleFaces(view, model);
   return out;
 }
 

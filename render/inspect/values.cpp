@@ -117,7 +117,7 @@ bool HasValues(InspectionKind kind) {
          kind == InspectionKind::kThickness;
 }
 
-Quantity QuantityOf(const Inspection& inspection) {
+Quantity InspectionQuantity(const Inspection& inspection) {
   switch (inspection.kind) {
     case InspectionKind::kCurvature:
       switch (inspection.curvature) {
@@ -139,7 +139,7 @@ Quantity QuantityOf(const Inspection& inspection) {
   }
 }
 
-bool WantsUv(InspectionKind kind) {
+bool NeedsUv(InspectionKind kind) {
   return HasValues(kind);
 }
 
@@ -167,7 +167,7 @@ Result<PerSample<double>> InspectionValues(const Model& model, const Scene* scen
   return values;
 }
 
-ValueStatistics StatisticsOf(const PerSample<double>& values, const SampleBuffer& samples) {
+ValueStatistics ComputeStatistics(const PerSample<double>& values, const SampleBuffer& samples) {
   ValueStatistics statistics;
   std::vector<double> numbers;
   double sum = 0;
@@ -194,7 +194,7 @@ ValueStatistics StatisticsOf(const PerSample<double>& values, const SampleBuffer
   return statistics;
 }
 
-ValueRange RangeOf(const Inspection& inspection, const ValueStatistics& statistics, double diagonal_mm) {
+ValueRange ResolveRange(const Inspection& inspection, const ValueStatistics& statistics, double diagonal_mm) {
   if (inspection.range) return *inspection.range;
   if (inspection.kind == InspectionKind::kDraft) return {-90, 90};
   const double diagonal = diagonal_mm > 0 ? diagonal_mm : 1;

@@ -2,7 +2,7 @@
 //
 //     auto values = InspectionValues(model, &scene, samples, frame, inspection, {});
 //     if (!values) return values.error();
-//     const ValueStatistics statistics = StatisticsOf(values.value(), samples);
+//     const ValueStatistics statistics = ComputeStatistics(values.value(), samples);
 //
 //  1. If the samples have native parameters (SampleBuffer::uv), normals and derivatives are evaluated on the
 //     surface in double. Otherwise, draft uses the normals of the samples, and curvature and thickness give
@@ -38,7 +38,7 @@ struct Quantity {
   bool has_sign = false;
 };
 bool HasValues(InspectionKind kind);
-Quantity QuantityOf(const Inspection& inspection);
+Quantity InspectionQuantity(const Inspection& inspection);
 
 // Returns whether the viewer sees the surface from inside, by more than the rounding error of a float32
 // normal (kSettled).
@@ -46,7 +46,7 @@ inline constexpr double kSettled = 0x1p-20;  // eight units in the last place
 bool IsBack(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i);
 
 // Returns whether the tracer must fill SampleBuffer::uv so that InspectionValues is exact.
-bool WantsUv(InspectionKind kind);
+bool NeedsUv(InspectionKind kind);
 
 // Computes the value of each sample. Requires a kind for which HasValues is true. `scene` is the scene of the
 // model, or null for samples of a mesh. Errors: kBadUsage (law 1), kSizeMismatch, kCancelled.
@@ -58,9 +58,9 @@ struct ValueStatistics {
   std::size_t count = 0, none = 0;  // hits with and without a number
   double min = 0, max = 0, mean = 0, p2 = 0, p50 = 0, p98 = 0;
 };
-ValueStatistics StatisticsOf(const PerSample<double>& values, const SampleBuffer& samples);
+ValueStatistics ComputeStatistics(const PerSample<double>& values, const SampleBuffer& samples);
 
 // `inspection.range` if it is set, or else the robust range of law 3.
-ValueRange RangeOf(const Inspection& inspection, const ValueStatistics& statistics, double diagonal_mm);
+ValueRange ResolveRange(const Inspection& inspection, const ValueStatistics& statistics, double diagonal_mm);
 
 }  // namespace facetless

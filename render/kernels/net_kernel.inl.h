@@ -483,7 +483,7 @@ inline bool LeavesOutZero(Planes low, Planes high, Planes error, bool all) {
 }
 
 template <int P, int Q>
-Residual ResidualOf(const BezierNet& net, double x, double y) {
+Residual ComputeResidual(const BezierNet& net, double x, double y) {
   constexpr double kRounding = 2 * kEpsilon;  // rounding of F: one product and one difference
   const int pu = Degree<P>(net.degree_u), pv = Degree<Q>(net.degree_v), stride = pv + 1,
             n = (pu + 1) * stride;
@@ -551,7 +551,8 @@ Residual ResidualOf(const BezierNet& net, double x, double y) {
 }
 
 Residual MeasureResidual(const BezierNet& net, double x, double y) {
-  return ByDegrees(net.degree_u, net.degree_v, [&]<int P, int Q>() { return ResidualOf<P, Q>(net, x, y); });
+  return ByDegrees(net.degree_u, net.degree_v,
+                   [&]<int P, int Q>() { return ComputeResidual<P, Q>(net, x, y); });
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ class Packet {
 
   void Write() const {
     for (int i = 0; i < kPacketHeight; ++i) {
-      const int from = i * kPacketWidth, to = SampleOf(from);
+      const int from = i * kPacketWidth, to = LaneSample(from);
       for (int j = 0; j < kPacketWidth; ++j) {
         job_.depth[to + j] = depth_[from + j];
         job_.error[to + j] = error_[from + j];
@@ -105,7 +105,7 @@ class Packet {
     if (job_.normal) WriteNormals();
   }
 
-  int SampleOf(int lane) const {
+  int LaneSample(int lane) const {
     return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
   }
 
@@ -200,7 +200,7 @@ class Packet {
         again &= Less(found + SetWide(-leaf.depth_error), Load(reach_ + lane));
         for (; again; again &= again - 1) {
           const int k = __builtin_ctz(again);
-          NoteLeast(lane + k, depth[i + k], leaf.depth_error);
+          RecordLeastDepth(lane + k, depth[i + k], leaf.depth_error);
         }
       }
       hit_ |= nearer << lane;
@@ -224,7 +224,7 @@ class Packet {
   bool AcceptRoot(const CertifiedLeaf& leaf, double root_error, std::uint32_t index, int lane, TileHit hit) {
     if (!(hit.depth > job_.near_depth)) return false;
     if (nearest_only_ && !Matters(lane, hit)) {
-      NoteLeast(lane, hit.depth, hit.error);  // without testing the trimming
+      RecordLeastDepth(lane, hit.depth, hit.error);  // without testing the trimming
       return false;
     }
     std::uint8_t doubt = 0;
@@ -242,13 +242,13 @@ class Packet {
 
   // Accepts a hit. Returns whether it is the nearest so far.
   bool AcceptHit(std::uint32_t index, int lane, const TileHit& hit, std::uint8_t doubt) {
-    if (job_.every_hit) job_.resolver->RecordHit(SampleOf(lane), index, hit, doubt);
+    if (job_.every_hit) job_.resolver->RecordHit(LaneSample(lane), index, hit, doubt);
     if (job_.coincidences && leaf_[lane] != kMiss && hit.depth - hit.error <= Reach(lane) &&
         depth_[lane] - error_[lane] <= hit.depth + hit.error &&
         job_.leaves.Header(static_cast<std::uint32_t>(leaf_[lane])).placed_face !=
             job_.leaves.Header(index).placed_face)
       AddDoubt(lane, kDoubtCoincident, std::fmin(hit.depth - hit.error, depth_[lane] - error_[lane]));
-    if (hit_ >> lane & 1) NoteLeast(lane, hit.depth, hit.error);
+    if (hit_ >> lane & 1) RecordLeastDepth(lane, hit.depth, hit.error);
     if (!(hit.depth < depth_[lane])) return false;
     hit_ |= 1u << lane;
     depth_[lane] = hit.depth;
@@ -263,7 +263,7 @@ class Packet {
   // Records the second and all later hits of a lane. When the error intervals of two hits overlap, either may
   // be the nearest, so the smallest possible depth is recorded. A hit without an error bound has a doubt and
   // is not recorded.
-  void NoteLeast(int lane, double depth, double error) {
+  void RecordLeastDepth(int lane, double depth, double error) {
     if (!(depth - error < Reach(lane))) return;
     if (!several_) std::fill_n(least_, kPacketLanes, kInfinity);
     several_ = true;
@@ -337,7 +337,7 @@ class Packet {
     }
     for (; group; group &= group - 1) {
       const int k = __builtin_ctz(group);
-      std::array<float, 3>& out = job_.normal[SampleOf(first + k)];
+      std::array<float, 3>& out = job_.normal[LaneSample(first + k)];
       if (known >> k & 1) {
         out = {static_cast<float>(x[k]), static_cast<float>(y[k]), static_cast<float>(z[k])};
       } else {

@@ -71,7 +71,7 @@ void CoverRow(const Stroke& s, double half_width, int y, std::vector<float>* cov
 }
 
 void DrawKind(std::span<const ViewLine> lines, LineClass kind, bool visible, Film* film) {
-  const LineStyle style = StyleOf(kind, visible);
+  const LineStyle style = LineStyleFor(kind, visible);
   std::vector<Stroke> strokes;
   for (const ViewLine& line : lines)
     if (line.kind == kind && line.visible == visible) AddStrokes(line, style, &strokes);
@@ -158,7 +158,7 @@ std::string Hex(const float (&ink)[3]) {
 
 }  // namespace
 
-LineStyle StyleOf(LineClass kind, bool visible) {
+LineStyle LineStyleFor(LineClass kind, bool visible) {
   LineStyle style;
   switch (kind) {
     case LineClass::kSeam:
@@ -233,7 +233,7 @@ std::string LinesSvg(std::span<const ViewLine> lines, int width_px, int height_p
         paths += "\"/>\n";
       }
       if (paths.empty()) continue;
-      const LineStyle style = StyleOf(kind, visible);
+      const LineStyle style = LineStyleFor(kind, visible);
       const std::string name = kLineClassNames[k];
       svg += "." + name + (visible ? ".visible" : ".hidden") + " { stroke: " + Hex(style.ink) +
              "; stroke-width: " + Number(style.width) + "; stroke-opacity: " + Number(style.cover);

@@ -9,7 +9,7 @@
 //     linearly in between. The coverages of pieces of the same kind are combined by their maximum, so joints
 //     do not appear darker. sqrt is the only libm function used, and the bytes are the same for any number of
 //     threads.
-//  2. Hidden lines lie below the others, dashed and lighter. StyleOf has the style of both.
+//  2. Hidden lines lie below the others, dashed and lighter. LineStyleFor has the style of both.
 #pragma once
 
 #include <span>
@@ -27,7 +27,7 @@ struct LineStyle {
   float ink[3] = {0.016f, 0.017f, 0.020f};  // linear light
   double dash = 0, gap = 0;                 // pixels; 0: solid
 };
-LineStyle StyleOf(LineClass kind, bool visible);
+LineStyle LineStyleFor(LineClass kind, bool visible);
 
 // Draws lines. `film` must consist of pixels, not samples. The lines must lie in the picture or near it, as
 // those of FindLines do.

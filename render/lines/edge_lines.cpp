@@ -59,7 +59,7 @@ class Projector {
   Projector(const Model& model, const Instance& instance, const Camera& camera, const CameraFrame& frame)
       : model_(model),
         placement_(instance.placement),
-        to_placed_face_(PlacedFaceOf(model, instance, 0)),
+        to_placed_face_(PlacedFaceId(model, instance, 0)),
         camera_(camera),
         frame_(frame) {}
 

@@ -340,7 +340,7 @@ std::vector<ViewLine> Collect(const Scene& scene, const SectionPlane* plane, con
   ParallelFor(std::size_t{0}, jobs.size(), [&](std::size_t k) {
     if (execution.cancelled()) return;
     const Instance& instance = model.instances[jobs[k].instance];
-    const std::uint32_t placed_face = PlacedFaceOf(model, instance, jobs[k].face);
+    const std::uint32_t placed_face = PlacedFaceId(model, instance, jobs[k].face);
     const FaceValue value(model, jobs[k].face, instance, frame, plane);
     FaceTracer(scene.data(), jobs[k].face, placed_face, value,
                plane ? LineClass::kCut : LineClass::kSilhouette, jobs[k].cells, camera, frame)

@@ -20,8 +20,8 @@ double Height(const CameraFrame& frame, const SectionPlane& plane, const LinePoi
 
 // The point where the height changes its sign. It is found by bisection, because the height is linear along
 // the line in space, but not on the screen.
-LinePoint CrossingOf(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& a,
-                     const LinePoint& b) {
+LinePoint FindPlaneCrossing(const CameraFrame& frame, const SectionPlane& plane, const LinePoint& a,
+                            const LinePoint& b) {
   const bool above = Height(frame, plane, a) > 0;
   double low = 0, high = 1;
   for (int i = 0; i < 30; ++i) {
@@ -80,7 +80,7 @@ void ClipLine(const CameraFrame& frame, const std::vector<SectionPlane>& planes,
         if (i > 0) {
           const double before = Height(frame, planes[k], whole.points[i - 1]);
           if ((before > 0) != (here > 0)) {
-            piece.points.push_back(CrossingOf(frame, planes[k], whole.points[i - 1], whole.points[i]));
+            piece.points.push_back(FindPlaneCrossing(frame, planes[k], whole.points[i - 1], whole.points[i]));
             if (here > 0) end();
           }
         }

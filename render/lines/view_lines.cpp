@@ -41,10 +41,10 @@ std::vector<std::vector<std::uint32_t>> JoinedFaces(const Model& model) {
       for (const EdgeUse& b : uses[e])
         if (a.face != b.face) of_face[a.face].push_back(b.face);
   for (const Instance& instance : model.instances) {
-    for (const PlacedFace placed : PlacedFacesOf(model, instance)) {
+    for (const PlacedFace placed : WalkPlacedFaces(model, instance)) {
       std::vector<std::uint32_t>& own = joined[placed.id];
       for (const std::uint32_t other : of_face[placed.face])
-        own.push_back(PlacedFaceOf(model, instance, other));
+        own.push_back(PlacedFaceId(model, instance, other));
       std::sort(own.begin(), own.end());
       own.erase(std::unique(own.begin(), own.end()), own.end());
     }

@@ -66,7 +66,7 @@ class Judge {
     double change = std::isfinite(there) ? std::clamp(there - depth, -most, most) : most;
     if (own) {
       // The contour may deviate from the chord of the line, away from the surface.
-      const double steep = SlopeOf(normal, ray.direction);
+      const double steep = DepthSlope(normal, ray.direction);
       change = std::fabs(change) + kFlatness * scale() * steep * pixel;
     }
     return p.depth <= depth + std::max(change, 0.0) + 2 * std::fabs(change) + kSlack * pixel;
@@ -98,7 +98,7 @@ class Judge {
     return false;
   }
   // The slope of the surface, in pixels of depth per pixel of the picture.
-  static double SlopeOf(Vec3 normal, Vec3 direction) {
+  static double DepthSlope(Vec3 normal, Vec3 direction) {
     const double toward = std::fabs(Dot(normal, direction)) / Length(direction);
     const double square = Dot(normal, normal) - toward * toward;
     return toward > 0 ? std::sqrt(std::max(square, 0.0)) / toward : INFINITY;

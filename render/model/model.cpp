@@ -41,7 +41,7 @@ std::uint32_t Model::PlacedFaceCount() const {
   return last.first_placed_face + parts[last.part].faces.count;
 }
 
-std::uint32_t Model::InstanceOf(std::uint32_t id) const {
+std::uint32_t Model::InstanceOfPlacedFace(std::uint32_t id) const {
   assert(id < PlacedFaceCount());
   // Find the last instance that starts at or before `id`. An instance of an empty part shares its start with
   // the next one, which comes later.
@@ -51,13 +51,13 @@ std::uint32_t Model::InstanceOf(std::uint32_t id) const {
   return static_cast<std::uint32_t>(after - instances.begin()) - 1;
 }
 
-std::uint32_t Model::FaceOf(std::uint32_t id) const {
-  const Instance& instance = instances[InstanceOf(id)];
+std::uint32_t Model::FaceOfPlacedFace(std::uint32_t id) const {
+  const Instance& instance = instances[InstanceOfPlacedFace(id)];
   return FacesOf(*this, instance).first + (id - instance.first_placed_face);
 }
 
 std::string Model::PlacedFaceName(std::uint32_t id) const {
-  const Instance& instance = instances[InstanceOf(id)];
+  const Instance& instance = instances[InstanceOfPlacedFace(id)];
   const Part& part = parts[instance.part];
   const std::uint32_t index = id - instance.first_placed_face;
   const Face& face = faces[part.faces.first + index];
@@ -77,7 +77,7 @@ std::string Model::PlacedFaceName(std::uint32_t id) const {
 }
 
 Color Model::PlacedFaceColor(std::uint32_t id) const {
-  const Instance& instance = instances[InstanceOf(id)];
+  const Instance& instance = instances[InstanceOfPlacedFace(id)];
   const Face& face = faces[FacesOf(*this, instance).first + (id - instance.first_placed_face)];
   if (face.has_color) return face.color;
   if (instance.has_color) return instance.color;

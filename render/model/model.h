@@ -220,9 +220,9 @@ struct Model {
 
   std::uint32_t PlacedFaceCount() const;
   // The index of the instance that owns placed face `id`, by binary search. Requires id < PlacedFaceCount().
-  std::uint32_t InstanceOf(std::uint32_t id) const;
+  std::uint32_t InstanceOfPlacedFace(std::uint32_t id) const;
   // The index into `faces` of placed face `id`.
-  std::uint32_t FaceOf(std::uint32_t id) const;
+  std::uint32_t FaceOfPlacedFace(std::uint32_t id) const;
   // The name of a placed face, composed of the names of the instance and the face, or of the entity if the
   // file gives no name. It is never empty.
   std::string PlacedFaceName(std::uint32_t id) const;

@@ -28,7 +28,7 @@ EdgeUses::EdgeUses(const Model& model) : first_(model.edges.size() + 1, 0) {
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
   for (std::uint32_t f = 0; f < model.faces.size(); ++f)
     for (const Coedge& coedge : CoedgesOf(model, model.faces[f]))
-      if (coedge.edge != kNoIndex) uses_[next[coedge.edge]++] = {f, IndexOf(model.coedges, coedge)};
+      if (coedge.edge != kNoIndex) uses_[next[coedge.edge]++] = {f, IndexWithin(model.coedges, coedge)};
 }
 
 }  // namespace facetless

@@ -4,7 +4,7 @@
 //       for (const TrimSegment& segment : SegmentsOf(model, coedge))
 //         for (const Vec3& point : PointsOf(model, segment)) box.Add(point);
 //
-//     for (const PlacedFace placed : PlacedFacesOf(model, instance))
+//     for (const PlacedFace placed : WalkPlacedFaces(model, instance))
 //       if (model.faces[placed.face].name == name) return placed.id;
 //
 //  1. A range refers to the model: it copies nothing, allocates nothing, and must not outlive the model's
@@ -57,7 +57,7 @@ std::span<const T> Elements(const std::vector<T>& vector, Range range) {
 
 // The index of an element that belongs to `vector`.
 template <typename T>
-std::uint32_t IndexOf(const std::vector<T>& vector, const T& element) {
+std::uint32_t IndexWithin(const std::vector<T>& vector, const T& element) {
   return static_cast<std::uint32_t>(&element - vector.data());
 }
 
@@ -177,7 +177,7 @@ inline Range FacesOf(const Model& model, const Instance& instance) {
 }
 
 // The placed-face id of a face of the instance's part, as placed by the instance.
-inline std::uint32_t PlacedFaceOf(const Model& model, const Instance& instance, std::uint32_t face) {
+inline std::uint32_t PlacedFaceId(const Model& model, const Instance& instance, std::uint32_t face) {
   return instance.first_placed_face + (face - FacesOf(model, instance).first);
 }
 
@@ -213,7 +213,7 @@ class PlacedFaceRange {
   Range faces_;
 };
 
-inline PlacedFaceRange PlacedFacesOf(const Model& model, const Instance& instance) {
+inline PlacedFaceRange WalkPlacedFaces(const Model& model, const Instance& instance) {
   return {instance.first_placed_face, FacesOf(model, instance)};
 }
 

@@ -12,7 +12,7 @@ constexpr double kRounding = 8 * 0x1p-53;
 
 }  // namespace
 
-double LineImage::DistanceOf(double px, double py) const {
+double LineImage::DistanceToLine(double px, double py) const {
   return std::fabs(normal_x * (px - x) + normal_y * (py - y));
 }
 
@@ -48,7 +48,7 @@ LineImage FitLine(const BezierNet& net) {
   double farthest = 0;
   line.is_line = true;
   for (int i = 0; i < net.points(); ++i) {
-    const double x = image_x(i), y = image_y(i), distance = line.DistanceOf(x, y);
+    const double x = image_x(i), y = image_y(i), distance = line.DistanceToLine(x, y);
     farthest = std::max(farthest, distance);
     line.is_line = line.is_line && distance <= 4 * std::max(ends, error_of(i, std::fabs(x) + std::fabs(y)));
   }

@@ -17,7 +17,7 @@ struct LineImage {
   double normal_x = 0, normal_y = 0;  // unit
   double half_width = 0;
 
-  double DistanceOf(double px, double py) const;
+  double DistanceToLine(double px, double py) const;
 };
 
 // The line through the image of the first control point and the image farthest from it. If a weight may be

@@ -16,7 +16,7 @@ const EdgeSegment& SegmentAt(const Model& model, const Edge& edge, double parame
   return segments[s];
 }
 
-EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter) {
+EdgePoint EvaluateEdge(const Model& model, const Edge& edge, double parameter) {
   const EdgeSegment& segment = SegmentAt(model, edge, parameter);
   const double t = std::clamp((parameter - segment.begin) / (segment.end - segment.begin), 0.0, 1.0);
   const std::span<const Vec4> points = PointsOf(model, segment);
@@ -28,7 +28,7 @@ EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter) {
   return {position, Normalized(Vec3{d.x, d.y, d.z} - d.w * position)};
 }
 
-Vec2 PointOfCoedge(const Model& model, const Coedge& coedge, double parameter) {
+Vec2 EvaluateCoedge(const Model& model, const Coedge& coedge, double parameter) {
   double best = INFINITY;
   Vec2 point;
   for (const TrimSegment& segment : SegmentsOf(model, coedge)) {

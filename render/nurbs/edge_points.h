@@ -16,10 +16,10 @@ struct EdgePoint {
 const EdgeSegment& SegmentAt(const Model& model, const Edge& edge, double parameter);
 
 // The point of the edge's 3D curve at the parameter; beyond an end of the curve, the end point.
-EdgePoint PointOfEdge(const Model& model, const Edge& edge, double parameter);
+EdgePoint EvaluateEdge(const Model& model, const Edge& edge, double parameter);
 
 // The point of the coedge's p-curve, in native surface parameters, that corresponds to the edge's
 // `parameter`. If no segment covers that parameter, the point that corresponds to the nearest covered one.
-Vec2 PointOfCoedge(const Model& model, const Coedge& coedge, double parameter);
+Vec2 EvaluateCoedge(const Model& model, const Coedge& coedge, double parameter);
 
 }  // namespace facetless

@@ -166,7 +166,7 @@ inline constexpr std::uint32_t LeafId(LeafKind kind, std::size_t index) {
 inline constexpr LeafKind KindOf(std::uint32_t id) {
   return static_cast<LeafKind>(id >> kLeafIndexBits);
 }
-inline constexpr std::uint32_t IndexOf(std::uint32_t id) {
+inline constexpr std::uint32_t IndexWithin(std::uint32_t id) {
   return id & ((std::uint32_t{1} << kLeafIndexBits) - 1);
 }
 
@@ -180,13 +180,13 @@ struct LeafSpans {
   std::size_t size() const { return certified.size() + hard.size() + seams.size(); }
   const LeafHeader& Header(std::uint32_t id) const {
     if (KindOf(id) == LeafKind::kCertified) return certified[id];
-    if (KindOf(id) == LeafKind::kHard) return hard[IndexOf(id)];
-    return seams[IndexOf(id)];
+    if (KindOf(id) == LeafKind::kHard) return hard[IndexWithin(id)];
+    return seams[IndexWithin(id)];
   }
   LeafPlace Place(std::uint32_t id) const {
     if (KindOf(id) == LeafKind::kCertified) return places[id];
-    if (KindOf(id) == LeafKind::kHard) return hard[IndexOf(id)].place;
-    return {0, seams[IndexOf(id)].patch, 0, 0};
+    if (KindOf(id) == LeafKind::kHard) return hard[IndexWithin(id)].place;
+    return {0, seams[IndexWithin(id)].patch, 0, 0};
   }
 };
 

@@ -66,7 +66,7 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
 // Returns whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no
 // digit of its weights, and so near the middle of the window that no piece of it could be told to lie
 // outside. Halving makes no error smaller and no number larger.
-bool IsLost(const BezierNet& net, double half_window) {
+bool MayLieAnywhere(const BezierNet& net, double half_window) {
   // Between lost and told apart there must be room: what has a part of both is halved.
   constexpr double kDigits = 1024, kRoom = 4;
   double x = 0, y = 0, w = 0;
@@ -189,7 +189,7 @@ void LeafSplitter::Visit(const Node& node) {
   const bool last_level = node.level >= kMaxLevels;
   const double nearest_seen = window_.perspective ? window_.near_depth : -INFINITY;
   if ((!box.in_front && last_level) ||
-      (!(box.in_front && box.error < half_window) && IsLost(net, half_window))) {
+      (!(box.in_front && box.error < half_window) && MayLieAnywhere(net, half_window))) {
     if (lost_) return;
     lost_ = true;
     KeepHard(HardKind::kEdgeOn, nearest_seen, whole_window, node, trim);

@@ -62,7 +62,7 @@ std::vector<SpanParameter> Maps(const Model& model, Range spans) {
 }
 
 // The span that contains x; the first or the last span for x outside the grid.
-std::size_t SpanOf(const std::vector<double>& knots, double x) {
+std::size_t FindSpanIndex(const std::vector<double>& knots, double x) {
   return static_cast<std::size_t>(std::upper_bound(knots.begin() + 1, knots.end() - 1, x) - knots.begin()) -
          1;
 }
@@ -83,7 +83,7 @@ SurfaceEval::SurfaceEval(const Model& model, std::uint32_t surface)
 
 SurfacePoint SurfaceEval::Evaluate(double u, double v, int order) const {
   // Find the patch and the Bézier parameters.
-  const std::size_t i = SpanOf(u_knots_, u), j = SpanOf(v_knots_, v);
+  const std::size_t i = FindSpanIndex(u_knots_, u), j = FindSpanIndex(v_knots_, v);
   const double s = u_maps_[i].ToBezier(u), t = v_maps_[j].ToBezier(v);
   const int p = surface_.degree_u, q = surface_.degree_v;
   Basis bu, bv;

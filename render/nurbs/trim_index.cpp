@@ -39,7 +39,7 @@ Lanes2 Two(const double* lanes, int pair) {
   return two;
 }
 // The lane of child i in a node. Children i and i + 4 share a pair of lanes.
-std::uint32_t LaneOf(std::uint32_t i) {
+std::uint32_t ChildLane(std::uint32_t i) {
   return 2 * (i % 4) + i / 4;
 }
 
@@ -122,7 +122,7 @@ struct FaceTrim::Builder {
     Node node;
     for (const Stretch& child : children) AddChild(node, child);
     for (std::uint32_t i = node.count; i < kWidth; ++i) {
-      const std::uint32_t lane = LaneOf(i);
+      const std::uint32_t lane = ChildLane(i);
       node.u_low[lane] = node.v_low[lane] = kInfinity;
       node.u_high[lane] = node.v_high[lane] = -kInfinity;
       node.v_begin[lane] = node.v_end[lane] = 0;
@@ -133,7 +133,7 @@ struct FaceTrim::Builder {
   }
 
   void AddChild(Node& node, const Stretch& child) {
-    const std::uint32_t i = node.count++, lane = LaneOf(i);
+    const std::uint32_t i = node.count++, lane = ChildLane(i);
     if (child.piece_count == 1) {
       const TrimPiece& piece = pieces.pieces[child.first];
       const Vec2 error = pieces.curves[child.first].error;
@@ -359,7 +359,7 @@ FaceTrim::PieceSide FaceTrim::SideOfRect(std::uint32_t i, const Rect& rect, doub
 
 // Returns whether the half-line from `point` towards +u crosses the piece. Within rounding of the curve the
 // chord decides.
-bool FaceTrim::CrossesRightOf(std::uint32_t i, Vec2 point, TrimPath& path) const {
+bool FaceTrim::CrossesRayTowardsU(std::uint32_t i, Vec2 point, TrimPath& path) const {
   const TrimPiece& piece = pieces_.pieces[i];
   if (!Spans(piece, point.y)) return false;
   if (point.x < std::min(piece.low.x, piece.high.x)) return true;
@@ -378,7 +378,7 @@ bool FaceTrim::OddExcept(Vec2 point, std::uint32_t excluded) const {
   TrimPath path = TrimPath::kBoxes;
   // Without bands every piece that is opened counts by its own shape.
   const auto open_piece = [&](std::uint32_t piece, bool& count) {
-    if (piece != excluded) count ^= CrossesRightOf(piece, point, path);
+    if (piece != excluded) count ^= CrossesRayTowardsU(piece, point, path);
     return true;
   };
   Walk(point, {point.x, point.x, point.y, point.y}, 0, odd, open_piece);
@@ -394,7 +394,7 @@ RectClass FaceTrim::Classify(double u0, double u1, double v0, double v1, double 
   const auto open_piece = [&](std::uint32_t i, bool& count) {
     const TrimPiece& piece = pieces_.pieces[i];
     if (piece.slit) {
-      count ^= CrossesRightOf(i, point, path);
+      count ^= CrossesRayTowardsU(i, point, path);
       return true;
     }
     const PieceSide side = SideOfRect(i, rect, band_scale, path);
@@ -447,7 +447,7 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
   const auto open_piece = [&](std::uint32_t i, bool& count) {
     const TrimPiece& piece = pieces_.pieces[i];
     if (piece.slit) {
-      count ^= CrossesRightOf(i, point, answer.path);
+      count ^= CrossesRayTowardsU(i, point, answer.path);
       return true;
     }
     // Out of the band the piece counts by its side.
@@ -456,7 +456,7 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
       count ^= side == PieceSide::kLeft && Spans(piece, v);
       return true;
     }
-    count ^= CrossesRightOf(i, point, answer.path);
+    count ^= CrossesRayTowardsU(i, point, answer.path);
     const bool band = band_scale > 0 && (piece.band_u > 0 || piece.band_v > 0);
     if (answer.certain && (!band || SideOfRect(i, rect, 0, answer.path) == PieceSide::kMeets))
       answer.certain = false;

@@ -114,7 +114,7 @@ class FaceTrim {
   template <typename OpenPiece>
   bool Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd, const OpenPiece& open_piece) const;
   PieceSide SideOfRect(std::uint32_t piece, const Rect& rect, double band_scale, TrimPath& path) const;
-  bool CrossesRightOf(std::uint32_t piece, Vec2 point, TrimPath& path) const;
+  bool CrossesRayTowardsU(std::uint32_t piece, Vec2 point, TrimPath& path) const;
   bool OddExcept(Vec2 point, std::uint32_t excluded) const;
   bool MaterialLeft(std::uint32_t piece) const;
   void FindNeighbours(const Model& model, const Face& face);

@@ -68,7 +68,7 @@ class Maker {
     bool slit = false;
   };
 
-  PlaneCurve CurveOf(const TrimSegment& segment) const {
+  PlaneCurve TrimSegmentCurve(const TrimSegment& segment) const {
     return {PointsOf(model_, segment).data(), segment.degree};
   }
 
@@ -79,9 +79,9 @@ class Maker {
     for (const TrimSegment& segment : segments) {
       const double width = segment.edge_end - segment.edge_begin;
       const double t = (middle - segment.edge_begin) / width;
-      if (t >= 0 && t <= 1) return PointOn(CurveOf(segment), t);
+      if (t >= 0 && t <= 1) return PointOn(TrimSegmentCurve(segment), t);
     }
-    return PointOn(CurveOf(segments.front()), 0.5);
+    return PointOn(TrimSegmentCurve(segments.front()), 0.5);
   }
 
   // Finds slits (law 3): opposite coedges of one edge whose begins, ends and middles coincide in surface
@@ -91,7 +91,7 @@ class Maker {
     for (const Coedge& coedge : CoedgesOf(model_, face)) {
       if (coedge.edge == kNoIndex || coedge.segments.count == 0 || model_.edges[coedge.edge].degenerate)
         continue;
-      const std::uint32_t c = IndexOf(model_.coedges, coedge);
+      const std::uint32_t c = IndexWithin(model_.coedges, coedge);
       const auto [use, is_first] = first_use.try_emplace(coedge.edge, c);
       if (is_first || model_.coedges[use->second].reversed == coedge.reversed) continue;
       if (RunToAndFro(model_.coedges[use->second], coedge)) {
@@ -102,8 +102,12 @@ class Maker {
   }
 
   bool RunToAndFro(const Coedge& a, const Coedge& b) const {
-    const auto begin = [&](const Coedge& c) { return PointOn(CurveOf(SegmentsOf(model_, c).front()), 0); };
-    const auto end = [&](const Coedge& c) { return PointOn(CurveOf(SegmentsOf(model_, c).back()), 1); };
+    const auto begin = [&](const Coedge& c) {
+      return PointOn(TrimSegmentCurve(SegmentsOf(model_, c).front()), 0);
+    };
+    const auto end = [&](const Coedge& c) {
+      return PointOn(TrimSegmentCurve(SegmentsOf(model_, c).back()), 1);
+    };
     const double reach = std::max(a.gap_mm, b.gap_mm) + rounding_mm_;
     const auto same = [&](Vec2 p, Vec2 q) { return Within(p, q, HalfWidths(p, reach)); };
     return same(begin(a), end(b)) && same(end(a), begin(b)) && same(MiddleOf(a), MiddleOf(b));
@@ -134,7 +138,7 @@ class Maker {
     source.slit = slit;
     for (const std::uint32_t s : Indices(coedge.segments)) {
       const TrimSegment& segment = model_.trim_segments[s];
-      AddCurve(CurveOf(segment), source, segment.edge_begin, segment.edge_end,
+      AddCurve(TrimSegmentCurve(segment), source, segment.edge_begin, segment.edge_end,
                last_of_loop && s + 1 == coedge.segments.end());
       // A joining piece, if one was needed, belongs to the previous coedge.
       if (slit && s == coedge.segments.first) made_[c].first = curve_first_;

@@ -70,7 +70,7 @@ struct Bend {
   double u = 0, v = 0;
 };
 
-Bend BendOf(const Net& net) {
+Bend MeasureBend(const Net& net) {
   const double diagonal = std::max(Length(net.Cartesian(0, 0) - net.Cartesian(net.p, net.q)),
                                    Length(net.Cartesian(net.p, 0) - net.Cartesian(0, net.q)));
   Bend bend;
@@ -138,7 +138,7 @@ void SolidTree::AddFace(std::uint32_t face) {
       piece.v1 = BezierToNative(v_span, net.t1);
       const RectClass where = data.trim.Classify(piece.u0, piece.u1, piece.v0, piece.v1);
       if (where == RectClass::kOutside) continue;
-      const Bend bend = BendOf(net);
+      const Bend bend = MeasureBend(net);
       const double least = std::min(net.s1 - net.s0, net.t1 - net.t0);
       if (std::max(bend.u, bend.v) > kFlatness && least > 1.0 / (1 << (kMostHalvings / 2))) {
         Net lower = SplitLower(net, bend.u >= bend.v);

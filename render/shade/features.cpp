@@ -14,7 +14,7 @@ struct Sample {
   Vec3 normal;  // flipped to the viewer
 };
 
-Sample Take(const SampleBuffer& samples, const CameraFrame& frame, std::size_t pixel) {
+Sample LoadSample(const SampleBuffer& samples, const CameraFrame& frame, std::size_t pixel) {
   Sample sample;
   sample.ray = PixelRay(frame, static_cast<double>(pixel % samples.width) + 0.5,
                         static_cast<double>(pixel / samples.width) + 0.5);
@@ -45,7 +45,7 @@ Step StepBetween(const SampleBuffer& samples, const CameraFrame& frame, std::siz
   if (hit_a != hit_b) return Step::kJump;
 
   // Compare the change of depth with the predictions of both tangent planes.
-  const Sample from = Take(samples, frame, a), to = Take(samples, frame, b);
+  const Sample from = LoadSample(samples, frame, a), to = LoadSample(samples, frame, b);
   const double change = to.depth - from.depth;
   const double pixel = std::max(frame.pixel_x, frame.pixel_y) *
                        (frame.projection == Projection::kPerspective ? std::min(from.depth, to.depth) : 1.0);

@@ -52,9 +52,9 @@ std::vector<std::uint32_t> OddSamples(const Model& model, const std::vector<Audi
     const std::uint32_t sample = hits[i].sample;
     solids.clear();
     for (; i < hits.size() && hits[i].sample == sample; ++i) {
-      const std::uint32_t solid = model.faces[model.FaceOf(hits[i].placed_face)].solid;
+      const std::uint32_t solid = model.faces[model.FaceOfPlacedFace(hits[i].placed_face)].solid;
       if (solid != kNoIndex && model.solids[solid].closed)
-        solids.emplace_back(model.InstanceOf(hits[i].placed_face), solid);
+        solids.emplace_back(model.InstanceOfPlacedFace(hits[i].placed_face), solid);
     }
     std::sort(solids.begin(), solids.end());
     for (std::size_t k = 0; k < solids.size();) {

@@ -91,15 +91,15 @@ Vec3 TranslationOf(const Placement& placement) {
 
 // The length of the longest image of an axis unit vector under the placement, times √3. This bounds the image
 // of any unit vector.
-double ScaleOf(const Placement& placement) {
+double PlacementScaleBound(const Placement& placement) {
   return std::sqrt(3.0) * std::max({Length(placement.Vector({1, 0, 0})), Length(placement.Vector({0, 1, 0})),
                                     Length(placement.Vector({0, 0, 1}))});
 }
 
 // The rounding error of a placed point of a patch, relative to the eye, mm.
-double RoundingOf(const Surface& surface, double face_size, const Placement& placement,
-                  const CameraFrame& frame) {
-  const double scale = ScaleOf(placement);
+double PlacedPointRounding(const Surface& surface, double face_size, const Placement& placement,
+                           const CameraFrame& frame) {
+  const double scale = PlacementScaleBound(placement);
   const double size =
       scale * face_size + LargestCoordinate(TranslationOf(placement)) + LargestCoordinate(frame.eye);
   return kEpsilon * (kPlacingUnits + 8 * (surface.degree_u + surface.degree_v)) * size;
@@ -125,12 +125,12 @@ CertificateCheck::CertificateCheck(const Scene::Data& scene, const CameraFrame& 
   boxes_.resize(model.PlacedFaceCount());
   ParallelFor(std::size_t{0}, model.instances.size(), [&](std::size_t i) {
     const Instance& instance = model.instances[i];
-    for (const PlacedFace placed : PlacedFacesOf(model, instance))
-      boxes_[placed.id] = BoxOf(scene.faces[placed.face].bounds, instance.placement);
+    for (const PlacedFace placed : WalkPlacedFaces(model, instance))
+      boxes_[placed.id] = ProjectBox(scene.faces[placed.face].bounds, instance.placement);
   });
 }
 
-CertificateCheck::FaceBox CertificateCheck::BoxOf(const Box3& box, const Placement& placement) const {
+CertificateCheck::FaceBox CertificateCheck::ProjectBox(const Box3& box, const Placement& placement) const {
   FaceBox image{INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY};
   bool in_front = true;
   for (int corner = 0; corner < 8; ++corner) {
@@ -169,7 +169,7 @@ bool CertificateCheck::RootHolds(const StatedRoot& root) const {
   const double error_u = root.error_u + 4 * kEpsilon, error_v = root.error_v + 4 * kEpsilon;
   const double moved = kDerivativeSlack * (Length(placement.Vector(at.du)) * error_u +
                                            Length(placement.Vector(at.dv)) * error_v);
-  const double reach = moved + RoundingOf(surface, face_sizes_[root.face], placement, frame_);
+  const double reach = moved + PlacedPointRounding(surface, face_sizes_[root.face], placement, frame_);
   const bool perspective = frame_.projection == Projection::kPerspective;
   const double mm_per_px = std::min(frame_.pixel_x, frame_.pixel_y) * (perspective ? seen.depth : 1);
   // In perspective views, the pixel coordinates also change with the depth.
@@ -189,12 +189,12 @@ RayCheck CertificateCheck::CheckRay(double x, double y, double depth, double dep
   const Vec3 along = Normalized(ray.direction);
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
     const Instance& instance = model.instances[i];
-    const double scale = ScaleOf(instance.placement);
-    for (const auto [placed_face, face] : PlacedFacesOf(model, instance)) {
+    const double scale = PlacementScaleBound(instance.placement);
+    for (const auto [placed_face, face] : WalkPlacedFaces(model, instance)) {
       const FaceBox& box = boxes_[placed_face];
       if (x < box.x_low || x > box.x_high || y < box.y_low || y > box.y_high) continue;
       const Surface& surface = model.surfaces[model.faces[face].surface];
-      const double rounding = RoundingOf(surface, face_sizes_[face], instance.placement, frame_);
+      const double rounding = PlacedPointRounding(surface, face_sizes_[face], instance.placement, frame_);
       const double limit = depth - depth_error - rounding / kLeastSine - kDepthShare * model.Diagonal();
       if (box.near_depth > limit) continue;
       for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {

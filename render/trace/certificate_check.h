@@ -68,7 +68,7 @@ class CertificateCheck {
     double radius;
   };
   struct Budget;
-  FaceBox BoxOf(const Box3& box, const Placement& placement) const;
+  FaceBox ProjectBox(const Box3& box, const Placement& placement) const;
   void AddBalls(const Surface& surface);
   bool PatchMeetsRay(std::uint32_t instance, std::uint32_t face, std::uint32_t patch, double x, double y,
                      double limit, Budget* budget) const;

@@ -5,7 +5,7 @@
 
 namespace facetless {
 
-void PutInOrder(const PreparedView& view, std::vector<Crossing>* crossings) {
+void SortCrossings(const PreparedView& view, std::vector<Crossing>* crossings) {
   const LeafSpans leaves = view.tiles->leaves();
   const auto face_of = [&](const Crossing& c) { return leaves.Header(c.leaf).placed_face; };
   // Where nothing else tells two crossings apart, their leaves come in the order of the tile's list.

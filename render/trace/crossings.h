@@ -9,6 +9,6 @@ namespace facetless {
 
 // Sorts the crossings by sample and depth. If two leaves of one face found the same root (RootTwin), only one
 // crossing is kept. The order is total and depends only on the view.
-void PutInOrder(const PreparedView& view, std::vector<Crossing>* crossings);
+void SortCrossings(const PreparedView& view, std::vector<Crossing>* crossings);
 
 }  // namespace facetless

@@ -33,7 +33,7 @@ class ShownLeaf {
     std::uint32_t placed_face = kNoIndex;
     float outward = 1;
   };
-  const Face& FaceOf(std::uint32_t leaf) {
+  const Face& FaceOfPlacedFace(std::uint32_t leaf) {
     if (leaf == of_) return face_;
     of_ = leaf;
     const std::uint32_t placed_face = leaves_.Header(leaf).placed_face;
@@ -92,7 +92,7 @@ void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
     if (answer != RayCheck::kContradicted) continue;
     ++tally->check.rays_contradicted;
     samples->doubt[out] = kDoubtContradicted;
-    samples->certificate[out] = CertificateOf(kDoubtContradicted);
+    samples->certificate[out] = CertificateForDoubt(kDoubtContradicted);
     tally->AddDoubts(kDoubtContradicted);
     --tally->certified;
     tally->certified_hits -= hit;
@@ -129,7 +129,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       const std::size_t out = std::size_t(row) * samples->width + column;
       const std::uint8_t doubt =
           tile.doubt[k] | CheckSample(shared, tile, k, column, row, &shown, &tally->check);
-      const Certificate certificate = CertificateOf(doubt);
+      const Certificate certificate = CertificateForDoubt(doubt);
       if (doubt != 0) {
         samples->certificate[out] = certificate;
         samples->doubt[out] = doubt;
@@ -140,7 +140,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       if (tile.leaf[k] == kNoIndex) continue;
 
       const std::uint32_t leaf = tile.leaf[k];
-      const ShownLeaf::Face& face = shown.FaceOf(leaf);
+      const ShownLeaf::Face& face = shown.FaceOfPlacedFace(leaf);
       std::array<float, 3> normal = tile.normal[k];
       if (normal == std::array<float, 3>{0, 0, 0}) {
         const double x = column + 0.5 - 0.5 * shared.camera.width_px,
@@ -166,7 +166,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
   CheckRays(shared, tile, samples, tally);
 }
 
-CheckLevel LevelOf(const DirectOptions& options) {
+CheckLevel ResolveCheckLevel(const DirectOptions& options) {
   if (options.leave_out) return CheckLevel::kNone;  // the check cannot ignore faces
   if (options.accuracy.check != CheckLevel::kAuto) return options.accuracy.check;
   if (options.audit) return CheckLevel::kAll;
@@ -195,7 +195,7 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   const PreparedView& view = prepared.value();
   TraceShared shared(scene.data(), view, camera, result.frame);
   std::optional<CertificateCheck> check;
-  if (const CheckLevel level = LevelOf(options); level != CheckLevel::kNone) {
+  if (const CheckLevel level = ResolveCheckLevel(options); level != CheckLevel::kNone) {
     check.emplace(scene.data(), result.frame);
     shared.check = &*check;
     shared.roots_per_checked_root = level == CheckLevel::kAll ? 1 : kRootsPerCheckedRoot;

@@ -61,7 +61,7 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
   if (leaf.kind == HardKind::kGivenUp) return nets_.residual(root.net, x, y).empty ? 0 : kDoubtLimit;
   if (leaf.kind == HardKind::kEdgeOn) {
     const LineImage line = FitLine(root.net);
-    return line.DistanceOf(x, y) > line.half_width ? 0 : kDoubtUnresolved;
+    return line.DistanceToLine(x, y) > line.half_width ? 0 : kDoubtUnresolved;
   }
   push(1);
 

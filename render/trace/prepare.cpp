@@ -98,7 +98,7 @@ class Preparation {
     const ViewProjection projection(frame_, instance.placement);
     const Range faces = FacesOf(model_, instance);
     ParallelFor(faces.first, faces.end(), [&](std::uint32_t face) {
-      if (!budget_.Stopped()) VisitFace(face, PlacedFaceOf(model_, instance, face), projection);
+      if (!budget_.Stopped()) VisitFace(face, PlacedFaceId(model_, instance, face), projection);
     });
   }
 
@@ -184,7 +184,7 @@ class Preparation {
     // In orthographic views the depth is Q/W, so it varies if W does.
     if (!window_.perspective && weight_varies && net.at(0, kQ) != 0) depth_varies = true;
     split.rule = {window_.perspective, weight_varies, depth_varies};
-    split.bounds = BoundsOf(data, surface, i, j);
+    split.bounds = SetBoxBounds(data, surface, i, j);
     ContinuePastBorder(split, net);
     const std::size_t before = worker.leaves.spans().size();
     worker.splitter.Split(split, &worker.leaves, &worker.arena);
@@ -202,7 +202,7 @@ class Preparation {
     const double* patch_net = nullptr;
     for (const SeamSample& sample : samples) {
       const Instance& instance = model_.instances[sample.instance];
-      const std::uint32_t placed_face = PlacedFaceOf(model_, instance, sample.face);
+      const std::uint32_t placed_face = PlacedFaceId(model_, instance, sample.face);
       if (leave_out_ && (*leave_out_)[placed_face]) continue;
       const Surface& surface = model_.surfaces[model_.faces[sample.face].surface];
       SeamLeaf leaf;

@@ -100,7 +100,7 @@ Side SideOfKink(Side in, Side out, double turn) {
 }
 
 // The segment that contains `parameter`; at a joint, the later one.
-std::uint32_t SegmentOf(std::span<const EdgeSegment> segments, double parameter) {
+std::uint32_t FindEdgeSegment(std::span<const EdgeSegment> segments, double parameter) {
   std::uint32_t low = 0, high = static_cast<std::uint32_t>(segments.size()) - 1;
   while (low < high) {
     const std::uint32_t middle = (low + high + 1) / 2;
@@ -125,7 +125,7 @@ EdgeSide ProjectedEdges::SideOf(std::uint32_t edge_index, double guess, double x
 
   // Start at the guess.
   Segment segment(*this, edge.segments, x, y);
-  segment.Select(SegmentOf(spans, guess));
+  segment.Select(FindEdgeSegment(spans, guess));
   const EdgeSegment& first = spans[segment.index()];
   double t = std::clamp((guess - first.begin) / (first.end - first.begin), 0.0, 1.0);
   Vec2 point, tangent;
@@ -190,7 +190,7 @@ Vec2 ProjectedEdges::TangentAt(std::uint32_t edge_index, double parameter, bool 
   const Edge& edge = model_->edges[edge_index];
   if (edge.segments.count == 0) return {};
   const std::span<const EdgeSegment> spans = SegmentsOf(*model_, edge);
-  std::uint32_t k = SegmentOf(spans, parameter);
+  std::uint32_t k = FindEdgeSegment(spans, parameter);
   if (ending && k > 0 && spans[k].begin == parameter) --k;
   const EdgeSegment& span = spans[k];
   Segment segment(*this, edge.segments, 0, 0);
@@ -201,7 +201,7 @@ Vec2 ProjectedEdges::TangentAt(std::uint32_t edge_index, double parameter, bool 
   return (1 / (span.end - span.begin)) * tangent;
 }
 
-bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive) {
+bool EdgeKeepsHit(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive) {
   // The left side of the p-curve in (u,v) is the positive side of its image if the map preserves the
   // orientation. The edge may run in the opposite direction.
   const bool material_positive = (material_left == jacobian_positive) != coedge.reversed;
@@ -230,7 +230,7 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   // along the ray. If the edge is farther away on the screen, the side of the edge is irrelevant for this
   // hit.
   if (OutOfReach(one, side, mm_per_px)) return {};
-  const bool keeps = EdgeKeeps(one, answer.material_left, side.side, jacobian_positive);
+  const bool keeps = EdgeKeepsHit(one, answer.material_left, side.side, jacobian_positive);
   EdgeDecision decision{keeps ? EdgeVerdict::kKeep : EdgeVerdict::kDrop, side.distance_px > side.error_px};
   if (answer.other_coedge == kNoIndex || answer.other_material_left != answer.material_left) return decision;
 
@@ -239,7 +239,7 @@ EdgeDecision DecideAtEdge(const Model& model, const ProjectedEdges& edges, const
   const EdgeSide other = edges.SideOf(two.edge, answer.other_edge_parameter, x, y);
   if (other.side == Side::kUnknown) return decision;
   decision.proven = decision.proven && other.distance_px > other.error_px;
-  const bool other_keeps = EdgeKeeps(two, answer.other_material_left, other.side, jacobian_positive);
+  const bool other_keeps = EdgeKeepsHit(two, answer.other_material_left, other.side, jacobian_positive);
   if (other_keeps == keeps) return decision;
   // A seam that ends in a pole: the face surrounds the corner.
   if (one.edge == two.edge) return {EdgeVerdict::kKeep, decision.proven};

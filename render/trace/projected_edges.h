@@ -75,7 +75,7 @@ class ProjectedEdges {
 
 // Returns whether a hit is kept, judged by one coedge alone. `jacobian_positive`: x_u·y_v − x_v·y_u > 0 for
 // the map (u,v) -> pixel at the hit. Requires side != kUnknown.
-bool EdgeKeeps(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive);
+bool EdgeKeepsHit(const Coedge& coedge, bool material_left, Side side, bool jacobian_positive);
 
 enum class EdgeVerdict : std::uint8_t { kKeep, kDrop, kUnknown };
 

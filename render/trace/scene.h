@@ -22,7 +22,8 @@ struct FaceData {
 };
 
 // What patch (i, j) of a face's surface is continued to.
-inline PatchBounds BoundsOf(const FaceData& face, const Surface& surface, std::uint32_t i, std::uint32_t j) {
+inline PatchBounds SetBoxBounds(const FaceData& face, const Surface& surface, std::uint32_t i,
+                                std::uint32_t j) {
   PatchBounds bounds;
   if (i == 0) bounds.u_low = face.continued.u_low;
   if (i + 1 == surface.u_spans.count) bounds.u_high = face.continued.u_high;

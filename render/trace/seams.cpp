@@ -39,7 +39,7 @@ Vec3 EndOf(const Model& model, const Edge& edge, bool last) {
 }
 
 // The edges that the face uses an odd number of times; empty if the face is not treated (law 4).
-std::vector<std::uint32_t> BorderOf(const Model& model, const Face& face) {
+std::vector<std::uint32_t> FaceBorder(const Model& model, const Face& face) {
   const bool closed_solid = face.solid != kNoIndex && model.solids[face.solid].closed;
   std::map<std::uint32_t, int> edges, ends;
   for (const Coedge& coedge : CoedgesOf(model, face)) {
@@ -66,7 +66,7 @@ std::vector<std::uint32_t> BorderOf(const Model& model, const Face& face) {
 SeamTable::SeamTable(const Model& model) {
   // Borders.
   for (const Face& face : model.faces) {
-    const std::vector<std::uint32_t> border = BorderOf(model, face);
+    const std::vector<std::uint32_t> border = FaceBorder(model, face);
     border_of.push_back(
         {static_cast<std::uint32_t>(edges.size()), static_cast<std::uint32_t>(border.size())});
     edges.insert(edges.end(), border.begin(), border.end());
@@ -85,7 +85,7 @@ SeamTable::SeamTable(const Model& model) {
       for (const Coedge& coedge : CoedgesOf(model, model.faces[f])) {
         const std::uint32_t e = coedge.edge;
         if (e == kNoIndex || model.edges[e].segments.count == 0 || coedge.segments.count == 0) continue;
-        const Use use{f, IndexOf(model.coedges, coedge)};
+        const Use use{f, IndexWithin(model.coedges, coedge)};
         Missed& missed = at_edge[e];
         missed.reach_mm = std::max(missed.reach_mm, coedge.gap_mm);
         missed.uses.push_back(use);
@@ -183,7 +183,7 @@ class Finder {
     return source_->reach_mm / (std::min(frame_.pixel_x, frame_.pixel_y) * (perspective_ ? w : 1));
   }
 
-  bool IsSeen(double reach) const { return source_->off_surface && reach > kMostReachPx; }
+  bool IsLeftVisible(double reach) const { return source_->off_surface && reach > kMostReachPx; }
 
   // A range of samples, clipped to the image.
   struct Samples {
@@ -196,7 +196,7 @@ class Finder {
   }
 
   void VisitVertex(Vec2 at, double reach) {
-    if (!(reach >= kRoundingPx) || IsSeen(reach)) return;
+    if (!(reach >= kRoundingPx) || IsLeftVisible(reach)) return;
     const Samples rows = Between(at.y - reach, at.y + reach, rows_),
                   columns = Between(at.x - reach, at.x + reach, columns_);
     for (int row = rows.begin; row < rows.end; ++row)
@@ -233,7 +233,7 @@ class Finder {
       bend = std::max(bend, Length(away - along * chord));
     }
     const double reach = ReachPx(weight);
-    if (!(reach >= kRoundingPx) || IsSeen(reach)) return;
+    if (!(reach >= kRoundingPx) || IsLeftVisible(reach)) return;
     const Samples rows = Between(low.y - reach, high.y + reach, rows_),
                   columns = Between(low.x - reach, high.x + reach, columns_);
     if (rows.begin == rows.end || columns.begin == columns.end) return;
@@ -309,13 +309,13 @@ class Finder {
       const std::span<const EdgeSegment> segments = SegmentsOf(model_, edge);
       parameter = edge.vertices[0] == source_->vertex ? segments.front().begin : segments.back().end;
     }
-    if (source_->vertex == kNoIndex) parameter = Settled(edge, parameter);
+    if (source_->vertex == kNoIndex) parameter = RoundedEdgeParameter(edge, parameter);
     SeamSample sample{instance_, use.face, candidate.column,      candidate.row, 0, 0, 0,
                       0,         odd,      candidate.distance_px, source_index_};
     const Vec3 point =
-        model_.instances[instance_].placement.Point(PointOfEdge(model_, edge, parameter).position);
+        model_.instances[instance_].placement.Point(EvaluateEdge(model_, edge, parameter).position);
     sample.depth = Dot(point - frame_.eye, frame_.forward);
-    const Vec2 uv = PointOfCoedge(model_, coedge, parameter);
+    const Vec2 uv = EvaluateCoedge(model_, coedge, parameter);
     const Surface& surface = model_.surfaces[model_.faces[use.face].surface];
     const std::uint32_t i = SpanOf(surface.u_spans, uv.x), j = SpanOf(surface.v_spans, uv.y);
     sample.patch = i * surface.v_spans.count + j;
@@ -328,7 +328,7 @@ class Finder {
   // The parameter, rounded as coarsely as the image of the point allows. If an edge runs along the ray, only
   // half of the digits of its nearest point are known, and the rays of the opposite view must find the same
   // point.
-  double Settled(const Edge& edge, double parameter) const {
+  double RoundedEdgeParameter(const Edge& edge, double parameter) const {
     const EdgeSegment& segment = SegmentAt(model_, edge, parameter);
     double length = 0, weight = INFINITY;
     Vec2 before;
@@ -369,7 +369,7 @@ class Finder {
   std::vector<Candidate> candidates_;
 };
 
-auto Place(const SeamSample& s) {
+auto SampleKey(const SeamSample& s) {
   return std::tie(s.instance, s.face, s.row, s.column);
 }
 
@@ -394,9 +394,10 @@ std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& tab
     return std::tie(a.instance, a.face, a.row, a.column, a.distance_px, a.source) <
            std::tie(b.instance, b.face, b.row, b.column, b.distance_px, b.source);
   });
-  all.erase(std::unique(all.begin(), all.end(),
-                        [](const SeamSample& a, const SeamSample& b) { return Place(a) == Place(b); }),
-            all.end());
+  all.erase(
+      std::unique(all.begin(), all.end(),
+                  [](const SeamSample& a, const SeamSample& b) { return SampleKey(a) == SampleKey(b); }),
+      all.end());
   return all;
 }
 

@@ -108,7 +108,7 @@ std::vector<std::pair<double, double>> ThinFaces(const Scene::Data& scene, const
   const double extent = scan.end - scan.begin;
   for (const Instance& instance : scene.model->instances) {
     for (const std::uint32_t f : Indices(FacesOf(*scene.model, instance))) {
-      const auto range = scan.RangeOf(scene.faces[f].bounds, instance.placement);
+      const auto range = scan.ProjectOntoAxis(scene.faces[f].bounds, instance.placement);
       if (!range) continue;
       const double width = range->second - range->first;
       if (width >= kThinnestFace * extent && width < extent / kFirstBlocks) thin.push_back(*range);
@@ -118,7 +118,7 @@ std::vector<std::pair<double, double>> ThinFaces(const Scene::Data& scene, const
   return thin;
 }
 
-bool HoldsThinFace(const std::vector<std::pair<double, double>>& thin, double begin, double end) {
+bool ContainsThinFace(const std::vector<std::pair<double, double>>& thin, double begin, double end) {
   for (const auto& [low, high] : thin) {
     if (low > end) break;
     if (high >= begin && high - low < end - begin) return true;
@@ -127,10 +127,10 @@ bool HoldsThinFace(const std::vector<std::pair<double, double>>& thin, double be
 }
 
 // The placed faces all of whose control points lie in the plane.
-std::vector<std::uint32_t> FacesIn(const Model& model, const SectionPlane& plane, double tolerance) {
+std::vector<std::uint32_t> FacesInPlane(const Model& model, const SectionPlane& plane, double tolerance) {
   std::vector<std::uint32_t> found;
   for (const Instance& instance : model.instances) {
-    for (const PlacedFace face : PlacedFacesOf(model, instance)) {
+    for (const PlacedFace face : WalkPlacedFaces(model, instance)) {
       const auto points = PointsOf(model, model.surfaces[model.faces[face.face].surface]);
       const bool in_plane = std::all_of(points.begin(), points.end(), [&](const Vec4& p) {
         const Vec3 placed = instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w});
@@ -143,23 +143,24 @@ std::vector<std::uint32_t> FacesIn(const Model& model, const SectionPlane& plane
 }
 
 // The position at which the cut is measured, and the faces that made a displacement necessary.
-struct Place {
+struct MeasuredPlane {
   double offset = 0;  // displacement along the normal, mm
   double error = 0;   // area that the surfaces in between cover, mm²
   std::vector<std::uint32_t> coincident, touching;
 };
 
-Place PlaceOf(const Scene::Data& scene, const SectionPlane& plane, const SectionSolids& solids) {
+MeasuredPlane ChooseMeasuredPlane(const Scene::Data& scene, const SectionPlane& plane,
+                                  const SectionSolids& solids) {
   const Model& model = *scene.model;
   const double size = std::max({model.Diagonal(), Length(model.bounds.center()), Length(plane.point)});
   const double thickness = kCoincident * size;
   const SectionScan scan(plane, model.bounds);
-  Place place;
+  MeasuredPlane place;
   if (!(scan.begin < scan.end)) return place;
-  place.coincident = FacesIn(model, plane, thickness);
+  place.coincident = FacesInPlane(model, plane, thickness);
   const auto touching = [&](double offset) {
-    return MeetSlab(scene, scan, solids, offset - thickness, offset + thickness, 2 * thickness, kMostPieces,
-                    place.coincident)
+    return ExamineSlab(scene, scan, solids, offset - thickness, offset + thickness, 2 * thickness,
+                       kMostPieces, place.coincident)
         .touching_faces;
   };
   place.touching = touching(0);
@@ -173,8 +174,9 @@ Place PlaceOf(const Scene::Data& scene, const SectionPlane& plane, const Section
     for (const double offset : {-move, move}) {
       if (offset > 0 && !place.coincident.empty()) continue;
       if (k + 1 < kMostMoves && !touching(offset).empty()) continue;
-      const SlabMeeting between = MeetSlab(scene, scan, solids, std::min(offset, 0.0), std::max(offset, 0.0),
-                                           kFinestHeight * size, kMostPieces, place.coincident);
+      const SlabContact between =
+          ExamineSlab(scene, scan, solids, std::min(offset, 0.0), std::max(offset, 0.0), kFinestHeight * size,
+                      kMostPieces, place.coincident);
       if (between.area_mm2 < place.error) place.offset = offset, place.error = between.area_mm2;
     }
     if (place.error < INFINITY) break;
@@ -194,8 +196,8 @@ class Measurement {
     const SectionScan& scan = rows_.scan();
     if (!(scan.begin < scan.end)) return area_;
     const double extent = scan.end - scan.begin;
-    const SlabMeeting cut =
-        MeetSlab(scene_, scan, solids_, 0, 0, kFinestHeight * scan.size(), kMostPieces, {});
+    const SlabContact cut =
+        ExamineSlab(scene_, scan, solids_, 0, 0, kFinestHeight * scan.size(), kMostPieces, {});
     area_.outline_mm = cut.outline_mm;
     area_.error_parts.gaps = cut.gap_mm2;
     thin_ = ThinFaces(scene_, scan);
@@ -277,7 +279,7 @@ class Measurement {
         blocks->push_back(Integrate(begin + (end - begin) * k / pieces,
                                     begin + (end - begin) * (k + 1) / pieces,
                                     &answer.rows[1 + std::size_t(k) * kBlockRows]));
-        blocks->back().forced = HoldsThinFace(thin_, blocks->back().begin, blocks->back().end);
+        blocks->back().forced = ContainsThinFace(thin_, blocks->back().begin, blocks->back().end);
         for (int r = 0; r < kBlockRows; ++r)
           blocks->back().undecided |= answer.rows[1 + std::size_t(k) * kBlockRows + r].undecided;
       }
@@ -311,7 +313,7 @@ Result<SectionArea> MeasureSection(const Scene& scene, std::span<const SectionPl
   if (!kernels.ok()) return kernels.error();
 
   const SectionSolids solids(scene.model());
-  Place place = PlaceOf(scene.data(), planes[index], solids);
+  MeasuredPlane place = ChooseMeasuredPlane(scene.data(), planes[index], solids);
   std::vector<SectionPlane> moved(planes.begin(), planes.end());
   moved[index].point = moved[index].point + place.offset * moved[index].normal;
 

@@ -106,7 +106,7 @@ CellBounds Measure(const BezierNet& net, double low, double high) {
 
 // The least and the largest magnitude of a derivative that keeps its sign. The least is 0 if it may change
 // its sign.
-std::pair<double, double> SizeOf(const Interval& rise) {
+std::pair<double, double> DerivativeMagnitudes(const Interval& rise) {
   if (rise.low > 0) return {rise.low, rise.high};
   if (rise.high < 0) return {-rise.high, -rise.low};
   return {0, std::max(-rise.low, rise.high)};
@@ -129,10 +129,10 @@ class Subdivision {
         nets_(*ActiveKernels().value().nets),
         gaps_(model_.faces.size(), 0) {}
 
-  SlabMeeting Run() {
+  SlabContact Run() {
     for (std::size_t f = 0; f < model_.faces.size(); ++f) gaps_[f] = LargestGap(model_, model_.faces[f]);
     for (const Instance& instance : model_.instances)
-      for (const PlacedFace face : PlacedFacesOf(model_, instance)) Add(instance, face);
+      for (const PlacedFace face : WalkPlacedFaces(model_, instance)) Add(instance, face);
     // Divide the largest cell first, which is the best use of the limited work.
     for (std::size_t count = 0; !open_.empty(); ++count) {
       std::pop_heap(open_.begin(), open_.end(), Later);
@@ -186,7 +186,8 @@ class Subdivision {
       const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
       sources_.push_back({&data, &scene_.spans[surface.u_spans.first + i],
                           &scene_.spans[surface.v_spans.first + j], face.face, face.id,
-                          data.patches[patch] == RectClass::kMixed, solids_.SolidOf(face.id) != kNoIndex});
+                          data.patches[patch] == RectClass::kMixed,
+                          solids_.ClosedSolidOfFace(face.id) != kNoIndex});
       cell->source = static_cast<std::uint32_t>(sources_.size() - 1);
       Push(std::move(cell), bounds);
     }
@@ -252,10 +253,11 @@ class Subdivision {
     int best = -1;
     double share = 1;
     for (int direction = 0; direction < 2; ++direction) {
-      const auto [least, most] = SizeOf(bounds.rise[direction]);
+      const auto [least, most] = DerivativeMagnitudes(bounds.rise[direction]);
       if (!(least > 0) || !(most <= kSteady * least)) continue;
       const double taken = std::min(1.0, (high_ - low_) * bounds.weight.high / least);
-      if (best < 0 || taken < share || (taken == share && least > SizeOf(bounds.rise[best]).first)) {
+      if (best < 0 || taken < share ||
+          (taken == share && least > DerivativeMagnitudes(bounds.rise[best]).first)) {
         best = direction;
         share = taken;
       }
@@ -265,7 +267,8 @@ class Subdivision {
       // If the arc does not run from end to end, the piece may be much larger than the arc.
       if (tiny || Crosses(net, best)) {
         cell->area = std::min(cell->area, bounds.speed[0] * bounds.speed[1] * share);
-        const double slope = SizeOf(bounds.rise[1 - best]).second / SizeOf(bounds.rise[best]).first;
+        const double slope = DerivativeMagnitudes(bounds.rise[1 - best]).second /
+                             DerivativeMagnitudes(bounds.rise[best]).first;
         Finish(*cell, bounds, bounds.speed[1 - best] + bounds.speed[best] * std::min(1.0, slope));
         return;
       }
@@ -337,14 +340,14 @@ class Subdivision {
   std::vector<Source> sources_;
   std::vector<std::unique_ptr<Cell>> open_;  // a heap
   OwnedNet halves_[2];
-  SlabMeeting meeting_;
+  SlabContact meeting_;
 };
 
 }  // namespace
 
-SlabMeeting MeetSlab(const Scene::Data& scene, const SectionScan& scan, const SectionSolids& solids,
-                     double low, double high, double finest, std::size_t most_pieces,
-                     std::span<const std::uint32_t> leave_out) {
+SlabContact ExamineSlab(const Scene::Data& scene, const SectionScan& scan, const SectionSolids& solids,
+                        double low, double high, double finest, std::size_t most_pieces,
+                        std::span<const std::uint32_t> leave_out) {
   return Subdivision(scene, scan, solids, low, high, finest, most_pieces, leave_out).Run();
 }
 

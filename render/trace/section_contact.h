@@ -3,7 +3,7 @@
 //
 //  1. A *slab* is the space between two planes parallel to the section plane. Points of the slab are
 //     projected onto the section plane. Two cuts inside the slab differ by at most the area that the surfaces
-//     within the slab cover in this projection; SlabMeeting::area_mm2 bounds that area.
+//     within the slab cover in this projection; SlabContact::area_mm2 bounds that area.
 //  2. A surface *touches* the slab if a piece of it lies within the slab and is at least kTangentAspect times
 //     as wide as the slab is thick. The plane is then tangent to the surface, or nearly so.
 //  3. A piece is not divided further if the height above the plane is monotone along a parameter (the cut is
@@ -29,7 +29,7 @@ struct SlabPiece {
   std::uint32_t placed_face;
 };
 
-struct SlabMeeting {
+struct SlabContact {
   double area_mm2 = 0;  // upper bound of the area of the faces of closed solids within the slab
   double gap_mm2 =
       0;  // upper bound of the length of the cut in each face times the largest gap along the face's edges
@@ -44,9 +44,9 @@ inline constexpr double kTangentAspect = 1024;
 // Examines the slab of heights [low, high] above the plane of the scan, mm. `leave_out` (ascending) lists
 // placed faces to ignore. A piece whose height range is below `finest` is not divided further. `most_pieces`
 // bounds the work.
-SlabMeeting MeetSlab(const Scene::Data& scene, const SectionScan& scan, const SectionSolids& solids,
-                     double low, double high, double finest, std::size_t most_pieces,
-                     std::span<const std::uint32_t> leave_out);
+SlabContact ExamineSlab(const Scene::Data& scene, const SectionScan& scan, const SectionSolids& solids,
+                        double low, double high, double finest, std::size_t most_pieces,
+                        std::span<const std::uint32_t> leave_out);
 
 // The connected components of the area that the pieces cover, as intervals of the scan's axis, if they are
 // thinner than `width`.

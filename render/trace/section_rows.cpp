@@ -32,7 +32,7 @@ SectionScan::SectionScan(const SectionPlane& section, const Box3& bounds) : plan
   axis = Normalized(Cross(along, plane.normal));
   // The origin is the foot of the model's centre, so that coordinates stay small.
   origin = bounds.center() - Dot(bounds.center() - plane.point, plane.normal) * plane.normal;
-  if (const auto range = bounds.empty() ? std::nullopt : RangeOf(bounds, {})) {
+  if (const auto range = bounds.empty() ? std::nullopt : ProjectOntoAxis(bounds, {})) {
     // Rounding must not remove the ends of a plane that touches a side of the bounds.
     const double margin = 1e-6 * bounds.diagonal();
     begin = range->first - margin;
@@ -41,8 +41,8 @@ SectionScan::SectionScan(const SectionPlane& section, const Box3& bounds) : plan
   }
 }
 
-std::optional<std::pair<double, double>> SectionScan::RangeOf(const Box3& box,
-                                                              const Placement& placement) const {
+std::optional<std::pair<double, double>> SectionScan::ProjectOntoAxis(const Box3& box,
+                                                                      const Placement& placement) const {
   struct Corner {
     double height, place;
   } corners[8];
@@ -79,7 +79,7 @@ SectionRows::SectionRows(const Scene::Data& scene, std::span<const SectionPlane>
 SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const {
   SectionRow row;
   if (crossings.empty()) return row;
-  const KeptInterval kept = KeptOf(ray, others_, -INFINITY);
+  const KeptInterval kept = ClipRayToSections(ray, others_, -INFINITY);
   const auto clipped = [&](double depth) { return std::clamp(depth, kept.begin, kept.end); };
   if (!(kept.begin < kept.end)) return row;
 
@@ -110,8 +110,8 @@ SectionRow SectionRows::Measure(const Ray& ray, std::span<const SolidCrossing> c
   return row;
 }
 
-double SectionRows::WayThroughModel(const Ray& ray) const {
-  const KeptInterval kept = KeptOf(ray, others_, -INFINITY);
+double SectionRows::LengthInsideModel(const Ray& ray) const {
+  const KeptInterval kept = ClipRayToSections(ray, others_, -INFINITY);
   double begin = kept.begin, end = kept.end;
   const Box3& box = scene_.model->bounds;
   const double origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z},
@@ -154,14 +154,14 @@ Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int cou
   for (int tile = 0; tile < view.tiles->tiles_x() * view.tiles->tiles_y(); ++tile) {
     crossings.clear();
     tracer.Trace(tile, &crossings);
-    PutInOrder(view, &crossings);
+    SortCrossings(view, &crossings);
     for (auto next = crossings.begin(); next != crossings.end();) {
       const std::uint32_t sample = next->sample;
       std::uint8_t doubt = tracer.doubt[(static_cast<int>(sample) - tracer.row()) * kTileSize];
       row.clear();
       for (; next != crossings.end() && next->sample == sample; ++next) {
         const std::uint32_t face = view.tiles->leaves().Header(next->leaf).placed_face,
-                            solid = solids_.SolidOf(face);
+                            solid = solids_.ClosedSolidOfFace(face);
         doubt |= next->doubt;
         row.push_back({next->hit.depth, ErrorOf(*next), solid});
         if (solid == kNoIndex) answer.open_faces.push_back(face);
@@ -176,7 +176,7 @@ Result<SectionRows::Answer> SectionRows::Trace(double begin, double end, int cou
       measured.undecided = (tracer.doubt[i * kTileSize] & kDoubtUnresolved) != 0;
       answer.undecided_rows += measured.undecided;
       if (measured.odd || measured.undecided)
-        measured.unsure = WayThroughModel(PixelRay(frame, 0.5, tracer.row() + i + 0.5));
+        measured.unsure = LengthInsideModel(PixelRay(frame, 0.5, tracer.row() + i + 0.5));
     }
   }
   std::sort(answer.open_faces.begin(), answer.open_faces.end());

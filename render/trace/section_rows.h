@@ -30,7 +30,7 @@ struct SectionScan {
   // The size to which rounding errors of coordinates are relative, mm.
   double size() const { return size_; }
   // The interval of the axis in which the plane meets a placed box; nothing if it does not meet the box.
-  std::optional<std::pair<double, double>> RangeOf(const Box3& box, const Placement& placement) const;
+  std::optional<std::pair<double, double>> ProjectOntoAxis(const Box3& box, const Placement& placement) const;
 
  private:
   double size_ = 0;
@@ -68,7 +68,7 @@ class SectionRows {
  private:
   SectionRow Measure(const Ray& ray, std::span<const SolidCrossing> crossings) const;
   // The length of the ray inside the model's box and inside what the other planes keep, mm.
-  double WayThroughModel(const Ray& ray) const;
+  double LengthInsideModel(const Ray& ray) const;
 
   const Scene::Data& scene_;
   const SectionSolids& solids_;

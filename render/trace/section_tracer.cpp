@@ -7,18 +7,18 @@
 
 namespace facetless {
 
-SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Crossing> crossings,
-                                         std::uint8_t doubt) {
+SectionTracer::Found SectionTracer::ResolveSample(int column, int row, std::span<const Crossing> crossings,
+                                                  std::uint8_t doubt) {
   const LeafSpans leaves = shared_.view.tiles->leaves();
   const CameraFrame& frame = shared_.frame;
   const bool perspective = frame.projection == Projection::kPerspective;
-  const KeptInterval kept =
-      KeptOf(PixelRay(frame, column + 0.5, row + 0.5), planes_, perspective ? frame.near_mm : -INFINITY);
+  const KeptInterval kept = ClipRayToSections(PixelRay(frame, column + 0.5, row + 0.5), planes_,
+                                              perspective ? frame.near_mm : -INFINITY);
   solid_crossings_.clear();
   for (const Crossing& crossing : crossings) {
     doubt |= crossing.doubt;
-    solid_crossings_.push_back(
-        {crossing.hit.depth, ErrorOf(crossing), solids_.SolidOf(leaves.Header(crossing.leaf).placed_face)});
+    solid_crossings_.push_back({crossing.hit.depth, ErrorOf(crossing),
+                                solids_.ClosedSolidOfFace(leaves.Header(crossing.leaf).placed_face)});
   }
   const SectionAnswer answer = decision_.Decide(solid_crossings_, kept);
 
@@ -56,7 +56,7 @@ SectionTracer::Found SectionTracer::Look(int column, int row, std::span<const Cr
 void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, Tally* tally) {
   crossings_.clear();
   tracer->Trace(index, &crossings_);
-  PutInOrder(shared_.view, &crossings_);
+  SortCrossings(shared_.view, &crossings_);
 
   // The samples of a tile are not consecutive in the image, so find the crossings of each sample.
   const auto run_of = [&](std::uint32_t sample) -> std::span<const Crossing> {
@@ -71,7 +71,7 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
       const int column = tracer->column() + j, row = tracer->row() + i;
       const std::size_t out = std::size_t(row) * samples->width + column;
       const std::uint8_t doubt = tracer->empty() ? 0 : tracer->doubt[i * kTileSize + j];
-      Found found = Look(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
+      Found found = ResolveSample(column, row, run_of(static_cast<std::uint32_t>(out)), doubt);
       // Roots of hard leaves have already been verified. Rays are not verified here, because whether a ray is
       // clear depends on what the planes remove.
       if (shared_.check && found.crossing && found.doubt == 0) {
@@ -85,7 +85,7 @@ void SectionTracer::Trace(int index, TileTracer* tracer, SampleBuffer* samples, 
               row + 0.5 - shared_.frame.center_y, found.depth, found.error, &tally->check);
         }
       }
-      const Certificate certificate = CertificateOf(found.doubt);
+      const Certificate certificate = CertificateForDoubt(found.doubt);
       samples->depth[out] = found.depth;
       samples->face[out] = found.face;
       samples->normal[out] = {float(found.normal.x), float(found.normal.y), float(found.normal.z)};

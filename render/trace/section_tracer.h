@@ -36,7 +36,7 @@ class SectionTracer {
     std::uint8_t doubt = 0;
     const Crossing* crossing = nullptr;  // the crossing that was hit; null for a cap
   };
-  Found Look(int column, int row, std::span<const Crossing> crossings, std::uint8_t doubt);
+  Found ResolveSample(int column, int row, std::span<const Crossing> crossings, std::uint8_t doubt);
 
   const TraceShared& shared_;
   const std::span<const SectionPlane> planes_;

@@ -12,7 +12,7 @@
 
 namespace facetless {
 
-inline Certificate CertificateOf(std::uint8_t doubt) {
+inline Certificate CertificateForDoubt(std::uint8_t doubt) {
   if (doubt & kUnresolvedDoubts) return Certificate::kUnresolved;
   return doubt ? Certificate::kConverged : Certificate::kCertified;
 }
@@ -26,7 +26,7 @@ struct alignas(64) Tally {
   double depth_error_max = 0;
 
   void AddDoubts(std::uint8_t doubt) {
-    const Certificate certificate = CertificateOf(doubt);
+    const Certificate certificate = CertificateForDoubt(doubt);
     for (std::size_t bit = 0; doubt >> bit; ++bit) doubts[bit] += doubt >> bit & 1;
     converged += certificate == Certificate::kConverged;
     unresolved += certificate == Certificate::kUnresolved;

@@ -17,7 +17,7 @@ struct PatchBorder {
 
 // The border on which a root lies, or beyond which it lies, within its error. Nothing at a corner, where
 // there are three neighbours.
-std::optional<PatchBorder> BorderOf(double u, double error_u, double v, double error_v) {
+std::optional<PatchBorder> FindPatchBorder(double u, double error_u, double v, double error_v) {
   const bool low_u = u<error_u, high_u = u> 1 - error_u, low_v = v<error_v, high_v = v> 1 - error_v;
   if (low_u + high_u + low_v + high_v != 1) return {};
   return PatchBorder{low_u || high_u, high_u || high_v};
@@ -77,11 +77,12 @@ const TileTracer::LeafSite& TileTracer::SiteOf(std::uint32_t id) {
 
 bool TileTracer::IsInsideFace(std::uint32_t id, double hit_s, double hit_t, double x, double y,
                               std::uint8_t* hit_doubt) {
-  return IsInsideFace(SiteOf(id), RootOf(job_.leaves.certified[id], hit_s, hit_t), x, y, hit_doubt);
+  return IsInsideFace(SiteOf(id), MakeRoot(job_.leaves.certified[id], hit_s, hit_t), x, y, hit_doubt);
 }
 
 bool TileTracer::OwnsBorderRoot(std::uint32_t id, double x, double y, TileHit* hit, std::uint8_t* hit_doubt) {
-  return OwnsBorderRoot(SiteOf(id), RootOf(job_.leaves.certified[id], hit->s, hit->t), x, y, hit, hit_doubt);
+  return OwnsBorderRoot(SiteOf(id), MakeRoot(job_.leaves.certified[id], hit->s, hit->t), x, y, hit,
+                        hit_doubt);
 }
 
 void TileTracer::RecordHit(int sample, std::uint32_t id, const TileHit& hit, std::uint8_t hit_doubt) {
@@ -96,13 +97,13 @@ int TileTracer::SampleAt(double x, double y) const {
   return row * kTileSize + column;
 }
 
-TileTracer::Root TileTracer::RootOf(const CertifiedLeaf& certified, double root_s, double root_t) const {
+TileTracer::Root TileTracer::MakeRoot(const CertifiedLeaf& certified, double root_s, double root_t) const {
   const double root_error = certified.RootError(job_.arithmetic);
   return {root_s, root_t, root_error, root_error,
           certified.c11 * certified.c22 - certified.c12 * certified.c21};
 }
 
-TileTracer::Root TileTracer::RootOf(const FallbackRoot& root) {
+TileTracer::Root TileTracer::MakeRoot(const FallbackRoot& root) {
   return {root.hit.s, root.hit.t, root.error_s, root.error_t, root.proven ? root.jacobian_sign : 0};
 }
 
@@ -138,14 +139,15 @@ bool TileTracer::IsInsideFace(const LeafSite& site, const Root& root, double x, 
   if (answer.certain) return answer.inside;
   // A closed surface without trimming continues across its border.
   if (shared_.scene.faces[placed.face].trim.whole() &&
-      NeighbourOf(site, root, {geometry.depth, root.s, root.t, DepthErrorOf(job_.leaves, site.leaf)}, x, y))
+      FindNeighbourRoot(site, root, {geometry.depth, root.s, root.t, DepthErrorOf(job_.leaves, site.leaf)}, x,
+                        y))
     return true;
   *hit_doubt |= kDoubtTrim;
   return answer.inside;
 }
 
 template <typename Found>
-bool TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found) {
+bool TileTracer::ForEachRoot(std::uint32_t placed_face, double x, double y, const Found& found) {
   const int sample = SampleAt(x, y);
   RayWork& work = work_[sample];
   const std::uint64_t* rows = bitmaps_.Row(sample / kTileSize);
@@ -162,23 +164,25 @@ bool TileTracer::EveryRoot(std::uint32_t placed_face, double x, double y, const 
       if (work.exhausted()) return false;
       if (KindOf(id) == LeafKind::kHard) {
         std::vector<FallbackRoot> roots;
-        solver_.Solve(job_.leaves.hard[IndexOf(id)], shared_.SiteOf(id).rect, x, y, INFINITY, &work, &roots);
-        for (const FallbackRoot& root : roots) found(id, RootOf(root), root.hit);
+        solver_.Solve(job_.leaves.hard[IndexWithin(id)], shared_.SiteOf(id).rect, x, y, INFINITY, &work,
+                      &roots);
+        for (const FallbackRoot& root : roots) found(id, MakeRoot(root), root.hit);
         continue;
       }
       const CertifiedLeaf& certified = job_.leaves.certified[id];
       TileHit hit;
       if (SolveSample(certified, job_.arithmetic, x, y, &hit) == SampleRoot::kHit)
-        found(id, RootOf(certified, hit.s, hit.t), hit);
+        found(id, MakeRoot(certified, hit.s, hit.t), hit);
     }
   }
   return !work.exhausted();
 }
 
-std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own, const Root& root,
-                                                             const TileHit& own_hit, double x, double y) {
-  const std::optional<PatchBorder> border = BorderOf(own.rect.U(root.s), root.error_s * own.rect.u_half,
-                                                     own.rect.V(root.t), root.error_t * own.rect.v_half);
+std::optional<TileTracer::Neighbour> TileTracer::FindNeighbourRoot(const LeafSite& own, const Root& root,
+                                                                   const TileHit& own_hit, double x,
+                                                                   double y) {
+  const std::optional<PatchBorder> border = FindPatchBorder(
+      own.rect.U(root.s), root.error_s * own.rect.u_half, own.rect.V(root.t), root.error_t * own.rect.v_half);
   if (!border || root.jacobian_sign == 0) return {};
 
   // Find the patch across the border; on a closed surface, this may be the patch at the other end.
@@ -228,7 +232,7 @@ std::optional<TileTracer::Neighbour> TileTracer::NeighbourOf(const LeafSite& own
   };
 
   const bool complete =
-      EveryRoot(own.placed_face, x, y, [&](std::uint32_t id, const Root& other, const TileHit& hit) {
+      ForEachRoot(own.placed_face, x, y, [&](std::uint32_t id, const Root& other, const TileHit& hit) {
         if (!neighbour && job_.leaves.Place(id).patch == patch) consider(shared_.SiteOf(id), other, hit);
       });
   return complete ? neighbour : std::nullopt;
@@ -244,7 +248,7 @@ bool TileTracer::OnSeam(const LeafSite& own, const Root& root, const TrimAnswer&
     return false;
   bool again = false;
   const double own_error = DepthErrorOf(job_.leaves, own.leaf);
-  EveryRoot(own.placed_face, x, y, [&](std::uint32_t id, const Root& other, const TileHit& hit) {
+  ForEachRoot(own.placed_face, x, y, [&](std::uint32_t id, const Root& other, const TileHit& hit) {
     if (again || other.jacobian_sign * root.jacobian_sign <= 0) return;
     if (std::fabs(hit.depth - depth) > hit.error + own_error) return;
     const HitGeometry geometry = shared_.HitAt(id, other.s, other.t, x, y);
@@ -259,7 +263,7 @@ bool TileTracer::OwnsBorderRoot(const LeafSite& site, const Root& root, double x
                                 std::uint8_t* hit_doubt) {
   // If both patches have the root with the same orientation, the border runs between their images. Exactly
   // one of them contains the ray, and the ray meets the surface once.
-  const std::optional<Neighbour> neighbour = NeighbourOf(site, root, *hit, x, y);
+  const std::optional<Neighbour> neighbour = FindNeighbourRoot(site, root, *hit, x, y);
   if (!neighbour || !neighbour->within) {
     *hit_doubt |= kDoubtTwoRoots;
     return true;
@@ -281,7 +285,7 @@ std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, Roo
   // Find every root of the face on this ray that lies inside the trimming.
   seam_roots_.clear();
   const bool complete =
-      EveryRoot(seam.placed_face, x, y, [&](std::uint32_t id, const Root& root, const TileHit& hit) {
+      ForEachRoot(seam.placed_face, x, y, [&](std::uint32_t id, const Root& root, const TileHit& hit) {
         std::uint8_t ignored = 0;
         if (!(hit.depth > job_.near_depth)) return;
         if (IsTrimmed(id) && !IsInsideFace(shared_.SiteOf(id), root, x, y, &ignored)) return;
@@ -302,15 +306,15 @@ std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, Roo
 
 std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, double limit,
                                           RootSink* roots) {
-  if (KindOf(id) == LeafKind::kSeam) return SolveSeam(job_.leaves.seams[IndexOf(id)], x, y, roots);
+  if (KindOf(id) == LeafKind::kSeam) return SolveSeam(job_.leaves.seams[IndexWithin(id)], x, y, roots);
   const LeafSite& site = SiteOf(id);
   roots_.clear();
-  const std::uint8_t result =
-      solver_.Solve(job_.leaves.hard[IndexOf(id)], site.rect, x, y, limit, &work_[SampleAt(x, y)], &roots_);
+  const std::uint8_t result = solver_.Solve(job_.leaves.hard[IndexWithin(id)], site.rect, x, y, limit,
+                                            &work_[SampleAt(x, y)], &roots_);
   for (const FallbackRoot& root : roots_) {
     if (!(root.hit.depth > job_.near_depth)) continue;
-    const Root at = RootOf(root);
-    std::uint8_t root_doubt = DoubtOf(id, root, x, y);
+    const Root at = MakeRoot(root);
+    std::uint8_t root_doubt = DoubtForRoot(id, root, x, y);
     TileHit hit = root.hit;
     if (shared_.check && root.proven && root_doubt == 0)
       root_doubt |= shared_.CheckRoot(site, {hit.s, hit.t, root.error_s, root.error_t}, x, y, hit.depth,
@@ -327,7 +331,7 @@ std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, 
 }
 
 // The reasons why a root of the fallback solver is not certified.
-std::uint8_t TileTracer::DoubtOf(std::uint32_t id, const FallbackRoot& root, double x, double y) const {
+std::uint8_t TileTracer::DoubtForRoot(std::uint32_t id, const FallbackRoot& root, double x, double y) const {
   std::uint8_t result = 0;
   if (!root.proven) {
     const bool singular = shared_.HitAt(id, root.hit.s, root.hit.t, x, y).singular;

@@ -62,8 +62,8 @@ class TileTracer final : private HitResolver {
     double s, t, error_s, error_t;
     double jacobian_sign;  // sign of the Jacobian of (s, t) → pixel; 0: unknown
   };
-  Root RootOf(const CertifiedLeaf& leaf, double s, double t) const;
-  static Root RootOf(const FallbackRoot& root);
+  Root MakeRoot(const CertifiedLeaf& leaf, double s, double t) const;
+  static Root MakeRoot(const FallbackRoot& root);
   using LeafSite = TraceShared::LeafSite;
   // Queries the trim index at the root, with the errors of the root converted to native parameters.
   TrimAnswer QueryTrim(const LeafSite& site, const Root& root, double cosine) const;
@@ -72,7 +72,7 @@ class TileTracer final : private HitResolver {
   // Calls found(leaf, root, hit) for every root of the untrimmed placed face on the ray. Returns false if the
   // work limit of the ray does not suffice for all roots.
   template <typename Found>
-  bool EveryRoot(std::uint32_t placed_face, double x, double y, const Found& found);
+  bool ForEachRoot(std::uint32_t placed_face, double x, double y, const Found& found);
   // Returns whether a root on the border of its patch (OnPatchBorder) belongs to the leaf and not to its
   // neighbour. Adds to *doubt if that is not proven, and widens the hit's error by the difference from the
   // neighbour's depth.
@@ -83,8 +83,8 @@ class TileTracer final : private HitResolver {
     double depth, error;
     bool within;  // not proven to lie beyond the neighbour's own border
   };
-  std::optional<Neighbour> NeighbourOf(const LeafSite& site, const Root& root, const TileHit& hit, double x,
-                                       double y);
+  std::optional<Neighbour> FindNeighbourRoot(const LeafSite& site, const Root& root, const TileHit& hit,
+                                             double x, double y);
   // Returns whether the face has the same root again on the other side of the seam that `answer` reports.
   bool OnSeam(const LeafSite& site, const Root& root, const TrimAnswer& answer, double depth, double x,
               double y);
@@ -103,7 +103,7 @@ class TileTracer final : private HitResolver {
 
   // For what the kernel asks about: it asks many times of one leaf before it asks of the next.
   const LeafSite& SiteOf(std::uint32_t leaf);
-  std::uint8_t DoubtOf(std::uint32_t leaf, const FallbackRoot& root, double x, double y) const;
+  std::uint8_t DoubtForRoot(std::uint32_t leaf, const FallbackRoot& root, double x, double y) const;
 
   const TraceShared& shared_;
   TileKernel kernel_;

@@ -59,7 +59,7 @@ TraceShared::LeafSite TraceShared::SiteOf(std::uint32_t leaf) const {
   const std::uint32_t i = place.patch / surface.v_spans.count, j = place.patch % surface.v_spans.count;
   // A seam leaf's parameters are those of the patch as it is.
   const bool is_seam = KindOf(leaf) == LeafKind::kSeam;
-  site.rect = RectOf(place, is_seam ? PatchBounds{} : BoundsOf(data, surface, i, j));
+  site.rect = RectOf(place, is_seam ? PatchBounds{} : SetBoxBounds(data, surface, i, j));
   site.u_map = &scene.spans[surface.u_spans.first + i];
   site.v_map = &scene.spans[surface.v_spans.first + j];
   site.u_low_continued = i == 0 && data.u_low_continued;
@@ -79,7 +79,7 @@ double TraceShared::LeafSite::V(double t) const {
 
 HitGeometry TraceShared::HitAt(std::uint32_t leaf, double s, double t, double x, double y) const {
   const LeafSpans leaves = view.tiles->leaves();
-  const std::uint32_t index = IndexOf(leaf);
+  const std::uint32_t index = IndexWithin(leaf);
   switch (KindOf(leaf)) {
     case LeafKind::kHard:
       return EvaluateHit(leaves.hard[index], s, t, x, y, frame);

@@ -83,14 +83,14 @@ double TradePoint::ErrorPx(ErrorMeasure measure) const {
   return std::fmax(ErrorMm(measure) * deviation_px_scale, silhouette_offset_px);
 }
 
-double CostOf(const TradePoint& point, TradeCost cost) {
+double TradePointCost(const TradePoint& point, TradeCost cost) {
   return cost == TradeCost::kTime ? point.total_ms : static_cast<double>(point.peak_bytes);
 }
 
 std::vector<std::size_t> ParetoFront(const std::vector<TradePoint>& points, TradeCost cost,
                                      ErrorMeasure measure, double floor_mm) {
   const auto error_of = [&](std::size_t i) { return std::fmax(points[i].ErrorMm(measure), floor_mm); };
-  const auto cost_of = [&](std::size_t i) { return CostOf(points[i], cost); };
+  const auto cost_of = [&](std::size_t i) { return TradePointCost(points[i], cost); };
   // Sort by cost. A point is then on the front if its error is smaller than those of all cheaper points.
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -96,7 +96,7 @@ struct TradePoint {
 
 enum class TradeCost : std::uint8_t { kTime, kMemory };
 // The cost of a point, in milliseconds or bytes.
-double CostOf(const TradePoint& point, TradeCost cost);
+double TradePointCost(const TradePoint& point, TradeCost cost);
 
 // The indices of the measured points on the Pareto front, by descending error: no other point is at least as
 // good in both error and cost and better in one. Points that are equal in both are all included.

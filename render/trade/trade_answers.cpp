@@ -155,7 +155,7 @@ double DirectCost(const std::vector<TradePoint>& points, TradeCost cost, double 
   for (const TradePoint& point : points)
     if (point.measured() && IsDirect(point.setting) &&
         std::fmax(point.ErrorMm(context.measure), context.floor_mm) <= error_mm)
-      least = std::fmin(least, CostOf(point, cost));
+      least = std::fmin(least, TradePointCost(point, cost));
   return least;
 }
 
@@ -164,7 +164,7 @@ std::string CrossoverSentence(const std::vector<TradePoint>& points, const Cross
   const std::string what = answer.cost == TradeCost::kTime ? "Time" : "Memory";
   const std::string start = what + ", view " + context.view + ": ";
   const auto text_of = [&](std::size_t i) {
-    const double cost = CostOf(points[i], answer.cost);
+    const double cost = TradePointCost(points[i], answer.cost);
     return SettingName(points[i].setting) + ", " +
            (answer.cost == TradeCost::kTime ? TimeText(cost) : MemoryText(cost));
   };
@@ -250,10 +250,10 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   const auto mesh_cost = [&](double error) {
     std::size_t k = 1;
     while (k + 1 < front.size() && error_of(front[k]) > error) ++k;
-    return LogInterpolate(error, error_of(front[k - 1]), CostOf(points[front[k - 1]], cost),
-                          error_of(front[k]), CostOf(points[front[k]], cost));
+    return LogInterpolate(error, error_of(front[k - 1]), TradePointCost(points[front[k - 1]], cost),
+                          error_of(front[k]), TradePointCost(points[front[k]], cost));
   };
-  if (!(DirectCost(points, cost, *answer.finest_mm, context) < CostOf(points[front.back()], cost))) {
+  if (!(DirectCost(points, cost, *answer.finest_mm, context) < TradePointCost(points[front.back()], cost))) {
     answer.kind = Crossover::kAlwaysMesh;
     answer.sentence = CrossoverSentence(points, answer, context, front);
     return answer;

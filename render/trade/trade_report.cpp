@@ -216,7 +216,7 @@ LogPlot TradePlot(const TradeView& view, TradeCost cost, const std::string& mode
     const auto* mesh = std::get_if<MeshSetting>(&point.setting);
     if (!IsDirect(point.setting))
       chains[{series, mesh != nullptr ? mesh->angular_deg : 0}].push_back(plot.points.size());
-    plot.points.push_back({point.ErrorMm(view.context.measure), CostOf(point, cost), series,
+    plot.points.push_back({point.ErrorMm(view.context.measure), TradePointCost(point, cost), series,
                            ShortSettingName(point.setting),
                            time ? point.on_time_front : point.on_memory_front});
   }

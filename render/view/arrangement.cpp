@@ -186,7 +186,7 @@ Result<Mesh> Arranged(const Mesh& mesh, const Model& model, const Arrangement& a
   for (MeshNode node : mesh.nodes) {
     if (node.first_placed_face >= model.PlacedFaceCount())
       continue;  // the node belongs to an instance without faces
-    const std::uint32_t to = place[model.InstanceOf(node.first_placed_face)];
+    const std::uint32_t to = place[model.InstanceOfPlacedFace(node.first_placed_face)];
     if (to == kNoIndex) continue;
     node.placement = Moved(node.placement, arrangement.shifts[to]);
     node.first_placed_face = first_placed_face[to];

@@ -37,9 +37,9 @@ struct ArrangementRequest {
 
   // Returns whether the request changes which occurrences of `model` are shown, or where they are.
   bool ChangesAnything(const Model& model) const {
-    return IsAskedFor() || (!show_hidden && HidesAnything(model));
+    return RequestsChange() || (!show_hidden && HidesAnything(model));
   }
-  bool IsAskedFor() const { return !parts.empty() || !hide.empty() || explode > 0; }
+  bool RequestsChange() const { return !parts.empty() || !hide.empty() || explode > 0; }
   static bool HidesAnything(const Model& model);
 };
 

@@ -162,7 +162,7 @@ const std::vector<std::string>& ViewNames() {
   return names;
 }
 
-Vec3 TurnedTo(UpAxis up, Vec3 direction) {
+Vec3 RotateToUpAxis(UpAxis up, Vec3 direction) {
   const auto [x, y, z] = direction;
   if (up == UpAxis::kX) return {z, x, y};
   if (up == UpAxis::kY) return {x, z, 0 - y};  // no -0 in reports
@@ -216,10 +216,10 @@ Result<Camera> NamedView(const std::string& name, const Box3& bounds, Projection
   camera.width_px = width_px;
   camera.height_px = height_px;
   camera.target = bounds.center();
-  camera.up = TurnedTo(options.up, view->up);
+  camera.up = RotateToUpAxis(options.up, view->up);
   camera.fov_y_deg = kNamedFovDeg;
   camera.height = size;
-  const Vec3 toward_eye = Normalized(TurnedTo(options.up, view->toward_eye));
+  const Vec3 toward_eye = Normalized(RotateToUpAxis(options.up, view->toward_eye));
   camera.eye = camera.target + size * toward_eye;
   const Result<BoxFit> fit = FitBox(camera, bounds, options.margin);
   if (!fit.ok()) return fit.error();

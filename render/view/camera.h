@@ -77,7 +77,7 @@ const std::vector<std::string>& ViewNames();
 enum class UpAxis : std::uint8_t { kX, kY, kZ };
 
 // Rotates a direction that is defined for Z up to a model whose axis `up` points up.
-Vec3 TurnedTo(UpAxis up, Vec3 direction);
+Vec3 RotateToUpAxis(UpAxis up, Vec3 direction);
 
 struct NamedViewOptions {
   double margin = 0.05;  // margin on each side, as a share of the image's width and height: 0 … kMostMargin

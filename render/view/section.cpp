@@ -39,7 +39,7 @@ SectionSolids::SectionSolids(const Model& model) : model_(&model) {
     const Part& part = model.parts[instance.part];
     const std::uint32_t first = count();
     for (const std::uint32_t s : Indices(part.solids)) solids_.push_back({i, s});
-    for (const PlacedFace placed : PlacedFacesOf(model, instance)) {
+    for (const PlacedFace placed : WalkPlacedFaces(model, instance)) {
       const std::uint32_t solid = model.faces[placed.face].solid;
       if (solid != kNoIndex && model.solids[solid].closed)
         solid_of_face_[placed.id] = first + solid - part.solids.first;
@@ -66,7 +66,7 @@ Color SectionSolids::ColorOf(std::uint32_t solid) const {
   std::map<std::tuple<float, float, float>, std::size_t> uses;
   Color commonest;
   std::size_t most = 0;
-  for (const PlacedFace placed : PlacedFacesOf(*model_, instance)) {
+  for (const PlacedFace placed : WalkPlacedFaces(*model_, instance)) {
     if (model_->faces[placed.face].solid != solids_[solid].solid) continue;
     const Color color = model_->PlacedFaceColor(placed.id);
     const std::size_t count = ++uses[{color.r, color.g, color.b}];
@@ -78,7 +78,7 @@ Color SectionSolids::ColorOf(std::uint32_t solid) const {
   return commonest;
 }
 
-KeptInterval KeptOf(const Ray& ray, std::span<const SectionPlane> planes, double near_depth) {
+KeptInterval ClipRayToSections(const Ray& ray, std::span<const SectionPlane> planes, double near_depth) {
   KeptInterval kept;
   kept.begin = near_depth;
   for (int i = 0; i < static_cast<int>(planes.size()); ++i) {

@@ -1,7 +1,7 @@
 // Section planes, which cut a model open in a view. The boundary representation is not changed; the cut is
 // decided separately for each ray.
 //
-//     const KeptInterval kept = KeptOf(ray, planes, near_depth);
+//     const KeptInterval kept = ClipRayToSections(ray, planes, near_depth);
 //     SectionDecision decision;
 //     const SectionAnswer answer = decision.Decide(crossings, kept);
 //     if (answer.kind == SectionAnswer::Kind::kCap) face = solids.CapId(kept.plane, answer.index);
@@ -47,7 +47,7 @@ class SectionSolids {
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(solids_.size()); }
   // The closed placed solid to which the face belongs; kNoIndex if there is none.
-  std::uint32_t SolidOf(std::uint32_t placed_face) const { return solid_of_face_[placed_face]; }
+  std::uint32_t ClosedSolidOfFace(std::uint32_t placed_face) const { return solid_of_face_[placed_face]; }
   std::string Name(std::uint32_t solid) const;
   Color ColorOf(std::uint32_t solid) const;  // the colour of most of its faces
 
@@ -75,7 +75,7 @@ struct KeptInterval {
   int plane = -1;                            // the plane at which the interval begins; −1: none
 };
 // The interval that the planes keep of the ray's depths beyond `near_depth`.
-KeptInterval KeptOf(const Ray& ray, std::span<const SectionPlane> planes, double near_depth);
+KeptInterval ClipRayToSections(const Ray& ray, std::span<const SectionPlane> planes, double near_depth);
 
 // A crossing of a ray and a surface, with the data that sections need.
 struct SolidCrossing {

@@ -38,7 +38,7 @@ std::string FrameName(const std::string& name, int frame) {
 
 Result<std::vector<Camera>> TurntableCameras(const Camera& first, UpAxis up, int count,
                                              const TurntableFit* fit) {
-  const Vec3 axis = TurnedTo(up, {0, 0, 1});
+  const Vec3 axis = RotateToUpAxis(up, {0, 0, 1});
   std::vector<Camera> cameras;
   BoxFit needed;
   for (int frame = 0; frame < count; ++frame) {

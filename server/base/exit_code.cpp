@@ -8,7 +8,7 @@
 
 namespace facetless {
 
-int ExitCodeOf(const Error& error) {
+int ExitCodeForError(const Error& error) {
   switch (error.code) {
     case ErrorCode::kBadUsage:
       return kExitUsage;
@@ -35,7 +35,7 @@ int ExitCodeOf(const Error& error) {
 
 int PrintError(const Error& error) {
   std::fprintf(stderr, "facetless: %s\n", Printable(error.message).c_str());
-  return ExitCodeOf(error);
+  return ExitCodeForError(error);
 }
 
 }  // namespace facetless

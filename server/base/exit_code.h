@@ -18,7 +18,7 @@ inline constexpr int kExitInternal = 70;     // a defect of Facetless
 inline constexpr int kExitCannotWrite = 74;  // disk full, no permission
 inline constexpr int kExitSignal = 128;      // plus the signal's number: 130 after Ctrl-C
 
-int ExitCodeOf(const Error& error);
+int ExitCodeForError(const Error& error);
 
 // Prints the message of the error to standard error and returns its exit code.
 int PrintError(const Error& error);

@@ -8,7 +8,7 @@
 
 namespace facetless {
 
-void BoundHeap() {
+void LimitHeapArenas() {
 #if defined(__GLIBC__)
   // The threads of the renderer allocate per leaf, not per ray, so a few arenas are sufficient.
   constexpr int kArenas = 4;
@@ -20,7 +20,7 @@ void BoundHeap() {
 #endif
 }
 
-void GiveBackHeap() {
+void ReleaseFreeMemory() {
 #if defined(__GLIBC__)
   malloc_trim(0);
 #endif

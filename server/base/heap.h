@@ -8,9 +8,9 @@ namespace facetless {
 
 // Bounds the number of arenas, so that threads reuse each other's freed memory. Call it before threads are
 // started.
-void BoundHeap();
+void LimitHeapArenas();
 
 // Returns free memory to the system. This takes some milliseconds, so the service calls it between jobs.
-void GiveBackHeap();
+void ReleaseFreeMemory();
 
 }  // namespace facetless

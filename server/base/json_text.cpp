@@ -21,7 +21,7 @@ std::string Shown(const std::string& text) {
 }
 
 // The place of the byte before `end` as "line 2, column 5". `end` is counted from 1.
-std::string PlaceOf(std::string_view text, std::size_t end) {
+std::string LineAndColumn(std::string_view text, std::size_t end) {
   const std::string_view before = text.substr(0, std::min(text.size(), end == 0 ? 0 : end - 1));
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;
   const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
@@ -56,8 +56,8 @@ Result<Json> ParseJsonText(const std::string& text, const std::string& what, boo
   try {
     json = Json::parse(text, watch, /*allow_exceptions=*/true, ignore_comments);
   } catch (const Json::parse_error& error) {
-    return Error{ErrorCode::kBadUsage,
-                 what + " is not valid JSON: " + PlaceOf(text, error.byte) + ": " + ReasonOf(error.what())};
+    return Error{ErrorCode::kBadUsage, what + " is not valid JSON: " + LineAndColumn(text, error.byte) +
+                                           ": " + ReasonOf(error.what())};
   } catch (const Json::exception& error) {
     return Error{ErrorCode::kBadUsage, what + " is not valid JSON: " + ReasonOf(error.what())};
   }

@@ -180,7 +180,7 @@ KeyCommands AddKeyCommands(CLI::App& app, KeyArguments& key) {
 // Runs a command with the collected options.
 int Dispatch(int (*command)(const CommandArguments&), CommandArguments& arguments,
              OptionCollector& collected) {
-  auto json = collected.Take();
+  auto json = collected.CollectedOptions();
   if (!json) return PrintError(json.error());
   auto options = ParseOptions(json.value());
   if (!options) return PrintError(options.error());

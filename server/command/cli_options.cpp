@@ -13,7 +13,7 @@ namespace facetless {
 using Json = nlohmann::json;
 
 void OptionCollector::Add(CLI::App* app, const OptionRow& row) {
-  const std::string flag = FlagOf(row), name = row.name, help = HelpText(row);
+  const std::string flag = CommandLineName(row), name = row.name, help = HelpText(row);
   CLI::Option* option = nullptr;
   if (row.kind == OptionKind::kFlag) {
     option = app->add_flag_callback(
@@ -34,7 +34,7 @@ void OptionCollector::Add(CLI::App* app, const OptionRow& row) {
   option->group(row.group);
 }
 
-Result<Json> OptionCollector::Take() {
+Result<Json> OptionCollector::CollectedOptions() {
   if (!json_.contains("camera")) return json_;
   std::string text = json_["camera"].get<std::string>();
   if (text.starts_with("@")) {

@@ -3,7 +3,7 @@
 //     OptionCollector options;
 //     AddOptions(app, kRender, options);
 //     app->parse(argc, argv);
-//     Result<nlohmann::json> json = options.Take();  // for ParseOptions
+//     Result<nlohmann::json> json = options.CollectedOptions();  // for ParseOptions
 //
 //  1. Each option of a run is a row of the option table. Its value is collected as JSON under its name, and
 //     checked by the same code as HTTP requests (options.h), so that every check exists once.
@@ -29,7 +29,7 @@ class OptionCollector {
   void Add(CLI::App* app, const OptionRow& row);
 
   // The options that were given. Errors: kBadUsage (a camera that is not JSON, or whose file cannot be read).
-  Result<nlohmann::json> Take();
+  Result<nlohmann::json> CollectedOptions();
 
  private:
   nlohmann::json json_ = nlohmann::json::object();

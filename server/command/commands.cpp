@@ -56,7 +56,7 @@ constexpr std::size_t kMostNamed = 20;  // faces, on standard error
 
 // The faces without a triangle, from the answer of the importer. The answer is checked like any text of
 // another process.
-std::vector<std::string> UnmeshedOf(const nlohmann::json& summary) {
+std::vector<std::string> ReadUnmeshedFaces(const nlohmann::json& summary) {
   std::vector<std::string> names;
   const auto meshes = summary.find("meshes");
   if (meshes == summary.end() || !meshes->is_array() || meshes->empty() || !meshes->front().is_object())
@@ -137,7 +137,7 @@ int RenderCommand(const CommandArguments& arguments) {
 
 int MeshCommand(const CommandArguments& arguments) {
   // Refuse an unknown suffix before the import.
-  const auto format = MeshFormatOf(arguments.out);
+  const auto format = MeshFormatFromPath(arguments.out);
   if (!format) return PrintError(format.error());
   Progress progress(arguments.progress);
   ImportRequest request = ToImportRequest(arguments, progress);
@@ -146,7 +146,7 @@ int MeshCommand(const CommandArguments& arguments) {
   if (!files) return PrintError(files.error());
   auto model = ReadModel(files.value().model_path);
   if (!model) return PrintError(model.error());
-  const std::vector<std::string> unmeshed = UnmeshedOf(files.value().summary);
+  const std::vector<std::string> unmeshed = ReadUnmeshedFaces(files.value().summary);
   WarnOfUnmeshed(unmeshed);
   auto mesh = LoadMesh(files.value().mesh_paths.front(), {}, nullptr);
   if (!mesh && mesh.error().code == ErrorCode::kNothingUsable)

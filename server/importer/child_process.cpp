@@ -205,7 +205,7 @@ std::optional<ChildEnd> DirectoryEnd(const ChildRequest& request, pid_t child) {
   const DirectoryUse limit{request.limits.directory_bytes, request.limits.directory_names};
   if (limit.bytes == 0 && limit.names == 0) return std::nullopt;
   DirectoryUse use = MeasureDirectory(request.working_directory, limit);
-  if (child > 0) use.bytes += NamelessBytes(child);
+  if (child > 0) use.bytes += UnlinkedFileBytes(child);
   if (limit.bytes > 0 && use.bytes > limit.bytes) return ChildEnd::kDirectoryTooLarge;
   if (limit.names > 0 && use.names > limit.names) return ChildEnd::kTooManyNames;
   return std::nullopt;
@@ -215,7 +215,7 @@ std::optional<ChildEnd> DirectoryEnd(const ChildRequest& request, pid_t child) {
 class ErrorStream {
  public:
   explicit ErrorStream(const ChildRequest& request) : request_(request) {}
-  void Take(std::string_view bytes) {
+  void Append(std::string_view bytes) {
     tail_ += bytes;
     if (tail_.size() > 2 * request_.stderr_cap) tail_.erase(0, tail_.size() - request_.stderr_cap);
     if (!request_.on_stderr_line) return;
@@ -291,7 +291,7 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   const auto take_out = [&](std::string_view bytes) {
     outcome.out += bytes.substr(0, request.stdout_cap - outcome.out.size());
   };
-  const auto take_err = [&](std::string_view bytes) { error_stream.Take(bytes); };
+  const auto take_err = [&](std::string_view bytes) { error_stream.Append(bytes); };
   // Use the system call directly, because this C library declares its wrapper without C linkage.
   const Fd process(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
   StatusSamples samples;

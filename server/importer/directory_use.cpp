@@ -15,7 +15,7 @@ namespace {
 // The unit of st_blocks, whatever the block size of the file system is.
 constexpr std::uint64_t kBlockBytes = 512;
 
-std::uint64_t BytesOf(const struct stat& info) {
+std::uint64_t DiskBytes(const struct stat& info) {
   return std::max(static_cast<std::uint64_t>(info.st_size),
                   static_cast<std::uint64_t>(info.st_blocks) * kBlockBytes);
 }
@@ -47,7 +47,7 @@ DirectoryUse MeasureDirectory(const std::string& path, const DirectoryUse& limit
       ++use.names;
       struct stat info = {};
       if (fstatat(dirfd(directory.get()), entry->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0) continue;
-      if (S_ISREG(info.st_mode)) use.bytes += BytesOf(info);
+      if (S_ISREG(info.st_mode)) use.bytes += DiskBytes(info);
       if (S_ISDIR(info.st_mode)) open.push_back(at + "/" + entry->d_name);
       if (beyond()) break;
     }
@@ -55,7 +55,7 @@ DirectoryUse MeasureDirectory(const std::string& path, const DirectoryUse& limit
   return use;
 }
 
-std::uint64_t NamelessBytes(pid_t process) {
+std::uint64_t UnlinkedFileBytes(pid_t process) {
   const std::string path = "/proc/" + std::to_string(process) + "/fd";
   const Directory directory(opendir(path.c_str()));
   std::uint64_t bytes = 0;
@@ -63,7 +63,7 @@ std::uint64_t NamelessBytes(pid_t process) {
     struct stat info = {};
     if (!IsSelfOrParent(entry->d_name) && fstatat(dirfd(directory.get()), entry->d_name, &info, 0) == 0 &&
         S_ISREG(info.st_mode) && info.st_nlink == 0)
-      bytes += BytesOf(info);
+      bytes += DiskBytes(info);
   }
   return bytes;
 }

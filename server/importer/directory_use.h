@@ -21,6 +21,6 @@ struct DirectoryUse {
 DirectoryUse MeasureDirectory(const std::string& path, const DirectoryUse& limits);
 
 // The size of the regular files that the process has open but that no directory contains any more, in bytes.
-std::uint64_t NamelessBytes(pid_t process);
+std::uint64_t UnlinkedFileBytes(pid_t process);
 
 }  // namespace facetless

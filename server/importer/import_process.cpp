@@ -270,7 +270,7 @@ std::optional<Error> EndError(const ChildOutcome& outcome, const ChildLimits& ch
 }
 
 // The cause in one word, for metrics; nullptr if the child exited or was cancelled.
-const char* DeathCause(const ChildOutcome& outcome, const ChildLimits& child_limits) {
+const char* ImporterDeathCause(const ChildOutcome& outcome, const ChildLimits& child_limits) {
   switch (outcome.end) {
     case ChildEnd::kExited:
     case ChildEnd::kCancelled:
@@ -388,7 +388,7 @@ Result<void> AddRays(const ExactRays& exact, const std::string& rays_path, const
 
 // The limits of the child. The CPU time limit is for all cores together, so that users normally reach the
 // wall-time limit first.
-ChildLimits LimitsOfChild(const ImportRequest& request) {
+ChildLimits MakeChildLimits(const ImportRequest& request) {
   const ImportLimits& limits = request.limits;
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   const double wall_s = limits.timeout_s + (request.meshes.empty() ? 0 : limits.mesh_timeout_s);
@@ -405,14 +405,15 @@ ChildLimits LimitsOfChild(const ImportRequest& request) {
 
 // Evaluates the end of an importer. Returns nothing, with the answer in `files`, or the failure with its
 // cause in one word.
-std::optional<MeshFailure> FailureOf(const ChildOutcome& outcome, const ChildLimits& child_limits,
-                                     const ImportRequest& request, const StageClock& clock,
-                                     const std::vector<std::string>& outputs, ImportedFiles& files) {
+std::optional<MeshFailure> EvaluateImporterEnd(const ChildOutcome& outcome, const ChildLimits& child_limits,
+                                               const ImportRequest& request, const StageClock& clock,
+                                               const std::vector<std::string>& outputs,
+                                               ImportedFiles& files) {
   const std::string name = std::filesystem::path(request.input).filename().string();
   const auto died = [&](const char* cause) {
     if (cause != nullptr && request.died) request.died(cause);
   };
-  const char* cause = DeathCause(outcome, child_limits);
+  const char* cause = ImporterDeathCause(outcome, child_limits);
   died(cause);
   if (auto error = EndError(outcome, child_limits, name, request.limits, clock,
                             outcome.end == ChildEnd::kSignalled ? LastEntity(files.directory.path()) : ""))
@@ -477,7 +478,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   }
 
   // Set the limits.
-  child.limits = LimitsOfChild(request);
+  child.limits = MakeChildLimits(request);
   child.environment = ImporterEnvironment(files.directory.path());
   child.working_directory = files.directory.path();
   auto filter = ImporterSyscallFilter();
@@ -503,7 +504,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   files.wall_ms = outcome.wall_ms;
   files.peak_bytes = outcome.peak_bytes;
   files.peak_address_bytes = outcome.peak_address_bytes;
-  if (auto failure = FailureOf(outcome, child.limits, request, clock, outputs, files)) {
+  if (auto failure = EvaluateImporterEnd(outcome, child.limits, request, clock, outputs, files)) {
     const bool keeps_model = request.model_suffices && clock.meshing() &&
                              outcome.end != ChildEnd::kCancelled && !OutputError(files.model_path, name);
     if (!keeps_model) return failure->error;

@@ -39,11 +39,11 @@ Result<void> ParseSamples(const OptionRow& row, const Json& json, RunOptions& op
   auto samples = ParseInteger(json, row.name, static_cast<int>(row.low), static_cast<int>(row.high));
   if (!samples) return samples.error();
   // Pixels are square, so a grid that is much finer along one axis wastes its samples.
-  const SampleGrid grid = GridOf(samples.value());
+  const SampleGrid grid = EvenSampleGrid(samples.value());
   if (std::max(grid.x, grid.y) > 2 * std::min(grid.x, grid.y)) {
     std::string allowed;
     for (int n = 1; n <= 64; ++n) {
-      const SampleGrid other = GridOf(n);
+      const SampleGrid other = EvenSampleGrid(n);
       if (std::max(other.x, other.y) <= 2 * std::min(other.x, other.y)) allowed += " " + std::to_string(n);
     }
     return BadUsage("samples is " + Quoted(json) + ", which makes no near-square grid; use one of" + allowed);

@@ -93,7 +93,7 @@ std::vector<std::string> OptionNames(const OptionTable& table) {
   return names;
 }
 
-std::string FlagOf(const OptionRow& row) {
+std::string CommandLineName(const OptionRow& row) {
   std::string flag = row.name;
   std::replace(flag.begin(), flag.end(), '_', '-');
   return "--" + flag;

@@ -91,7 +91,7 @@ std::string OptionName(std::string_view written);
 const OptionRow* FindOption(std::string_view written, const OptionTable& table = AllOptions());
 std::vector<std::string> OptionNames(const OptionTable& table = AllOptions());
 // The command-line form of the name, such as "--deflection-mm".
-std::string FlagOf(const OptionRow& row);
+std::string CommandLineName(const OptionRow& row);
 
 // The range, such as "0 … 0.45", "at least 0" or "more than 0"; "" if the kind has no range.
 std::string RangeText(const OptionRow& row);

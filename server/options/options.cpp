@@ -114,8 +114,9 @@ Result<Camera> ReadCamera(const Json& json, const RunOptions& options, const Box
     const Vec3 forward = Normalized(camera.target - camera.eye);
     // Within 0.06 degrees of the up axis, rounding of the direction would visibly rotate the picture.
     constexpr double kSineOfVertical = 1e-3;
-    const Vec3 up = TurnedTo(options.picture.up, {0, 0, 1});
-    camera.up = Length(Cross(forward, up)) > kSineOfVertical ? up : TurnedTo(options.picture.up, {0, 1, 0});
+    const Vec3 up = RotateToUpAxis(options.picture.up, {0, 0, 1});
+    camera.up =
+        Length(Cross(forward, up)) > kSineOfVertical ? up : RotateToUpAxis(options.picture.up, {0, 1, 0});
   }
 
   // Read the size of the view.

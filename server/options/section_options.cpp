@@ -21,7 +21,7 @@ Error NoPlane(const Json& json) {
 }
 
 // The finite number that the whole text represents; nothing if it does not represent one.
-std::optional<double> NumberOf(std::string_view text) {
+std::optional<double> ParseFiniteNumber(std::string_view text) {
   double number = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
   if (parsed.ec != std::errc{} || parsed.ptr != text.data() + text.size() || !std::isfinite(number))
@@ -52,7 +52,7 @@ Result<SectionRequest> AcrossAxis(const Json& json, std::string_view text) {
   if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') return NoPlane(json);
   const int axis = text[0] - 'x';
   const bool share = text.back() == '%';
-  const std::optional<double> number = NumberOf(text.substr(2, text.size() - 2 - share));
+  const std::optional<double> number = ParseFiniteNumber(text.substr(2, text.size() - 2 - share));
   if (!number) return NoPlane(json);
   SectionRequest request;
   double* const normal[] = {&request.plane.normal.x, &request.plane.normal.y, &request.plane.normal.z};
@@ -87,7 +87,7 @@ Result<SectionRequest> ParseOne(const Json& json) {
       const std::size_t end = std::min(text.find(',', begin), text.size());
       std::string_view word = std::string_view(text).substr(begin, end - begin);
       while (word.starts_with(' ')) word.remove_prefix(1);
-      const std::optional<double> number = NumberOf(word);
+      const std::optional<double> number = ParseFiniteNumber(word);
       if (!number) return NoPlane(json);
       numbers.push_back(*number);
       begin = end + 1;

@@ -38,14 +38,14 @@ std::string Millimetres(double length) {
 std::size_t LeaveOutHidden(const Model& model, Mesh& mesh) {
   return std::erase_if(mesh.nodes, [&](const MeshNode& node) {
     return !mesh.parts[node.part].triangles.empty() &&
-           model.instances[model.InstanceOf(node.first_placed_face)].hidden;
+           model.instances[model.InstanceOfPlacedFace(node.first_placed_face)].hidden;
   });
 }
 
 Result<std::vector<std::string>> WriteMeshFiles(const Model& model, Mesh mesh, MeshFormat format,
                                                 bool show_hidden, const std::string& path) {
   std::vector<std::string> sentences;
-  if (!NamesFacesOf(mesh, model))
+  if (!RefersToFacesOfModel(mesh, model))
     return Error{ErrorCode::kInternal, "the mesh to be written does not belong to the model"};
   if (!show_hidden) {
     const std::size_t hidden = LeaveOutHidden(model, mesh);

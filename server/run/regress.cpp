@@ -201,7 +201,8 @@ Result<Outcome> Compare(const Entry& entry, const Camera& camera, const View& vi
     if (!depth) return Failure(camera.name, depth.error().message + "; run with --update", kExitFailed);
     auto difference =
         CompareDepths(depth.value(), {view.samples.width, view.samples.height, view.samples.depth});
-    if (!difference) return Failure(camera.name, difference.error().message, ExitCodeOf(difference.error()));
+    if (!difference)
+      return Failure(camera.name, difference.error().message, ExitCodeForError(difference.error()));
     values["depth_mm"] = difference.value().max_mm;
     values["silhouette_px"] = difference.value().silhouette_pixels;
   }
@@ -307,7 +308,7 @@ Result<RegressResult> RunRegress(const RegressRequest& request) {
             ? outcome.value().entry
             : Json{{"error",
                     {{"code", ErrorCodeName(outcome.error().code)}, {"message", outcome.error().message}}}};
-    const int file_code = outcome ? outcome.value().exit_code : ExitCodeOf(outcome.error());
+    const int file_code = outcome ? outcome.value().exit_code : ExitCodeForError(outcome.error());
     file["file"] = entry.file;
     file["name"] = entry.name;
     file["passed"] = file_code == kExitDone;

@@ -47,7 +47,7 @@ Result<ShownModel> ShownModel::Of(const ImportedModel& imported, const Mesh* mes
   auto arrangement = Arrange(model, request);
   if (!arrangement) return arrangement.error();
   // A mesh of another program is shown whole: which of its parts the file hides is not known.
-  if (mesh != nullptr && (mesh->from_model || request.IsAskedFor())) {
+  if (mesh != nullptr && (mesh->from_model || request.RequestsChange())) {
     auto arranged = Arranged(*mesh, model, arrangement.value());
     if (!arranged) return arranged.error();
     shown.mesh_ = std::move(arranged).value();

@@ -74,12 +74,12 @@ Result<bool> AnonymousAllowed(const ServeOptions& options, const std::string& ho
 
 constexpr double kDaySeconds = 24 * 3600, kMillisecond = 1e-3;
 
-StoreLimits StoreLimitsOf(const ServeOptions& options) {
+StoreLimits MakeStoreLimits(const ServeOptions& options) {
   return {options.max_store_mb << 20, options.max_age_days * kDaySeconds};
 }
 
 // The observer that counts the events of jobs and logs them.
-Observer ObserverOf(Metrics& metrics, ServiceLog& log) {
+Observer MakeObserver(Metrics& metrics, ServiceLog& log) {
   Observer observer;
   observer.job_ended = [&](const Job& job, double seconds) {
     metrics.JobEnded(job.kind, JobStateName(job.state), seconds);
@@ -130,7 +130,7 @@ void PrintAddress(const char* prefix, const Address& address, int port) {
   std::fflush(stdout);
 }
 
-JobSettings JobSettingsOf(const ServeOptions& options, const std::string& data) {
+JobSettings MakeJobSettings(const ServeOptions& options, const std::string& data) {
   JobSettings settings;
   settings.workers = options.jobs;
   settings.run.timeout_s = options.timeout_s;
@@ -156,7 +156,7 @@ std::string DefaultDataDirectory() {
 }
 
 int Serve(const ServeOptions& options) {
-  BoundHeap();
+  LimitHeapArenas();
   auto address = ParseAddress("--listen", options.listen);
   if (!address) return PrintError(address.error());
   const bool apart = !options.ops_listen.empty();
@@ -168,7 +168,7 @@ int Serve(const ServeOptions& options) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto directory = DataDirectory::Open(data);
   if (!directory) return PrintError(directory.error());
-  auto store = FileStore::Open(*directory.value(), StoreLimitsOf(options));
+  auto store = FileStore::Open(*directory.value(), MakeStoreLimits(options));
   if (!store) return PrintError(store.error());
 
   KeyStore keys(directory.value()->reader());
@@ -184,8 +184,8 @@ int Serve(const ServeOptions& options) {
   queue_limits.queued = options.queue;
   queue_limits.queued_of_owner = (options.queue + 1) / 2;
   SqlJobStore queue(*directory.value(), queue_limits);
-  JobSettings settings = JobSettingsOf(options, data);
-  settings.observer = ObserverOf(metrics, log);
+  JobSettings settings = MakeJobSettings(options, data);
+  settings.observer = MakeObserver(metrics, log);
   Jobs jobs(queue, *store.value(), settings);
   ServiceLimits limits;
   limits.queue = options.queue;

@@ -19,7 +19,7 @@ constexpr std::size_t kSecretDigits = 64;
 
 constexpr const char* kColumns = "id, name, scopes, rate, quota_mb, created, revoked, digest";
 
-AccessKey KeyOf(const SqlRow& row) {
+AccessKey ReadKeyRow(const SqlRow& row) {
   AccessKey key;
   key.id = row.Text(0);
   key.name = row.Text(1);
@@ -83,7 +83,7 @@ Result<NewKey> KeyStore::Create(AccessKey key) {
 Result<std::vector<AccessKey>> KeyStore::List() {
   std::vector<AccessKey> keys;
   const auto asked = database_.Query(std::string("SELECT ") + kColumns + " FROM keys ORDER BY created", {},
-                                     [&](const SqlRow& row) { keys.push_back(KeyOf(row)); });
+                                     [&](const SqlRow& row) { keys.push_back(ReadKeyRow(row)); });
   if (!asked) return asked.error();
   return keys;
 }
@@ -102,7 +102,7 @@ std::optional<AccessKey> KeyStore::Verify(const std::string& text) {
   std::string kept(kSecretDigits, '0');
   (void)database_.Query(std::string("SELECT ") + kColumns + " FROM keys WHERE id = ?",
                         {text.substr(kPrefix.size(), kIdDigits)}, [&](const SqlRow& row) {
-                          key = KeyOf(row);
+                          key = ReadKeyRow(row);
                           kept = row.Text(7);
                         });
   // Compare in constant time, wherever the digests differ, and even if there is no such key.

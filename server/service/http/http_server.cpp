@@ -61,7 +61,7 @@ HttpRequest Translated(const httplib::Request& request) {
   }
   for (const auto& [name, value] : request.params) translated.query.emplace(name, value);
   translated.id = RandomId();
-  translated.trace_id = TraceIdOf(translated.Header("traceparent"));
+  translated.trace_id = ParseTraceId(translated.Header("traceparent"));
   return translated;
 }
 
@@ -112,7 +112,7 @@ void Apply(const HttpResponse& from, httplib::Response& to) {
   // The store has deleted the file since it was looked up.
   if (!file->ok()) {
     to.headers.clear();
-    Apply(ProblemOfStatus(404), to);
+    Apply(ProblemForStatus(404), to);
     return;
   }
   to.set_content_provider(file->Size(), from.content_type,
@@ -139,7 +139,7 @@ class BodyReader {
     FinishPart();
     if (refusal_) return true;
     if (request_.parts.size() >= kMaxParts) {
-      Refuse(ProblemOfStatus(413));
+      Refuse(ProblemForStatus(413));
       return true;
     }
     BodyPart part;
@@ -152,19 +152,19 @@ class BodyReader {
     return true;
   }
 
-  bool Take(const char* data, std::size_t size) {
+  bool AppendBytes(const char* data, std::size_t size) {
     total_ += size;
     if (Clock::now() > end_) {
-      if (!refusal_) Refuse(ProblemOfStatus(408));
+      if (!refusal_) Refuse(ProblemForStatus(408));
       return false;
     }
-    if (!refusal_ && total_ > service_.limits().max_upload_bytes) Refuse(ProblemOfStatus(413));
+    if (!refusal_ && total_ > service_.limits().max_upload_bytes) Refuse(ProblemForStatus(413));
     if (refusal_) return true;
     BodyPart& part = request_.parts.back();
     part.bytes += size;
     if (part.path.empty()) {
       part.text.append(data, size);
-      if (part.text.size() > kMaxTextBytes) Refuse(ProblemOfStatus(413));
+      if (part.text.size() > kMaxTextBytes) Refuse(ProblemForStatus(413));
       return true;
     }
     sha_.Add(data, size);
@@ -172,7 +172,7 @@ class BodyReader {
       const ssize_t written = write(fd_, data + done, size - done);
       if (written < 0 && errno == EINTR) continue;
       if (written < 0) {
-        Refuse(ProblemOf(
+        Refuse(ProblemForError(
             {ErrorCode::kWriteFailed, std::string("cannot store the upload: ") + std::strerror(errno)}));
         return true;
       }
@@ -184,7 +184,7 @@ class BodyReader {
   // Ends the body, and returns the response if the request was refused. `complete`: the whole body was read.
   std::optional<HttpResponse> Finish(bool complete) {
     FinishPart();
-    if (!refusal_ && !complete) Refuse(ProblemOfStatus(400));
+    if (!refusal_ && !complete) Refuse(ProblemForStatus(400));
     return refusal_;
   }
 
@@ -193,14 +193,14 @@ class BodyReader {
     if (request_.uploads.path().empty()) {
       auto scratch = service_.store().Scratch();
       if (!scratch) {
-        Refuse(ProblemOf({ErrorCode::kWriteFailed, "cannot store the upload"}));
+        Refuse(ProblemForError({ErrorCode::kWriteFailed, "cannot store the upload"}));
         return;
       }
       request_.uploads = std::move(scratch).value();
     }
     part.path = request_.uploads.File("part" + std::to_string(request_.parts.size()));
     fd_ = open(part.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (fd_ < 0) Refuse(ProblemOf({ErrorCode::kWriteFailed, "cannot store the upload"}));
+    if (fd_ < 0) Refuse(ProblemForError({ErrorCode::kWriteFailed, "cannot store the upload"}));
     sha_ = Sha256();
   }
   void FinishPart() {
@@ -238,7 +238,7 @@ HttpResponse HandlePost(Service& service, const httplib::Request& request, HttpR
                         const httplib::ContentReader& content) {
   BodyReader body(service, translated);
   if (auto refusal = service.Check(translated)) body.Refuse(std::move(*refusal));
-  const auto take = [&](const char* data, std::size_t size) { return body.Take(data, size); };
+  const auto take = [&](const char* data, std::size_t size) { return body.AppendBytes(data, size); };
   bool complete = false;
   if (request.is_multipart_form_data()) {
     complete = content(
@@ -320,7 +320,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
     const Stopwatch stopwatch;
     HttpRequest translated = TakeAdmitted(request);
     translated.operations = operations;
-    HttpResponse answer = ProblemOfStatus(500);
+    HttpResponse answer = ProblemForStatus(500);
     try {
       answer = respond(translated);
     } catch (const std::exception&) {
@@ -368,7 +368,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
 
   // Handle responses of the library itself, and exceptions.
   server.set_error_handler([owner](const httplib::Request& request, httplib::Response& response) {
-    if (response.body.empty() && response.status != 304) Apply(ProblemOfStatus(response.status), response);
+    if (response.body.empty() && response.status != 304) Apply(ProblemForStatus(response.status), response);
     if (response.has_header(kRequestIdHeader)) return;
     const std::string id = RandomId();
     response.set_header(kRequestIdHeader, id);
@@ -376,7 +376,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Lis
       owner->on_request({id, "", request.method, request.path, "", "", response.status, 0});
   });
   server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
-    Apply(ProblemOfStatus(500), response);
+    Apply(ProblemForStatus(500), response);
   });
 
   self->state_->listener = listener;

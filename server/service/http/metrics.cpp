@@ -52,46 +52,46 @@ std::string StageLabel(const std::string& stage) {
 }  // namespace
 
 struct Metrics::Families {
-  Family<Counter>& CounterOf(const char* name, const char* help) {
+  Family<Counter>& AddCounter(const char* name, const char* help) {
     return BuildCounter().Name(name).Help(help).Register(registry);
   }
-  Family<Gauge>& GaugeOf(const char* name, const char* help) {
+  Family<Gauge>& AddGauge(const char* name, const char* help) {
     return BuildGauge().Name(name).Help(help).Register(registry);
   }
-  Family<Histogram>& HistogramOf(const char* name, const char* help) {
+  Family<Histogram>& AddHistogram(const char* name, const char* help) {
     return BuildHistogram().Name(name).Help(help).Register(registry);
   }
 
   prometheus::Registry registry;
   Family<Counter>& requests =
-      CounterOf("facetless_http_requests_total", "Requests by route, method and status");
+      AddCounter("facetless_http_requests_total", "Requests by route, method and status");
   Family<Histogram>& request_seconds =
-      HistogramOf("facetless_http_request_duration_seconds",
-                  "Seconds from a request's head to its response, waiting for a job included");
-  Family<Counter>& jobs = CounterOf("facetless_jobs_ended_total", "Jobs that ended, by kind and state");
+      AddHistogram("facetless_http_request_duration_seconds",
+                   "Seconds from a request's head to its response, waiting for a job included");
+  Family<Counter>& jobs = AddCounter("facetless_jobs_ended_total", "Jobs that ended, by kind and state");
   Family<Histogram>& job_seconds =
-      HistogramOf("facetless_job_duration_seconds", "Seconds that jobs ran, by kind");
+      AddHistogram("facetless_job_duration_seconds", "Seconds that jobs ran, by kind");
   Family<Histogram>& stage_seconds =
-      HistogramOf("facetless_job_stage_duration_seconds", "Seconds of each stage of jobs");
-  Family<Counter>& rays = CounterOf("facetless_rays_total", "Rays that the direct renderer traced for jobs");
+      AddHistogram("facetless_job_stage_duration_seconds", "Seconds of each stage of jobs");
+  Family<Counter>& rays = AddCounter("facetless_rays_total", "Rays that the direct renderer traced for jobs");
   Family<Counter>& trace_seconds =
-      CounterOf("facetless_trace_seconds_total", "Seconds that the direct renderer took for them");
+      AddCounter("facetless_trace_seconds_total", "Seconds that the direct renderer took for them");
   Family<Histogram>& rays_per_second =
-      HistogramOf("facetless_rays_per_second", "Rays per second of each view of the direct renderer");
-  Family<Histogram>& model_seconds = HistogramOf("facetless_model_read_duration_seconds",
-                                                 "Seconds of reading a model's file, at most once for a job");
+      AddHistogram("facetless_rays_per_second", "Rays per second of each view of the direct renderer");
+  Family<Histogram>& model_seconds = AddHistogram(
+      "facetless_model_read_duration_seconds", "Seconds of reading a model's file, at most once for a job");
   Family<Counter>& deaths =
-      CounterOf("facetless_importer_deaths_total", "Importers that did not end by themselves, by cause");
+      AddCounter("facetless_importer_deaths_total", "Importers that did not end by themselves, by cause");
   Family<Counter>& look_ups =
-      CounterOf("facetless_cache_lookups_total", "Questions by kind, and whether the answer was there");
-  Family<Gauge>& ready = GaugeOf("facetless_ready", "1 if /readyz says so");
-  Family<Gauge>& waiting = GaugeOf("facetless_jobs_waiting", "Jobs in the queue");
-  Family<Gauge>& running = GaugeOf("facetless_jobs_running", "Jobs that run");
-  Family<Gauge>& store_bytes = GaugeOf("facetless_store_bytes", "Bytes of all files that are kept");
+      AddCounter("facetless_cache_lookups_total", "Questions by kind, and whether the answer was there");
+  Family<Gauge>& ready = AddGauge("facetless_ready", "1 if /readyz says so");
+  Family<Gauge>& waiting = AddGauge("facetless_jobs_waiting", "Jobs in the queue");
+  Family<Gauge>& running = AddGauge("facetless_jobs_running", "Jobs that run");
+  Family<Gauge>& store_bytes = AddGauge("facetless_store_bytes", "Bytes of all files that are kept");
 };
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) {
-  families_->GaugeOf("facetless_build_info", "1; the version is a label")
+  families_->AddGauge("facetless_build_info", "1; the version is a label")
       .Add({{"version", Version()}})
       .Set(1);
   // Create these series at the start, so that a rate includes the first event.

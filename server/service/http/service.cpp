@@ -81,8 +81,8 @@ HttpResponse Answer(int status, JobKind kind, const std::string& model_id, std::
 
 // The response for an answer that existed already. timing_ms is that of this request, which only looked the
 // answer up; the time of the original work is in kept.timing_ms.
-HttpResponse KeptAnswer(JobKind kind, const std::string& model_id, const std::string& text,
-                        Clock::time_point arrived) {
+HttpResponse StoredAnswerResponse(JobKind kind, const std::string& model_id, const std::string& text,
+                                  Clock::time_point arrived) {
   Json report = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   HttpResponse response;
   if (report.is_object() && report.contains("timing_ms")) {
@@ -99,18 +99,18 @@ HttpResponse KeptAnswer(JobKind kind, const std::string& model_id, const std::st
 }
 
 // Sets the job to which a response refers.
-HttpResponse OfJob(HttpResponse response, const std::string& id) {
+HttpResponse SetResponseJob(HttpResponse response, const std::string& id) {
   response.job = id;
   return response;
 }
 
 // Occupies one of a limited number of slots as long as the object exists, if there is a free slot.
-class Place {
+class ScopedSlot {
  public:
-  Place(std::atomic<int>& count, int most) : count_(count), held_(++count <= most) {}
-  ~Place() { --count_; }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
+  ScopedSlot(std::atomic<int>& count, int most) : count_(count), held_(++count <= most) {}
+  ~ScopedSlot() { --count_; }
+  ScopedSlot(const ScopedSlot&) = delete;
+  ScopedSlot& operator=(const ScopedSlot&) = delete;
   bool held() const { return held_; }
 
  private:
@@ -135,14 +135,14 @@ std::optional<HttpResponse> Service::Check(HttpRequest& request) {
                           route.kind == RouteKind::kMetrics;
   const bool elsewhere =
       request.operations ? !operations : route.kind == RouteKind::kMetrics && limits_.operations_apart;
-  if (route.kind == RouteKind::kNone || elsewhere) return ProblemOfStatus(404);
+  if (route.kind == RouteKind::kNone || elsewhere) return ProblemForStatus(404);
   const std::string& method = request.method;
   if (!route.Allows(method)) {
-    HttpResponse response = ProblemOfStatus(405);
+    HttpResponse response = ProblemForStatus(405);
     response.headers.emplace_back("Allow", route.methods);
     return response;
   }
-  if (const std::string why = limits_.hosts.WhyNot(request.Header("host"), request.Header("origin"));
+  if (const std::string why = limits_.hosts.RefusalReason(request.Header("host"), request.Header("origin"));
       !why.empty())
     return Problem(403, "host-not-allowed", "Host or origin not allowed", why);
   if (auto refusal = access_.Decide(request, route)) return refusal;
@@ -200,7 +200,7 @@ HttpResponse Service::Handle(const HttpRequest& request) {
     case RouteKind::kNone:
       break;
   }
-  return ProblemOfStatus(404);
+  return ProblemForStatus(404);
 }
 
 // ---- Reading ----
@@ -236,11 +236,11 @@ std::string Service::WhyNotReady() {
 }
 
 HttpResponse Service::MetricsPage() {
-  if (!metrics_text) return ProblemOfStatus(404);
+  if (!metrics_text) return ProblemForStatus(404);
   const JobCounts counts = jobs_.Counts();
   HttpResponse response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";
-  response.body = metrics_text({WhyNotReady().empty(), counts.queued, counts.running, store_.KeptBytes()});
+  response.body = metrics_text({WhyNotReady().empty(), counts.queued, counts.running, store_.StoredBytes()});
   response.headers = {{"Cache-Control", "no-store"}};
   return response;
 }
@@ -248,7 +248,7 @@ HttpResponse Service::MetricsPage() {
 HttpResponse Service::Page(const std::string& name, const std::string& content_type) const {
   // A name from a path may be any text.
   const bool script = content_type.starts_with("text/javascript");
-  if (WebAsset(name).empty() || (script && !name.ends_with(".js"))) return ProblemOfStatus(404);
+  if (WebAsset(name).empty() || (script && !name.ends_with(".js"))) return ProblemForStatus(404);
   HttpResponse response;
   response.content_type = content_type;
   response.body = WebAsset(name);
@@ -258,7 +258,7 @@ HttpResponse Service::Page(const std::string& name, const std::string& content_t
 
 HttpResponse Service::Artifact(const HttpRequest& request, const std::string& name) {
   const auto artifact = store_.FindArtifact(request.caller.owner, name);
-  if (!artifact) return ProblemOfStatus(404);
+  if (!artifact) return ProblemForStatus(404);
   const std::string tag = "\"" + name.substr(0, 64) + "\"";
   HttpResponse response;
   response.headers = {
@@ -278,12 +278,12 @@ HttpResponse Service::Artifact(const HttpRequest& request, const std::string& na
 
 HttpResponse Service::GetModel(const Caller& caller, const std::string& id) {
   const auto model = store_.FindModel(caller.owner, id);
-  return model ? JsonResponse(200, ModelJson(*model)) : ProblemOfStatus(404);
+  return model ? JsonResponse(200, ModelJson(*model)) : ProblemForStatus(404);
 }
 
 HttpResponse Service::ListModels(const HttpRequest& request) {
   const auto page = ParsePageRequest(request.query, kModelIdDigits);
-  if (!page) return ProblemOf(page.error());
+  if (!page) return ProblemForError(page.error());
   Json models = Json::array();
   for (const ListedModel& model :
        store_.ListModels(request.caller.owner, page.value().after, page.value().limit + 1))
@@ -297,7 +297,7 @@ HttpResponse Service::ListModels(const HttpRequest& request) {
 
 HttpResponse Service::RemoveModel(const Caller& caller, const std::string& id) {
   const auto removed = store_.RemoveModel(caller.owner, id);
-  if (!removed) return ProblemOf({removed.error().code, "the removal cannot be stored"});
+  if (!removed) return ProblemForError({removed.error().code, "the removal cannot be stored"});
   switch (removed.value()) {
     case Removal::kNotThere:
       break;
@@ -310,12 +310,12 @@ HttpResponse Service::RemoveModel(const Caller& caller, const std::string& id) {
       return response;
     }
   }
-  return ProblemOfStatus(404);
+  return ProblemForStatus(404);
 }
 
 HttpResponse Service::GetAnswer(const Caller& caller, const std::string& key) {
   auto text = store_.FindAnswer(caller.owner, key);
-  return text ? JsonTextResponse(200, std::move(*text)) : ProblemOfStatus(404);
+  return text ? JsonTextResponse(200, std::move(*text)) : ProblemForStatus(404);
 }
 
 // ---- Jobs ----
@@ -328,16 +328,16 @@ std::optional<JobView> Service::FindJob(const Caller& caller, const std::string&
 
 HttpResponse Service::GetJob(const Caller& caller, const std::string& id) {
   const auto view = FindJob(caller, id);
-  if (!view) return ProblemOfStatus(404);
-  return OfJob(JsonResponse(200, JobJson(*view, store_)), id);
+  if (!view) return ProblemForStatus(404);
+  return SetResponseJob(JsonResponse(200, JobJson(*view, store_)), id);
 }
 
 HttpResponse Service::ListJobs(const HttpRequest& request) {
   const auto page = ParsePageRequest(request.query, kJobIdDigits);
-  if (!page) return ProblemOf(page.error());
+  if (!page) return ProblemForError(page.error());
   const auto ids = jobs_.List(request.caller.owner, page.value().after, page.value().limit + 1);
   if (!ids)
-    return ProblemOf(
+    return ProblemForError(
         {ErrorCode::kBadUsage, "after must name one of your jobs that the service still remembers"});
   Json jobs = Json::array();
   for (const std::string& id : *ids)
@@ -346,41 +346,41 @@ HttpResponse Service::ListJobs(const HttpRequest& request) {
 }
 
 HttpResponse Service::CancelJob(const Caller& caller, const std::string& id) {
-  if (!FindJob(caller, id)) return ProblemOfStatus(404);
+  if (!FindJob(caller, id)) return ProblemForStatus(404);
   auto cancelled = jobs_.Cancel(id);
-  if (!cancelled) return ProblemOf({cancelled.error().code, "the cancellation cannot be stored"});
-  if (!cancelled.value()) return ProblemOfStatus(404);
+  if (!cancelled) return ProblemForError({cancelled.error().code, "the cancellation cannot be stored"});
+  if (!cancelled.value()) return ProblemForStatus(404);
   const JobView& view = *cancelled.value();
-  return OfJob(view.job.Ended() ? JsonResponse(200, JobJson(view, store_)) : AcceptedResponse(view, store_),
-               id);
+  return SetResponseJob(
+      view.job.Ended() ? JsonResponse(200, JobJson(view, store_)) : AcceptedResponse(view, store_), id);
 }
 
 HttpResponse Service::JobEvents(const Caller& caller, const std::string& id) {
-  if (!FindJob(caller, id)) return ProblemOfStatus(404);
-  auto place = std::make_shared<Place>(*listeners_, limits_.listeners);
+  if (!FindJob(caller, id)) return ProblemForStatus(404);
+  auto place = std::make_shared<ScopedSlot>(*listeners_, limits_.listeners);
   if (!place->held()) return Busy("Too many clients follow events; poll the job instead.");
   HttpResponse response = EventsResponse(jobs_, store_, id);
   // The counter must exist as long as the stream, which may outlive the service.
   response.stream = [place, count = listeners_, next = std::move(response.stream)] { return next(); };
-  return OfJob(std::move(response), id);
+  return SetResponseJob(std::move(response), id);
 }
 
 HttpResponse Service::Submit(const HttpRequest& request, JobKind kind) {
   const Clock::time_point arrived = Clock::now();
   auto parsed = ParseSubmission(request, kind, limits_.max_samples);
-  if (!parsed) return ProblemOf(parsed.error());
+  if (!parsed) return ProblemForError(parsed.error());
   const Submission& submission = parsed.value();
   NewJob job;
   job.retry_key = request.Header("idempotency-key");
   if (!IsRetryKey(job.retry_key))
-    return ProblemOf(
+    return ProblemForError(
         {ErrorCode::kBadUsage, "Idempotency-Key must be at most 255 printable ASCII characters"});
 
   // Answer a repeated question without a job.
   const std::string& owner = request.caller.owner;
   auto known = KnownAnswer(owner, submission);
   if (looked_up) looked_up(kind, known.has_value());
-  if (known && job.retry_key.empty()) return KeptAnswer(kind, submission.model_id, *known, arrived);
+  if (known && job.retry_key.empty()) return StoredAnswerResponse(kind, submission.model_id, *known, arrived);
   if (!known && submission.file == nullptr && !store_.FindModel(owner, submission.model_id))
     return Problem(404, "not-found", "Not found", "There is no model " + submission.model_id + ".");
 
@@ -396,14 +396,15 @@ HttpResponse Service::Submit(const HttpRequest& request, JobKind kind) {
   if (known)
     job.result = kind == JobKind::kModel ? ModelItem(owner, submission.model_id)
                                          : AnswerItem(owner, submission.question);
-  std::vector<KeptFile> uploads;
+  std::vector<StoredFile> uploads;
   if (!known) {
-    if (auto kept = KeepUploads(request.caller, submission, job, uploads); !kept)
-      return ProblemOf({kept.error().code, "the upload cannot be stored: the disk or the store is full"});
+    if (auto kept = StoreUploads(request.caller, submission, job, uploads); !kept)
+      return ProblemForError(
+          {kept.error().code, "the upload cannot be stored: the disk or the store is full"});
   }
   auto submitted = jobs_.Submit(job);
   uploads.clear();
-  if (!submitted) return ProblemOf({submitted.error().code, "the job cannot be stored"});
+  if (!submitted) return ProblemForError({submitted.error().code, "the job cannot be stored"});
   switch (submitted.value().outcome) {
     case SubmitOutcome::kKeyReused:
       return Problem(422, "key-reused", "The Idempotency-Key belongs to another request",
@@ -416,7 +417,7 @@ HttpResponse Service::Submit(const HttpRequest& request, JobKind kind) {
     case SubmitOutcome::kSame:
       break;
   }
-  return OfJob(WaitAndAnswer(request, submitted.value(), arrived), submitted.value().job.id);
+  return SetResponseJob(WaitAndAnswer(request, submitted.value(), arrived), submitted.value().job.id);
 }
 
 std::optional<std::string> Service::KnownAnswer(const std::string& owner, const Submission& submission) {
@@ -426,15 +427,15 @@ std::optional<std::string> Service::KnownAnswer(const std::string& owner, const 
   return JsonText(ModelJson(*model)) + "\n";
 }
 
-Result<void> Service::KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
-                                  std::vector<KeptFile>& kept) {
+Result<void> Service::StoreUploads(const Caller& caller, const Submission& submission, NewJob& job,
+                                   std::vector<StoredFile>& kept) {
   std::uint64_t bytes = 0;
   for (const BodyPart* part : {submission.file, submission.mesh}) bytes += part != nullptr ? part->bytes : 0;
   if (auto room = store_.MakeRoom(bytes); !room) return room;
   if (auto room = store_.MakeRoomFor(caller.owner, caller.quota_mb << 20, bytes); !room) return room;
   for (const auto& [role, part] : {std::pair{"file", submission.file}, {"mesh", submission.mesh}}) {
     if (part == nullptr) continue;
-    auto file = store_.Keep(part->path, part->sha256);
+    auto file = store_.AddFile(part->path, part->sha256);
     if (!file) return file.error();
     job.files.push_back({role, file.value().sha256, file.value().bytes});
     kept.push_back(std::move(file).value());
@@ -444,11 +445,11 @@ Result<void> Service::KeepUploads(const Caller& caller, const Submission& submis
 
 HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted& submitted,
                                     Clock::time_point arrived) {
-  const Place place(waiters_, limits_.waiters);
+  const ScopedSlot place(waiters_, limits_.waiters);
   const double wanted =
       WaitSeconds(request.Header("prefer"), kUsualWaitSeconds, limits_.timeout_s + kEndSeconds);
   const auto view = jobs_.WaitForEnd(submitted.job.id, place.held() ? wanted : 0);
-  if (!view) return ProblemOfStatus(404);
+  if (!view) return ProblemForStatus(404);
   switch (view->job.state) {
     case JobState::kQueued:
     case JobState::kRunning:
@@ -466,7 +467,7 @@ HttpResponse Service::WaitAndAnswer(const HttpRequest& request, const Submitted&
   if (!text) return JsonResponse(200, JobJson(*view, store_));
   // The answer existed already, or the work was done for an earlier request.
   if (view->job.attempts == 0 || submitted.outcome == SubmitOutcome::kSame)
-    return KeptAnswer(view->job.kind, view->job.ModelId(), *text, arrived);
+    return StoredAnswerResponse(view->job.kind, view->job.ModelId(), *text, arrived);
   const bool created = view->job.kind == JobKind::kModel && submitted.outcome == SubmitOutcome::kAccepted &&
                        view->job.attempts > 0;
   return Answer(created ? 201 : 200, view->job.kind, view->job.ModelId(), std::move(*text));

@@ -79,8 +79,8 @@ class Service {
   HttpResponse JobEvents(const Caller& caller, const std::string& id);
   HttpResponse Submit(const HttpRequest& request, JobKind kind);
   std::optional<std::string> KnownAnswer(const std::string& owner, const Submission& submission);
-  Result<void> KeepUploads(const Caller& caller, const Submission& submission, NewJob& job,
-                           std::vector<KeptFile>& kept);
+  Result<void> StoreUploads(const Caller& caller, const Submission& submission, NewJob& job,
+                            std::vector<StoredFile>& kept);
   HttpResponse WaitAndAnswer(const HttpRequest& request, const Submitted& submitted,
                              std::chrono::steady_clock::time_point arrived);
 

@@ -64,7 +64,7 @@ Result<void> JobInputs::MakeModel() {
   // Describe it and keep it.
   if (auto described = Describe(files.value(), *source); !described) return described;
   if (!meshes.empty()) {
-    auto kept = KeepMesh(files.value(), request_.model_id);
+    auto kept = StoreMesh(files.value(), request_.model_id);
     if (!kept) return kept.error();
   }
   stored_ = store_.FindModel(job_.owner, request_.model_id);
@@ -75,11 +75,11 @@ Result<void> JobInputs::MakeModel() {
 }
 
 // Reads what the importer has written, and moves it into the store.
-Result<void> JobInputs::Describe(const ImportedFiles& files, const KeptFile& source) {
+Result<void> JobInputs::Describe(const ImportedFiles& files, const StoredFile& source) {
   if (auto read = ReadInto(files.model_path); !read) return read;
   imported_.import_ms = files.wall_ms;
   imported_.import_peak_bytes = files.peak_bytes;
-  auto model_file = store_.Keep(files.model_path, "");
+  auto model_file = store_.AddFile(files.model_path, "");
   if (!model_file) return model_file.error();
   return store_.PutModel(job_.owner, request_.model_id, request_.file_name, ImportedModelJson(imported_),
                          source, model_file.value());
@@ -138,22 +138,22 @@ Result<std::string> JobInputs::MeshPath() {
     posted_mesh_ = store_.Pin(request_.mesh);
     if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh is not there any more"};
     // Under the name that it came with, which errors show.
-    return UnderName(posted_mesh_->path, request_.mesh_name.empty() ? "mesh" : request_.mesh_name);
+    return LinkUnderName(posted_mesh_->path, request_.mesh_name.empty() ? "mesh" : request_.mesh_name);
   }
   const std::string key = MeshKey(request_.options.tessellation);
   if (auto known = store_.FindMesh(job_.owner, stored_->id, key)) return *known;
   auto files = Import(stored_->source_path, stored_->name, {request_.options.tessellation});
   if (!files) return files.error();
-  return KeepMesh(files.value(), stored_->id);
+  return StoreMesh(files.value(), stored_->id);
 }
 
 // Keeps the mesh of an import that was to make one, and says where it lies; or notes why there is none: "".
-Result<std::string> JobInputs::KeepMesh(const ImportedFiles& files, const std::string& model_id) {
+Result<std::string> JobInputs::StoreMesh(const ImportedFiles& files, const std::string& model_id) {
   if (files.mesh_failure) {
     no_baseline_ = NoBaselineFor(*files.mesh_failure);
     return std::string();
   }
-  auto mesh = store_.Keep(files.mesh_paths.front(), "");
+  auto mesh = store_.AddFile(files.mesh_paths.front(), "");
   if (!mesh) return mesh.error();
   const std::string key = MeshKey(request_.options.tessellation);
   if (auto put = store_.PutMesh(job_.owner, model_id, key, mesh.value()); !put) return put.error();
@@ -163,7 +163,7 @@ Result<std::string> JobInputs::KeepMesh(const ImportedFiles& files, const std::s
 // ---- The importer ----
 
 // The file at `path`, in a scratch directory of the job's under another name.
-Result<std::string> JobInputs::UnderName(const std::string& path, const std::string& name) {
+Result<std::string> JobInputs::LinkUnderName(const std::string& path, const std::string& name) {
   auto scratch = store_.Scratch();
   if (!scratch) return scratch.error();
   scratch_.push_back(std::move(scratch).value());
@@ -177,7 +177,7 @@ Result<std::string> JobInputs::UnderName(const std::string& path, const std::str
 // What every import of the job has in common. The file lies in the job's scratch directory under the name that
 // it came with: reports show it.
 Result<ImportRequest> JobInputs::ImportRequestFor(const std::string& path, const std::string& name) {
-  auto input = UnderName(path, name);
+  auto input = LinkUnderName(path, name);
   if (!input) return input.error();
   ImportRequest request;
   request.input = std::move(input).value();

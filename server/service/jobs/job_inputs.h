@@ -60,10 +60,10 @@ class JobInputs {
   double MostMeshing() const { return limits_.timeout_s / 2; }  // seconds, law 3
 
   void FindInUnit();
-  Result<void> Describe(const ImportedFiles& files, const KeptFile& source);
-  Result<std::string> KeepMesh(const ImportedFiles& files, const std::string& model_id);
+  Result<void> Describe(const ImportedFiles& files, const StoredFile& source);
+  Result<std::string> StoreMesh(const ImportedFiles& files, const std::string& model_id);
   Result<std::string> MeshPath();
-  Result<std::string> UnderName(const std::string& path, const std::string& name);
+  Result<std::string> LinkUnderName(const std::string& path, const std::string& name);
   Result<ImportRequest> ImportRequestFor(const std::string& path, const std::string& name);
   Result<ImportedFiles> Import(const std::string& path, const std::string& name,
                                const std::vector<TessellationOptions>& meshes);
@@ -77,7 +77,7 @@ class JobInputs {
   std::string source_id_;  // of the file, where the model is read in another unit than its own
   std::optional<StoredModel> stored_;
   ImportedModel imported_;  // its model is null until it is read
-  std::optional<KeptFile> posted_mesh_;
+  std::optional<StoredFile> posted_mesh_;
   std::optional<NoBaseline> no_baseline_;  // of a tessellation that was not made
   std::vector<TempDir> scratch_;
 };

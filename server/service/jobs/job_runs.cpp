@@ -14,10 +14,11 @@ namespace {
 constexpr double kTradePoints = 20;
 
 // A result without a baseline says why in the terms of the caller.
-Result<RunResult> InTermsOfHttp(JobInputs& inputs, Result<RunResult> result, const std::string& directory) {
+Result<RunResult> TranslateReportToHttp(JobInputs& inputs, Result<RunResult> result,
+                                        const std::string& directory) {
   if (!result || !result.value().no_baseline) return result;
   NoBaseline why = *result.value().no_baseline;
-  why.message = InHttpTerms(why.message);
+  why.message = TranslateToHttpTerms(why.message);
   inputs.Say(why.message);
   return WithReason(std::move(result).value(), why, directory);
 }
@@ -40,7 +41,7 @@ Result<RunResult> RunComparisonJob(JobInputs& inputs, const std::string& directo
   auto result = mesh.value().mesh
                     ? RunCompare(*model.value(), *mesh.value().mesh, options, directory, context)
                     : RunWithoutBaseline(*model.value(), mesh.value().none, options, directory, context);
-  return InTermsOfHttp(inputs, std::move(result), directory);
+  return TranslateReportToHttp(inputs, std::move(result), directory);
 }
 
 Result<RunResult> RunTradeJob(JobInputs& inputs, const std::string& directory) {

@@ -136,7 +136,7 @@ const std::string& KindText(const Job& job);
 
 // The problem document with the ids that identify the job in the log: its job_id, and the request_id and
 // trace_id of the request that submitted it.
-nlohmann::json ProblemOfJob(nlohmann::json problem, const Job& job);
+nlohmann::json JobProblem(nlohmann::json problem, const Job& job);
 
 // 128 unpredictable random bits, as 32 hexadecimal digits.
 std::string RandomId();

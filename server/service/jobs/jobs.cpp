@@ -37,7 +37,7 @@ Clock::time_point After(double seconds) {
 
 // Removes the directories of paths that begin with `prefix`, so that messages name files but not their
 // locations.
-std::string WithoutDirectories(std::string message, const std::string& prefix) {
+std::string StripDirectories(std::string message, const std::string& prefix) {
   if (prefix.empty()) return message;
   for (std::size_t at = message.find(prefix); at != std::string::npos; at = message.find(prefix)) {
     const std::size_t end = std::min(message.find_first_of(" :,;\"'", at), message.size());
@@ -65,7 +65,7 @@ Jobs::Jobs(JobStore& queue, Store& store, const JobSettings& settings)
     : queue_(queue), store_(store), settings_(settings), worker_(RandomId()) {
   (void)queue_.Recover();
   for (int i = 0; i < settings.workers; ++i) threads_.emplace_back([this] { Work(); });
-  threads_.emplace_back([this] { Keep(); });
+  threads_.emplace_back([this] { MaintainLeases(); });
 }
 
 Jobs::~Jobs() {
@@ -158,7 +158,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
   EnterStage(*active, "");
   RecordEnd(Ended(*active, result, deadline.expired()), Seconds(Clock::now() - active->began).count());
   store_.Sweep();
-  GiveBackHeap();
+  ReleaseFreeMemory();
 }
 
 // Enters a stage, and reports the duration of the previous one.
@@ -182,7 +182,7 @@ Job Jobs::Ended(const Active& active, const Result<std::string>& result, bool ex
   job.state = JobState::kFailed;
   HttpResponse problem;
   if (error.code != ErrorCode::kCancelled) {
-    problem = ProblemOf({error.code, WithoutDirectories(error.message, settings_.private_directory)});
+    problem = ProblemForError({error.code, StripDirectories(error.message, settings_.private_directory)});
   } else if (expired) {
     problem =
         Problem(504, "timeout", "The request took too long",
@@ -193,7 +193,7 @@ Job Jobs::Ended(const Active& active, const Result<std::string>& result, bool ex
     return job;
   }
   job.problem =
-      ProblemOfJob(nlohmann::json::parse(problem.body, nullptr, /*allow_exceptions=*/false), active.job);
+      JobProblem(nlohmann::json::parse(problem.body, nullptr, /*allow_exceptions=*/false), active.job);
   return job;
 }
 
@@ -211,7 +211,7 @@ void Jobs::RecordEnd(Job ended, double seconds) {
   }
 }
 
-void Jobs::Keep() {
+void Jobs::MaintainLeases() {
   auto renew = After(kRenewSeconds), sweep = After(kSweepSeconds);
   std::unique_lock lock(mutex_);
   while (!ending_) {

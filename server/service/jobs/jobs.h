@@ -86,7 +86,7 @@ class Jobs {
   struct Active;
 
   void Work();
-  void Keep();
+  void MaintainLeases();
   void Run(const std::shared_ptr<Active>& active);
   Job Ended(const Active& active, const Result<std::string>& result, bool expired) const;
   void EnterStage(Active& active, const std::string& stage) const;

@@ -19,18 +19,18 @@ class Publication {
 
   // The address of a file of the run.
   Result<std::string> Add(const std::string& name) {
-    auto kept = store_.Keep(directory_ + "/" + name, "");
+    auto kept = store_.AddFile(directory_ + "/" + name, "");
     if (!kept) return kept.error();
     const std::string artifact = kept.value().sha256 + "." + name.substr(name.rfind('.') + 1);
     artifacts_.emplace_back(artifact, std::move(kept).value());
     return "/v1/artifacts/" + artifact;
   }
-  const std::vector<std::pair<std::string, KeptFile>>& artifacts() const { return artifacts_; }
+  const std::vector<std::pair<std::string, StoredFile>>& artifacts() const { return artifacts_; }
 
  private:
   Store& store_;
   const std::string& directory_;
-  std::vector<std::pair<std::string, KeptFile>> artifacts_;
+  std::vector<std::pair<std::string, StoredFile>> artifacts_;
 };
 
 }  // namespace

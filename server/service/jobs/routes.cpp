@@ -15,7 +15,7 @@ Route Submit(const std::string& path, JobKind kind) {
   return {RouteKind::kSubmit, "", "", kind == JobKind::kModel ? "GET, HEAD, POST" : "POST", path, kind};
 }
 
-Route Look(RouteKind kind, const char* path, const char* methods = "GET, HEAD") {
+Route ReadRoute(RouteKind kind, const char* path, const char* methods = "GET, HEAD") {
   return {kind, "", "", methods, path};
 }
 
@@ -50,16 +50,16 @@ const std::vector<Route>& AllRoutes() {
         Page("/page/{name}", "", "text/javascript; charset=utf-8"),
         Page("/favicon.svg", "favicon.svg", "image/svg+xml"),
         Page("/openapi.json", "openapi.json", "application/json"),
-        Look(RouteKind::kHealth, "/healthz"),
-        Look(RouteKind::kReady, "/readyz"),
-        Look(RouteKind::kMetrics, "/metrics"),
-        Look(RouteKind::kModel, "/v1/models/{id}", "GET, HEAD, DELETE"),
-        Look(RouteKind::kAnswer, "/v1/answers/{id}"),
-        Look(RouteKind::kArtifact, "/v1/artifacts/{name}"),
-        Look(RouteKind::kJobs, "/v1/jobs"),
+        ReadRoute(RouteKind::kHealth, "/healthz"),
+        ReadRoute(RouteKind::kReady, "/readyz"),
+        ReadRoute(RouteKind::kMetrics, "/metrics"),
+        ReadRoute(RouteKind::kModel, "/v1/models/{id}", "GET, HEAD, DELETE"),
+        ReadRoute(RouteKind::kAnswer, "/v1/answers/{id}"),
+        ReadRoute(RouteKind::kArtifact, "/v1/artifacts/{name}"),
+        ReadRoute(RouteKind::kJobs, "/v1/jobs"),
         // Before the next one, which would take it for an id.
-        Look(RouteKind::kJobEvents, "/v1/jobs/{id}/events"),
-        Look(RouteKind::kJob, "/v1/jobs/{id}", "GET, HEAD, DELETE"),
+        ReadRoute(RouteKind::kJobEvents, "/v1/jobs/{id}/events"),
+        ReadRoute(RouteKind::kJob, "/v1/jobs/{id}", "GET, HEAD, DELETE"),
     };
     for (const JobKindRow& kind : JobKinds())
       for (const std::string& address : kind.addresses) routes.push_back(Submit(address, kind.kind));

@@ -33,7 +33,7 @@ JobState StateFromName(const std::string& name) {
   return JobState::kCancelled;
 }
 
-Job JobOf(const SqlRow& row) {
+Job ReadJobRow(const SqlRow& row) {
   Job job;
   job.id = row.Text(0);
   job.kind = JobKindOf(row.Text(1));
@@ -56,7 +56,7 @@ Result<std::optional<Job>> SelectJob(Database& database, const std::string& cond
   std::optional<Job> job;
   const auto asked =
       database.Query(std::string("SELECT ") + kColumns + " FROM jobs WHERE " + condition + " LIMIT 1", values,
-                     [&](const SqlRow& row) { job = JobOf(row); });
+                     [&](const SqlRow& row) { job = ReadJobRow(row); });
   if (!asked) return asked.error();
   return job;
 }
@@ -84,7 +84,7 @@ const std::string& KindText(const Job& job) {
   return job.kind == JobKind::kUnknown ? job.unknown_kind : JobKindName(job.kind);
 }
 
-Json ProblemOfJob(Json problem, const Job& job) {
+Json JobProblem(Json problem, const Job& job) {
   problem["job_id"] = job.id;
   if (!job.request.is_object()) return problem;
   for (const char* name : {"request_id", "trace_id"}) {
@@ -219,7 +219,7 @@ Result<std::optional<Job>> SqlJobStore::Claim(const std::string& worker, double 
   if (!transaction.begun()) return transaction.begun().error();
   const double now = WallClock();
   const auto last = static_cast<std::int64_t>(limits_.max_attempts) - 1;
-  if (auto over = GiveBackRunning("lease < ?", {LeaseClock()}); !over) return over.error();
+  if (auto over = RequeueRunningJobs("lease < ?", {LeaseClock()}); !over) return over.error();
 
   // Select the job of the owner whose turn it is. A last attempt does not start while other jobs run, and no
   // job starts while a last attempt runs.
@@ -269,7 +269,7 @@ Result<bool> SqlJobStore::Finish(const Job& job) {
        static_cast<std::int64_t>(job.attempts)});
   if (!put) return put.error();
   if (put.value() == 0) return false;
-  if (auto dropped = DropWhatEndedJobsHeld(); !dropped) return dropped.error();
+  if (auto dropped = DeleteHoldingsOfEndedJobs(); !dropped) return dropped.error();
   if (auto committed = transaction.Commit(); !committed) return committed.error();
   return true;
 }
@@ -294,7 +294,7 @@ Result<std::optional<Job>> SqlJobStore::Cancel(const std::string& id) {
   if (!put) return put.error();
   put = database.Run("UPDATE jobs SET cancelling = 1 WHERE id = ? AND state = 'running'", {id});
   if (!put) return put.error();
-  if (auto dropped = DropWhatEndedJobsHeld(); !dropped) return dropped.error();
+  if (auto dropped = DeleteHoldingsOfEndedJobs(); !dropped) return dropped.error();
   auto job = SelectJob(database, "id = ?", {id});
   if (!job) return job.error();
   if (auto committed = transaction.Commit(); !committed) return committed.error();
@@ -345,7 +345,7 @@ Result<void> SqlJobStore::Check() {
 
 // ---- Recovery and maintenance ----
 
-Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::vector<SqlValue>& values) {
+Result<void> SqlJobStore::RequeueRunningJobs(const std::string& which, const std::vector<SqlValue>& values) {
   Database& database = directory_.writer();
   std::vector<Job> lost;
   std::vector<std::string> cancelled;
@@ -355,7 +355,7 @@ Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::v
         if (row.Integer(12) != 0) {
           cancelled.push_back(row.Text(0));
         } else {
-          lost.push_back(JobOf(row));
+          lost.push_back(ReadJobRow(row));
         }
       });
   if (!asked) return asked;
@@ -371,21 +371,21 @@ Result<void> SqlJobStore::GiveBackRunning(const std::string& which, const std::v
         job.attempts >= limits_.max_attempts
             ? database.Run(
                   "UPDATE jobs SET state = 'failed', finished = ?, problem = ?, lease = NULL WHERE id = ?",
-                  {now, JsonText(ProblemOfJob(GaveUpProblem(job.attempts), job), -1), job.id})
+                  {now, JsonText(JobProblem(GaveUpProblem(job.attempts), job), -1), job.id})
             : database.Run("UPDATE jobs SET state = 'queued', lease = NULL WHERE id = ?", {job.id});
     if (!put) return put.error();
   }
-  return DropWhatEndedJobsHeld();
+  return DeleteHoldingsOfEndedJobs();
 }
 
 Result<void> SqlJobStore::Recover() {
   Transaction transaction(directory_.writer());
   if (!transaction.begun()) return transaction.begun();
-  if (auto given = GiveBackRunning("1", {}); !given) return given;
+  if (auto given = RequeueRunningJobs("1", {}); !given) return given;
   return transaction.Commit();
 }
 
-Result<void> SqlJobStore::DropWhatEndedJobsHeld() {
+Result<void> SqlJobStore::DeleteHoldingsOfEndedJobs() {
   Database& database = directory_.writer();
   // Only waiting and running jobs have needs and files, so there are few.
   std::vector<std::string> ended;

@@ -29,8 +29,8 @@ class SqlJobStore : public JobStore {
   Result<std::optional<SubmitOutcome>> FindEarlier(const NewJob& job, Submitted& submitted);
   Result<std::optional<SubmitOutcome>> FindFull(const NewJob& job);
   Result<void> Insert(const NewJob& job, const Job& row);
-  Result<void> GiveBackRunning(const std::string& which, const std::vector<SqlValue>& values);
-  Result<void> DropWhatEndedJobsHeld();
+  Result<void> RequeueRunningJobs(const std::string& which, const std::vector<SqlValue>& values);
+  Result<void> DeleteHoldingsOfEndedJobs();
 
   DataDirectory& directory_;
   const QueueLimits limits_;

@@ -119,7 +119,7 @@ Result<void> TakeModelFile(const HttpRequest& request, Submission& submission) {
 
 // Returns the canonical form of the options. It does not depend on how they are written: names with - or _, a
 // list or one text, an explicit default or none. Questions differ only if this form differs.
-Json AskedFor(const Json& given, const RunOptions& options) {
+Json CanonicalOptions(const Json& given, const RunOptions& options) {
   Json asked = Json::object();
   for (const OptionRow& row : AllOptions())
     if (row.owner == OptionOwner::kCaller) asked[row.name] = row.binding.read(row, options);
@@ -138,7 +138,7 @@ Result<void> CheckOptions(Submission& submission, std::uint64_t max_samples) {
   if (submission.mesh != nullptr) all["mesh"] = submission.mesh->file_name;
   auto options = ParseOptions(all);
   if (!options) return options.error();
-  submission.asked = AskedFor(submission.options, options.value());
+  submission.asked = CanonicalOptions(submission.options, options.value());
   if (submission.mesh == nullptr && !(options.value().mesh_unit + options.value().mesh_up).empty())
     return Malformed("mesh_unit and mesh_up are about the part \"mesh\", and there is none");
   if (auto small = CheckSamples(options.value(), max_samples); !small) return small;

@@ -1,7 +1,7 @@
 // Submissions: parsing a POST request, and computing its question.
 //
 //     Result<Submission> submission = ParseSubmission(request, "render", limits.max_samples);
-//     if (!submission) return ProblemOf(submission.error());
+//     if (!submission) return ProblemForError(submission.error());
 //     job.question = submission.value().question;
 //
 //  1. The question is a digest of everything that determines the answer: kind, model, mesh, options, and the

@@ -54,16 +54,16 @@ HostPolicy::HostPolicy(std::vector<std::string> hosts, std::vector<std::string> 
   for (const std::string& origin : origins) origins_.push_back(Lower(origin));
 }
 
-bool HostPolicy::KnowsHost(const std::string& name) const {
+bool HostPolicy::IsKnownHost(const std::string& name) const {
   if (IsAddress(name) || name == "localhost" || name.ends_with(".localhost")) return true;
   return std::any_of(hosts_.begin(), hosts_.end(), [&](const std::string& known) {
     return known == "*" || known == name || (known.starts_with("*.") && name.ends_with(known.substr(1)));
   });
 }
 
-std::string HostPolicy::WhyNot(const std::string& host, const std::string& origin) const {
+std::string HostPolicy::RefusalReason(const std::string& host, const std::string& origin) const {
   if (any_) return {};
-  if (!host.empty() && !KnowsHost(NameOf(host)))
+  if (!host.empty() && !IsKnownHost(NameOf(host)))
     return "This service is not known as \"" + Printable(host) +
            "\". If that is one of its names, its operator adds it with --allow-host.";
   if (origin.empty()) return {};

@@ -2,7 +2,7 @@
 // from reading a service on its visitor's machine.
 //
 //     const HostPolicy policy({"cad.example.org"}, {});
-//     const std::string why = policy.WhyNot(request.Header("host"), request.Header("origin"));
+//     const std::string why = policy.RefusalReason(request.Header("host"), request.Header("origin"));
 //     if (!why.empty()) return Problem(403, "host-not-allowed", "Host or origin not allowed", why);
 //
 //  1. Such a page can let its own host name resolve to this machine (DNS rebinding). The browser then
@@ -30,10 +30,10 @@ class HostPolicy {
 
   // The reason why a request with these headers is refused, as a sentence that names the option to change;
   // empty if the request is allowed.
-  std::string WhyNot(const std::string& host, const std::string& origin) const;
+  std::string RefusalReason(const std::string& host, const std::string& origin) const;
 
  private:
-  bool KnowsHost(const std::string& name) const;
+  bool IsKnownHost(const std::string& name) const;
 
   bool any_ = true;
   std::vector<std::string> hosts_, origins_;

@@ -11,7 +11,7 @@ bool IsOptionCharacter(char c) {
 
 }  // namespace
 
-std::string InHttpTerms(const std::string& sentence) {
+std::string TranslateToHttpTerms(const std::string& sentence) {
   std::string text;
   for (std::size_t i = 0; i < sentence.size();) {
     // Find an option: two dashes and a word, at the beginning of a word.

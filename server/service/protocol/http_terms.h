@@ -7,6 +7,6 @@ namespace facetless {
 
 // The sentence with the names of options as in requests: "--mesh-unit" becomes "mesh_unit". An option of the
 // operator keeps its name, and the sentence states that the operator sets it.
-std::string InHttpTerms(const std::string& sentence);
+std::string TranslateToHttpTerms(const std::string& sentence);
 
 }  // namespace facetless

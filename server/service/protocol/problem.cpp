@@ -8,7 +8,7 @@
 namespace facetless {
 namespace {
 
-const char* TitleOf(ErrorCode code) {
+const char* ErrorTitle(ErrorCode code) {
   switch (code) {
     case ErrorCode::kBadUsage:
       return "The options are wrong";
@@ -67,12 +67,13 @@ HttpResponse ProblemResponse(const nlohmann::json& document) {
   return response;
 }
 
-HttpResponse ProblemOf(const Error& error) {
+HttpResponse ProblemForError(const Error& error) {
   const int status = error.code == ErrorCode::kWriteFailed ? 507 : CallerIsToBlame(error.code) ? 422 : 500;
-  return Problem(status, ErrorCodeName(error.code), TitleOf(error.code), InHttpTerms(error.message));
+  return Problem(status, ErrorCodeName(error.code), ErrorTitle(error.code),
+                 TranslateToHttpTerms(error.message));
 }
 
-HttpResponse ProblemOfStatus(int status) {
+HttpResponse ProblemForStatus(int status) {
   switch (status) {
     case 404:
       return Problem(404, "not-found", "Not found", "There is nothing at this address.");

@@ -27,9 +27,9 @@ HttpResponse ProblemResponse(const nlohmann::json& document);
 
 // The response for an error of a run: 422 if the input or the options caused it, 507 if something cannot be
 // stored, and 500 otherwise.
-HttpResponse ProblemOf(const Error& error);
+HttpResponse ProblemForError(const Error& error);
 
 // The response for a status that the transport itself reports.
-HttpResponse ProblemOfStatus(int status);
+HttpResponse ProblemForStatus(int status);
 
 }  // namespace facetless

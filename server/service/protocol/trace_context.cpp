@@ -17,7 +17,7 @@ bool IsZero(const std::string& text) {
 
 }  // namespace
 
-std::string TraceIdOf(const std::string& traceparent) {
+std::string ParseTraceId(const std::string& traceparent) {
   // The format is version "-" trace-id "-" parent-id "-" flags.
   constexpr std::size_t kVersion = 2, kTrace = 32, kParent = 16, kFlags = 2;
   constexpr std::size_t kLength = kVersion + 1 + kTrace + 1 + kParent + 1 + kFlags;

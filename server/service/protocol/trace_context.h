@@ -7,6 +7,6 @@ namespace facetless {
 
 // The trace id of a traceparent header, 32 hexadecimal digits; "" for a malformed header, which the standard
 // requires to be ignored.
-std::string TraceIdOf(const std::string& traceparent);
+std::string ParseTraceId(const std::string& traceparent);
 
 }  // namespace facetless

@@ -20,7 +20,7 @@ namespace facetless {
 namespace {
 
 namespace fs = std::filesystem;
-using Files = std::vector<std::pair<std::string, KeptFile>>;
+using Files = std::vector<std::pair<std::string, StoredFile>>;
 
 std::uint64_t FileBytes(const std::string& path) {
   std::error_code error;
@@ -30,7 +30,7 @@ std::uint64_t FileBytes(const std::string& path) {
 
 // Inserts the rows of a file and of its use. Requires a transaction.
 Result<void> InsertUse(Database& database, const std::string& holder, const std::string& role,
-                       const KeptFile& file) {
+                       const StoredFile& file) {
   if (auto put = database.Run("INSERT OR IGNORE INTO files VALUES(?, ?)",
                               {file.sha256, static_cast<std::int64_t>(file.bytes)});
       !put)
@@ -70,7 +70,7 @@ std::string SafeFileName(const std::string& name) {
     safe += byte >= 0x80 || std::isalnum(byte) != 0 || std::strchr("._- ", c) != nullptr ? c : '_';
   }
   safe.erase(0, safe.find_first_not_of(". "));
-  // Keep the end, which has the extension, and do not split a UTF-8 sequence.
+  // AddFile the end, which has the extension, and do not split a UTF-8 sequence.
   if (safe.size() > kMaxBytes) safe.erase(0, safe.size() - kMaxBytes);
   while (!safe.empty() && (static_cast<unsigned char>(safe[0]) & 0xc0) == 0x80) safe.erase(0, 1);
   return safe.empty() ? "model" : safe;
@@ -97,8 +97,8 @@ Result<TempDir> FileStore::Scratch() {
 
 // ---- Files ----
 
-Result<KeptFile> FileStore::Keep(const std::string& path, const std::string& sha256) {
-  KeptFile kept;
+Result<StoredFile> FileStore::AddFile(const std::string& path, const std::string& sha256) {
+  StoredFile kept;
   kept.sha256 = sha256;
   if (sha256.empty()) {
     auto digest = Sha256OfFile(path);
@@ -117,24 +117,24 @@ Result<KeptFile> FileStore::Keep(const std::string& path, const std::string& sha
   } else if (auto renamed = RenameDurably(path, kept.path); !renamed) {
     return renamed.error();
   }
-  kept.pin = PinOf(kept.sha256);
+  kept.pin = MakePin(kept.sha256);
   return kept;
 }
 
-std::optional<KeptFile> FileStore::Pin(const std::string& sha256) {
+std::optional<StoredFile> FileStore::Pin(const std::string& sha256) {
   if (!IsSha256Hex(sha256)) return std::nullopt;
   const std::lock_guard lock(files_mutex_);
-  KeptFile kept;
+  StoredFile kept;
   kept.sha256 = sha256;
   kept.path = directory_.FilePath(sha256);
   std::error_code error;
   kept.bytes = fs::file_size(kept.path, error);
   if (error) return std::nullopt;
-  kept.pin = PinOf(sha256);
+  kept.pin = MakePin(sha256);
   return kept;
 }
 
-std::shared_ptr<const void> FileStore::PinOf(const std::string& sha256) {
+std::shared_ptr<const void> FileStore::MakePin(const std::string& sha256) {
   ++pins_[sha256];
   return {&pins_, [this, sha256](const void*) { Unpin(sha256); }};
 }
@@ -222,8 +222,8 @@ std::optional<std::string> FileStore::FindUse(const std::string& item, const std
 }
 
 Result<void> FileStore::PutModel(const std::string& owner, const std::string& id, const std::string& name,
-                                 const nlohmann::json& report, const KeptFile& source,
-                                 const KeptFile& model) {
+                                 const nlohmann::json& report, const StoredFile& source,
+                                 const StoredFile& model) {
   const nlohmann::json record = {{"name", name}, {"bytes", source.bytes}, {"report", report}};
   return PutItem(ModelItem(owner, id), JsonText(record, -1), {{"source", source}, {"model", model}});
 }
@@ -291,7 +291,7 @@ Result<Removal> FileStore::RemoveModel(const std::string& owner, const std::stri
 }
 
 Result<void> FileStore::PutMesh(const std::string& owner, const std::string& id, const std::string& key,
-                                const KeptFile& mesh) {
+                                const StoredFile& mesh) {
   if (auto room = MakeRoom(mesh.bytes); !room) return room;
   Database& database = directory_.writer();
   Transaction transaction(database);
@@ -362,7 +362,7 @@ void FileStore::WriteTouches() {
   (void)transaction.Commit();
 }
 
-std::uint64_t FileStore::KeptBytes() {
+std::uint64_t FileStore::StoredBytes() {
   std::int64_t total = 0;
   (void)directory_.writer().Query("SELECT bytes FROM totals", {},
                                   [&](const SqlRow& row) { total = row.Integer(0); });
@@ -383,7 +383,7 @@ Result<void> FileStore::Check() {
 }
 
 // The size of the files of an owner. A file that the owner uses twice is counted once.
-std::uint64_t FileStore::BytesOf(const std::string& owner) {
+std::uint64_t FileStore::OwnerBytes(const std::string& owner) {
   std::int64_t total = 0;
   const std::string first = owner + "/", last = owner + "0";
   (void)directory_.writer().Query(
@@ -393,7 +393,7 @@ std::uint64_t FileStore::BytesOf(const std::string& owner) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(total, 0));
 }
 
-bool FileStore::GiveUpOldest(double unused_since, const std::string& prefix) {
+bool FileStore::DeleteLeastRecentlyUsed(double unused_since, const std::string& prefix) {
   Database& database = directory_.writer();
   Transaction transaction(database);
   if (!transaction.begun()) return false;
@@ -412,11 +412,11 @@ bool FileStore::GiveUpOldest(double unused_since, const std::string& prefix) {
 }
 
 Result<void> FileStore::MakeRoom(std::uint64_t bytes) {
-  if (limits_.max_bytes == 0 || KeptBytes() + bytes <= limits_.max_bytes) return {};
+  if (limits_.max_bytes == 0 || StoredBytes() + bytes <= limits_.max_bytes) return {};
   WriteTouches();
   RemoveLooseFiles();
-  while (KeptBytes() + bytes > limits_.max_bytes) {
-    if (bytes > limits_.max_bytes || !GiveUpOldest(std::numeric_limits<double>::infinity()))
+  while (StoredBytes() + bytes > limits_.max_bytes) {
+    if (bytes > limits_.max_bytes || !DeleteLeastRecentlyUsed(std::numeric_limits<double>::infinity()))
       return Error{ErrorCode::kWriteFailed, "the store is full: --max-store allows " +
                                                 std::to_string(limits_.max_bytes >> 20) + " MB"};
     RemoveLooseFiles();
@@ -427,8 +427,8 @@ Result<void> FileStore::MakeRoom(std::uint64_t bytes) {
 Result<void> FileStore::MakeRoomFor(const std::string& owner, std::uint64_t quota, std::uint64_t bytes) {
   if (quota == 0) return {};
   WriteTouches();
-  while (BytesOf(owner) + bytes > quota) {
-    if (bytes > quota || !GiveUpOldest(std::numeric_limits<double>::infinity(), owner + "/"))
+  while (OwnerBytes(owner) + bytes > quota) {
+    if (bytes > quota || !DeleteLeastRecentlyUsed(std::numeric_limits<double>::infinity(), owner + "/"))
       return Error{ErrorCode::kWriteFailed,
                    "the key's quota is exhausted: it allows " + std::to_string(quota >> 20) + " MB"};
     RemoveLooseFiles();
@@ -439,7 +439,7 @@ Result<void> FileStore::MakeRoomFor(const std::string& owner, std::uint64_t quot
 void FileStore::Sweep() {
   WriteTouches();
   if (limits_.max_age_s > 0) {
-    while (GiveUpOldest(WallClock() - limits_.max_age_s)) {
+    while (DeleteLeastRecentlyUsed(WallClock() - limits_.max_age_s)) {
     }
   }
   RemoveLooseFiles();

@@ -26,26 +26,27 @@ class FileStore : public Store {
   ~FileStore() override;
 
   Result<TempDir> Scratch() override;
-  Result<KeptFile> Keep(const std::string& path, const std::string& sha256) override;
-  std::optional<KeptFile> Pin(const std::string& sha256) override;
+  Result<StoredFile> AddFile(const std::string& path, const std::string& sha256) override;
+  std::optional<StoredFile> Pin(const std::string& sha256) override;
   Result<void> MakeRoom(std::uint64_t bytes) override;
   Result<void> MakeRoomFor(const std::string& owner, std::uint64_t quota, std::uint64_t bytes) override;
   Result<void> PutModel(const std::string& owner, const std::string& id, const std::string& name,
-                        const nlohmann::json& report, const KeptFile& source, const KeptFile& model) override;
+                        const nlohmann::json& report, const StoredFile& source,
+                        const StoredFile& model) override;
   std::optional<StoredModel> FindModel(const std::string& owner, const std::string& id) override;
   std::vector<ListedModel> ListModels(const std::string& owner, const std::string& after,
                                       std::size_t limit) override;
   Result<Removal> RemoveModel(const std::string& owner, const std::string& id) override;
   Result<void> PutMesh(const std::string& owner, const std::string& id, const std::string& key,
-                       const KeptFile& mesh) override;
+                       const StoredFile& mesh) override;
   std::optional<std::string> FindMesh(const std::string& owner, const std::string& id,
                                       const std::string& key) override;
   Result<void> PutAnswer(const std::string& owner, const std::string& key, const std::string& text,
-                         const std::vector<std::pair<std::string, KeptFile>>& artifacts) override;
+                         const std::vector<std::pair<std::string, StoredFile>>& artifacts) override;
   std::optional<std::string> FindAnswer(const std::string& owner, const std::string& key) override;
   std::optional<StoredArtifact> FindArtifact(const std::string& owner, const std::string& name) override;
   Result<void> Check() override;
-  std::uint64_t KeptBytes() override;
+  std::uint64_t StoredBytes() override;
   std::uint64_t FreeBytes() override;
   void Sweep() override;
 
@@ -53,18 +54,18 @@ class FileStore : public Store {
   FileStore(DataDirectory& directory, const StoreLimits& limits) : directory_(directory), limits_(limits) {}
 
   Result<void> PutItem(const std::string& item, const std::string& record,
-                       const std::vector<std::pair<std::string, KeptFile>>& files);
+                       const std::vector<std::pair<std::string, StoredFile>>& files);
   std::optional<std::string> FindRecord(const std::string& item);
   std::optional<std::string> FindUse(const std::string& item, const std::string& role);
   void Touch(const std::string& item);
   void WriteTouches();
-  std::shared_ptr<const void> PinOf(const std::string& sha256);
+  std::shared_ptr<const void> MakePin(const std::string& sha256);
   void Unpin(const std::string& sha256);
   bool HasRow(const std::string& sha256);
   void RemoveLooseFiles();
   void RemoveUnnamedFiles();
-  std::uint64_t BytesOf(const std::string& owner);
-  bool GiveUpOldest(double unused_since, const std::string& prefix = "");
+  std::uint64_t OwnerBytes(const std::string& owner);
+  bool DeleteLeastRecentlyUsed(double unused_since, const std::string& prefix = "");
 
   DataDirectory& directory_;
   const StoreLimits limits_;

@@ -2,7 +2,7 @@
 // their pictures. The service uses only this interface; the implementation decides where and how files are
 // stored. The jobs are in the job store (job_store.h).
 //
-//     Result<KeptFile> file = store.Keep(path, /*sha256=*/"");
+//     Result<StoredFile> file = store.AddFile(path, /*sha256=*/"");
 //     if (!file) return file.error();
 //     Result<void> stored = store.PutMesh(owner, model_id, key, file.value());
 //
@@ -33,7 +33,7 @@ namespace facetless {
 
 // A file of the store. It stays on the disk at least as long as a copy of this object exists. After that, it
 // stays as long as a model or an answer refers to it.
-struct KeptFile {
+struct StoredFile {
   std::string sha256, path;
   std::uint64_t bytes = 0;
   std::shared_ptr<const void> pin;
@@ -82,9 +82,9 @@ class Store {
 
   // Moves a file from a Scratch directory to the store. `sha256` is its digest; if it is empty, it is
   // computed from the file. Errors: kWriteFailed.
-  virtual Result<KeptFile> Keep(const std::string& path, const std::string& sha256) = 0;
+  virtual Result<StoredFile> AddFile(const std::string& path, const std::string& sha256) = 0;
   // A file that is already in the store; nothing if it is not.
-  virtual std::optional<KeptFile> Pin(const std::string& sha256) = 0;
+  virtual std::optional<StoredFile> Pin(const std::string& sha256) = 0;
   // Deletes what law 4 allows until `bytes` more bytes are within the limit. Error: kWriteFailed (there is
   // not enough to delete).
   virtual Result<void> MakeRoom(std::uint64_t bytes) = 0;
@@ -93,8 +93,8 @@ class Store {
 
   // Errors: kWriteFailed.
   virtual Result<void> PutModel(const std::string& owner, const std::string& id, const std::string& name,
-                                const nlohmann::json& report, const KeptFile& source,
-                                const KeptFile& model) = 0;
+                                const nlohmann::json& report, const StoredFile& source,
+                                const StoredFile& model) = 0;
   virtual std::optional<StoredModel> FindModel(const std::string& owner, const std::string& id) = 0;
 
   // At most `limit` models of an owner, ordered by id, starting with the first id after `after` ("" starts at
@@ -106,21 +106,21 @@ class Store {
 
   // Stores a mesh of a stored model. `key` is a digest of how the mesh was made.
   virtual Result<void> PutMesh(const std::string& owner, const std::string& id, const std::string& key,
-                               const KeptFile& mesh) = 0;
+                               const StoredFile& mesh) = 0;
   virtual std::optional<std::string> FindMesh(const std::string& owner, const std::string& id,
                                               const std::string& key) = 0;
 
   // Stores the text of an answer and its files, each under its artifact name. `key` is a digest of the
   // question.
   virtual Result<void> PutAnswer(const std::string& owner, const std::string& key, const std::string& text,
-                                 const std::vector<std::pair<std::string, KeptFile>>& artifacts) = 0;
+                                 const std::vector<std::pair<std::string, StoredFile>>& artifacts) = 0;
   virtual std::optional<std::string> FindAnswer(const std::string& owner, const std::string& key) = 0;
   virtual std::optional<StoredArtifact> FindArtifact(const std::string& owner, const std::string& name) = 0;
 
   // Succeeds if the store can accept writes. Error: kWriteFailed.
   virtual Result<void> Check() = 0;
-  virtual std::uint64_t KeptBytes() = 0;  // total size of all files
-  virtual std::uint64_t FreeBytes() = 0;  // free space on its disk that the service may use
+  virtual std::uint64_t StoredBytes() = 0;  // total size of all files
+  virtual std::uint64_t FreeBytes() = 0;    // free space on its disk that the service may use
 
   // Deletes what exceeds the limits, and files to which nothing refers any more. It must be called
   // periodically.

@@ -173,7 +173,7 @@ int StoreCheckCommand(const std::string& directory) {
   if (!answer) {
     (void)PrintError(answer.error());
     // An unreadable database is a fault that the check is meant to find.
-    return answer.error().code == ErrorCode::kFormatBroken ? 1 : ExitCodeOf(answer.error());
+    return answer.error().code == ErrorCode::kFormatBroken ? 1 : ExitCodeForError(answer.error());
   }
   std::printf("%s\n", JsonText(answer.value()).c_str());
   return answer.value().at("faults").empty() ? 0 : 1;

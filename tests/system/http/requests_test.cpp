@@ -15,13 +15,13 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST(HttpTerms, OptionsAreNamedAsRequestsNameThem) {
-  EXPECT_EQ(InHttpTerms("try the other one of --mesh-up y, --mesh-up z"),
+  EXPECT_EQ(TranslateToHttpTerms("try the other one of --mesh-up y, --mesh-up z"),
             "try the other one of mesh_up y, mesh_up z");
-  EXPECT_EQ(InHttpTerms("--parts and --hide leave nothing"), "parts and hide leave nothing");
-  EXPECT_EQ(InHttpTerms("use --import-memory to allow more"),
+  EXPECT_EQ(TranslateToHttpTerms("--parts and --hide leave nothing"), "parts and hide leave nothing");
+  EXPECT_EQ(TranslateToHttpTerms("use --import-memory to allow more"),
             "use the service's own option --import-memory to allow more");
-  EXPECT_EQ(InHttpTerms("as (--mesh) says"), "as (the part mesh) says");
-  EXPECT_EQ(InHttpTerms("a--strict b -- --nonsense"), "a--strict b -- --nonsense");
+  EXPECT_EQ(TranslateToHttpTerms("as (--mesh) says"), "as (the part mesh) says");
+  EXPECT_EQ(TranslateToHttpTerms("a--strict b -- --nonsense"), "a--strict b -- --nonsense");
 }
 
 class Requests : public testing::Test {

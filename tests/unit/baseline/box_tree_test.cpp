@@ -17,7 +17,7 @@ struct Visited {
   double hit_depth = 0;
 };
 
-double Meet(void* context, std::uint32_t box) {
+double VisitBox(void* context, std::uint32_t box) {
   auto& visited = *static_cast<Visited*>(context);
   visited.boxes.push_back(box);
   if (box == visited.hit_at) visited.nearest = visited.hit_depth;
@@ -49,7 +49,7 @@ TEST(BoxTree, VisitsExactlyTheBoxesThatHoldThePixel) {
             row < boxes[i].row_end)
           expected.push_back(i);
       Visited visited;
-      tree.Visit(column, row, &Meet, &visited);
+      tree.Visit(column, row, &VisitBox, &visited);
       std::sort(visited.boxes.begin(), visited.boxes.end());
       ASSERT_EQ(visited.boxes, expected) << column << " " << row;
     }
@@ -64,7 +64,7 @@ TEST(BoxTree, NeverLeavesOutWhatMayBeNearerThanTheHit) {
     Visited visited;
     visited.hit_at = hit;
     visited.hit_depth = boxes[hit].near_depth;
-    tree.Visit(1, 2, &Meet, &visited);
+    tree.Visit(1, 2, &VisitBox, &visited);
     for (std::uint32_t i = 0; i <= hit; ++i)
       EXPECT_EQ(std::count(visited.boxes.begin(), visited.boxes.end(), i), 1) << i << " of " << hit;
   }
@@ -77,7 +77,7 @@ TEST(BoxTree, LeavesOutWhatBeginsBehindTheHit) {
   Visited visited;
   visited.hit_at = 0;
   visited.hit_depth = 50;
-  tree.Visit(1, 2, &Meet, &visited);
+  tree.Visit(1, 2, &VisitBox, &visited);
   EXPECT_LT(visited.boxes.size(), 100u);
 }
 

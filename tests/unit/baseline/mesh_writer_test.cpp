@@ -93,7 +93,7 @@ double AreaOf(const std::vector<Triangle>& triangles) {
   return sum;
 }
 
-std::map<std::string, int> ColorsOf(const std::vector<Triangle>& triangles) {
+std::map<std::string, int> PlacedFaceColors(const std::vector<Triangle>& triangles) {
   std::map<std::string, int> counts;
   for (const Triangle& t : triangles) ++counts[t.color];
   return counts;
@@ -123,12 +123,12 @@ void ExpectBoxes(const std::vector<Triangle>& triangles) {
 }
 
 TEST(MeshWriter, TheSuffixSaysTheFormatAndAnyOtherIsRefusedWithTheList) {
-  EXPECT_EQ(MeshFormatOf("a/b.glb").value(), MeshFormat::kGlb);
-  EXPECT_EQ(MeshFormatOf("b.STL").value(), MeshFormat::kStl);
-  EXPECT_EQ(MeshFormatOf("b.x.obj").value(), MeshFormat::kObj);
-  EXPECT_EQ(MeshFormatOf("b.3mf").value(), MeshFormat::k3mf);
+  EXPECT_EQ(MeshFormatFromPath("a/b.glb").value(), MeshFormat::kGlb);
+  EXPECT_EQ(MeshFormatFromPath("b.STL").value(), MeshFormat::kStl);
+  EXPECT_EQ(MeshFormatFromPath("b.x.obj").value(), MeshFormat::kObj);
+  EXPECT_EQ(MeshFormatFromPath("b.3mf").value(), MeshFormat::k3mf);
   for (const char* wrong : {"b.ply", "b.gltf", "b", ".glb", "glb", "b.glb/"}) {
-    const auto format = MeshFormatOf(wrong);
+    const auto format = MeshFormatFromPath(wrong);
     ASSERT_FALSE(format.ok()) << wrong;
     EXPECT_EQ(format.error().code, ErrorCode::kBadUsage);
     EXPECT_THAT(format.error().message, ::testing::HasSubstr(".glb, .stl, .obj, .3mf"));
@@ -252,7 +252,7 @@ TEST(MeshWriter, ObjHasColoursInASecondFileAndExactNormals) {
   EXPECT_EQ(library, "two boxes.mtl");
   EXPECT_EQ(positions.size(), 16u) << "corners are shared by the faces";
   ExpectBoxes(triangles);
-  EXPECT_EQ(ColorsOf(triangles), kColors);
+  EXPECT_EQ(PlacedFaceColors(triangles), kColors);
 }
 
 // What the archive holds under `name`.
@@ -331,7 +331,7 @@ TEST(MeshWriter, ThreeMfHasObjectsItemsAndColours) {
   }
   EXPECT_EQ(objects.begin()->second.vertices.size(), 8u) << "corners are shared by the faces";
   ExpectBoxes(placed);
-  EXPECT_EQ(ColorsOf(placed), kColors);
+  EXPECT_EQ(PlacedFaceColors(placed), kColors);
 }
 
 TEST(MeshWriter, OpacityIsCarried) {

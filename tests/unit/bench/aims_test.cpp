@@ -41,7 +41,7 @@ TEST(Aims, HaveDistinctNames) {
     EXPECT_TRUE(numbers.insert(aim.number).second) << aim.number;
     EXPECT_TRUE(aim.mean || aim.each) << aim.id;
   }
-  EXPECT_EQ(&AimOf("two_cores"), &AimOf("two_cores"));
+  EXPECT_EQ(&FindAim("two_cores"), &FindAim("two_cores"));
 }
 
 TEST(Aims, AMeanThatIsHighEnoughDoesNotExcuseOneThatIsTooLow) {

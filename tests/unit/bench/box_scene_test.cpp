@@ -33,7 +33,7 @@ TEST_P(BoxScene, AllMethodsLeadToTheSameBoxes) {
     std::uint64_t hits = 0;
     for (int y = 0; y < kSceneSize; y += 3)
       for (int x = 0; x < kSceneSize; x += 5) {
-        const SceneRay ray = PixelRayOf(x, y, perspective);
+        const SceneRay ray = ScenePixelRay(x, y, perspective);
         const std::vector<std::uint32_t> exact = CandidatesOf(scan, ray);
         hits += exact.size();
         const auto meet = [&](std::vector<std::uint32_t> candidates) {

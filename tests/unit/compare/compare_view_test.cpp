@@ -254,7 +254,7 @@ TEST_F(SphereView, RefusesBadOptionsAndCanBeCancelled) {
 
 TEST(SampleGrid, IsAsEvenAsItCanBe) {
   const auto is = [](int samples, int x, int y) {
-    const SampleGrid grid = GridOf(samples);
+    const SampleGrid grid = EvenSampleGrid(samples);
     return grid.x == x && grid.y == y;
   };
   EXPECT_TRUE(is(1, 1, 1));

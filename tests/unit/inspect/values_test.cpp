@@ -179,14 +179,14 @@ TEST(Range, IgnoresFewOutliersAndIsSymmetric) {
     samples.depth[i] = 1;
     values[i] = i < 5 ? 1e6 : i < 500 ? -0.5 : 0.25;
   }
-  const ValueStatistics statistics = StatisticsOf(values, samples);
+  const ValueStatistics statistics = ComputeStatistics(values, samples);
   EXPECT_EQ(statistics.max, 1e6);
   Inspection curvature = ParseInspection("curvature").value();
-  const ValueRange robust = RangeOf(curvature, statistics, 100);
+  const ValueRange robust = ResolveRange(curvature, statistics, 100);
   EXPECT_EQ(robust.low, -0.5);
   EXPECT_EQ(robust.high, 0.5);
   curvature.range = ValueRange{-2, 3};
-  EXPECT_EQ(RangeOf(curvature, statistics, 100).high, 3);
+  EXPECT_EQ(ResolveRange(curvature, statistics, 100).high, 3);
 }
 
 TEST(Range, OfAFlatModelShowsNoNoise) {

@@ -302,7 +302,7 @@ Film WhiteFilm(int width, int height) {
 }
 
 TEST(DrawLines, CoversAsMuchAsTheLineIsWide) {
-  const LineStyle style = StyleOf(LineClass::kFeature, true);
+  const LineStyle style = LineStyleFor(LineClass::kFeature, true);
   for (const double y : {10.0, 10.25, 10.5, 10.9}) {
     Film film = WhiteFilm(40, 20);
     const ViewLine line{LineClass::kFeature, true, {{-5, y, 0}, {20, y, 0}, {45, y, 0}}};

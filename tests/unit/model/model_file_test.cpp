@@ -131,9 +131,9 @@ TEST(ModelFile, WhatIsWrittenIsRead) {
 TEST(ModelFile, NamesAndIndicesOfPlacedFaces) {
   const Model model = TwoFaces();
   ASSERT_EQ(model.PlacedFaceCount(), 4u);
-  EXPECT_EQ(model.InstanceOf(1), 0u);
-  EXPECT_EQ(model.InstanceOf(2), 2u);  // not the empty instance that starts there as well
-  EXPECT_EQ(model.FaceOf(3), 1u);
+  EXPECT_EQ(model.InstanceOfPlacedFace(1), 0u);
+  EXPECT_EQ(model.InstanceOfPlacedFace(2), 2u);  // not the empty instance that starts there as well
+  EXPECT_EQ(model.FaceOfPlacedFace(3), 1u);
   EXPECT_EQ(model.PlacedFaceName(0), "a/top #8");
   EXPECT_EQ(model.PlacedFaceName(3), "part/face 1");
   EXPECT_EQ(model.PlacedFaceColor(2).r, 1);     // the face's own

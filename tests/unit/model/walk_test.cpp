@@ -90,8 +90,8 @@ RC_GTEST_PROP(Walk, PatchesTakeASurfacesPointsInTurn, (std::uint64_t seed)) {
     RC_ASSERT(patch_by_patch == all);
     RC_ASSERT(all.front() == AddressOf(model.control_points[surface.first_control_point]));
     RC_ASSERT(USpansOf(model, surface).size() * VSpansOf(model, surface).size() == surface.PatchCount());
-    RC_ASSERT(IndexOf(model.spans, USpansOf(model, surface)[0]) == surface.u_spans.first);
-    RC_ASSERT(IndexOf(model.spans, VSpansOf(model, surface)[0]) == surface.v_spans.first);
+    RC_ASSERT(IndexWithin(model.spans, USpansOf(model, surface)[0]) == surface.u_spans.first);
+    RC_ASSERT(IndexWithin(model.spans, VSpansOf(model, surface)[0]) == surface.v_spans.first);
   }
 }
 
@@ -101,12 +101,12 @@ RC_GTEST_PROP(Walk, PlacedFacesCountThroughTheInstances, (std::uint64_t seed)) {
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
     const Instance& instance = model.instances[i];
     std::uint32_t face = model.parts[instance.part].faces.first;
-    for (const PlacedFace placed : PlacedFacesOf(model, instance)) {
+    for (const PlacedFace placed : WalkPlacedFaces(model, instance)) {
       RC_ASSERT(placed.id == next++);
       RC_ASSERT(placed.face == face++);
-      RC_ASSERT(placed.face == model.FaceOf(placed.id));
-      RC_ASSERT(model.InstanceOf(placed.id) == i);
-      RC_ASSERT(PlacedFaceOf(model, instance, placed.face) == placed.id);
+      RC_ASSERT(placed.face == model.FaceOfPlacedFace(placed.id));
+      RC_ASSERT(model.InstanceOfPlacedFace(placed.id) == i);
+      RC_ASSERT(PlacedFaceId(model, instance, placed.face) == placed.id);
     }
     RC_ASSERT(face == model.parts[instance.part].faces.end());
   }
@@ -118,7 +118,7 @@ RC_GTEST_PROP(Walk, IndicesAndElementsAreTheSamePlaces, (std::uint64_t seed)) {
   for (const Part& part : model.parts) {
     std::vector<std::uint32_t> by_index, by_element;
     for (const std::uint32_t s : Indices(part.solids)) by_index.push_back(s);
-    for (const Solid& solid : SolidsOf(model, part)) by_element.push_back(IndexOf(model.solids, solid));
+    for (const Solid& solid : SolidsOf(model, part)) by_element.push_back(IndexWithin(model.solids, solid));
     RC_ASSERT(by_index == by_element);
     RC_ASSERT(by_index.size() == part.solids.count);
   }
@@ -160,7 +160,7 @@ TEST(Walk, LoopsWithoutCoedgesArePassedOver) {
   Face face;
   face.loops = {0, 5};
   std::vector<std::uint32_t> found;
-  for (const Coedge& coedge : CoedgesOf(model, face)) found.push_back(IndexOf(model.coedges, coedge));
+  for (const Coedge& coedge : CoedgesOf(model, face)) found.push_back(IndexWithin(model.coedges, coedge));
   EXPECT_EQ(found, (std::vector<std::uint32_t>{0, 1}));
 }
 

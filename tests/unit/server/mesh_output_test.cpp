@@ -82,7 +82,7 @@ TEST_F(MeshOutputFiles, AMeshWithoutItsHiddenPlacementsStillNamesTheModelsFaces)
   const Mesh read = Read("a.glb");
   ASSERT_EQ(read.nodes.size(), 1u);
   EXPECT_EQ(read.nodes[0].first_placed_face, 1u);
-  EXPECT_TRUE(NamesFacesOf(read, triangles.model));
+  EXPECT_TRUE(RefersToFacesOfModel(read, triangles.model));
 }
 
 TEST_F(MeshOutputFiles, StlThatRoundsTooMuchIsSaid) {

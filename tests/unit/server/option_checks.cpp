@@ -75,7 +75,7 @@ std::map<std::string, std::vector<std::string>> RowsByHeading(const std::string&
 
 // "`--margin SHARE`".
 std::string FirstCell(const OptionRow& row) {
-  return "`" + FlagOf(row) + (row.value.empty() ? "" : " " + row.value) + "`";
+  return "`" + CommandLineName(row) + (row.value.empty() ? "" : " " + row.value) + "`";
 }
 
 std::vector<std::string> CellDifferences(const OptionRow& row, const std::vector<std::string>& cells) {
@@ -162,7 +162,7 @@ std::vector<std::string> CliDocsDifferences(const OptionTable& table, const std:
     const auto under = rows.find(row.group);
     int found = 0;
     for (const std::string& line : under == rows.end() ? std::vector<std::string>() : under->second) {
-      const std::string start = "| `" + FlagOf(row);
+      const std::string start = "| `" + CommandLineName(row);
       if (!line.starts_with(start + "`") && !line.starts_with(start + " ")) continue;
       ++found;
       const std::vector<std::string> more = CellDifferences(row, CellsOf(line));

@@ -42,7 +42,7 @@ std::string ApiDocs() {
 }
 
 // The command's --help, of the options of `table` alone.
-std::string HelpOf(Commands command, const OptionTable& table) {
+std::string PrintedHelp(Commands command, const OptionTable& table) {
   CLI::App app;
   OptionCollector collected;
   AddOptions(&app, command, collected, table);
@@ -56,7 +56,7 @@ Json CollectedFrom(Commands command, std::vector<std::string> words, const Optio
   AddOptions(&app, command, collected, table);
   std::reverse(words.begin(), words.end());  // as CLI11 wants them
   app.parse(words);
-  return collected.Take().value();
+  return collected.CollectedOptions().value();
 }
 
 // The usual table and one option more.
@@ -139,7 +139,7 @@ TEST(OptionTable, IsTheHelpOfEveryCommand) {
   for (const auto& [command, name] : kCommandNames) {
     const ChildOutcome printed = RunProgram(Program("facetless"), {name, "--help"}, "/");
     for (const OptionRow& row : AllOptions()) {
-      const std::string line = FlagOf(row) + (row.value.empty() ? "" : " " + row.value) + " ";
+      const std::string line = CommandLineName(row) + (row.value.empty() ? "" : " " + row.value) + " ";
       if ((row.commands & command) != 0) {
         EXPECT_THAT(printed.out, HasSubstr(line)) << name;
         EXPECT_THAT(printed.out, HasSubstr(HelpText(row))) << name;
@@ -164,10 +164,10 @@ TEST(OptionTable, OneMoreRowIsOneMoreOptionEverywhere) {
   const OptionTable table = WithGain();
   const OptionRow& row = table.back();
   // --help.
-  EXPECT_THAT(HelpOf(kRender, table), HasSubstr("--gain-factor GAIN"));
-  EXPECT_THAT(HelpOf(kRender, table), HasSubstr("Multiplies what pictures show (1 … 8; default: 2)"));
-  EXPECT_THAT(HelpOf(kTrade, table), Not(HasSubstr("--gain-factor")));
-  EXPECT_THAT(HelpOf(kRender, AllOptions()), Not(HasSubstr("--gain-factor")));
+  EXPECT_THAT(PrintedHelp(kRender, table), HasSubstr("--gain-factor GAIN"));
+  EXPECT_THAT(PrintedHelp(kRender, table), HasSubstr("Multiplies what pictures show (1 … 8; default: 2)"));
+  EXPECT_THAT(PrintedHelp(kTrade, table), Not(HasSubstr("--gain-factor")));
+  EXPECT_THAT(PrintedHelp(kRender, AllOptions()), Not(HasSubstr("--gain-factor")));
   // The command line.
   const Json collected = CollectedFrom(kCompare, {"--gain-factor", "3"}, table);
   EXPECT_EQ(collected, Json({{"gain_factor", 3.0}}));

@@ -16,9 +16,9 @@ using Json = nlohmann::json;
 const std::string kTrace = "0af7651916cd43dd8448eb211c80319c", kParent = "b7ad6b7169203331";
 
 TEST(TraceContext, IsTakenFromAWellFormedHeader) {
-  EXPECT_EQ(TraceIdOf("00-" + kTrace + "-" + kParent + "-01"), kTrace);
-  EXPECT_EQ(TraceIdOf("00-" + kTrace + "-" + kParent + "-00"), kTrace) << "sampled or not";
-  EXPECT_EQ(TraceIdOf("cc-" + kTrace + "-" + kParent + "-01-what-the-future-brings"), kTrace);
+  EXPECT_EQ(ParseTraceId("00-" + kTrace + "-" + kParent + "-01"), kTrace);
+  EXPECT_EQ(ParseTraceId("00-" + kTrace + "-" + kParent + "-00"), kTrace) << "sampled or not";
+  EXPECT_EQ(ParseTraceId("cc-" + kTrace + "-" + kParent + "-01-what-the-future-brings"), kTrace);
 }
 
 TEST(TraceContext, IsIgnoredWhereItIsMalformed) {
@@ -31,7 +31,7 @@ TEST(TraceContext, IsIgnoredWhereItIsMalformed) {
         "00-" + kTrace + "-" + std::string(16, '0') + "-01", "00-" + upper + "-" + kParent + "-01",
         "00_" + kTrace + "-" + kParent + "-01", "cc-" + kTrace + "-" + kParent + "-01x", std::string(55, '-'),
         "00-" + kTrace.substr(1) + "\n-" + kParent + "-01"})
-    EXPECT_EQ(TraceIdOf(wrong), "") << wrong;
+    EXPECT_EQ(ParseTraceId(wrong), "") << wrong;
 }
 
 TEST(ServiceLog, CutsWhatLooksLikeAKey) {

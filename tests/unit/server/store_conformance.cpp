@@ -8,12 +8,12 @@ namespace facetless {
 namespace {
 
 TEST_P(StoreConformance, FilesAreNamedAfterTheirContentAndStayAsLongAsSomebodyHoldsThem) {
-  std::optional<KeptFile> file = Kept("abc");
+  std::optional<StoredFile> file = Kept("abc");
   // FIPS 180-2, appendix B.1.
   EXPECT_EQ(file->sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(file->bytes, 3u);
   EXPECT_EQ(ReadText(file->path), "abc");
-  std::optional<KeptFile> same = Kept("abc");
+  std::optional<StoredFile> same = Kept("abc");
   EXPECT_EQ(same->path, file->path);
   const std::string path = file->path;
   file.reset();
@@ -82,7 +82,7 @@ TEST_P(StoreConformance, GivesUpWhatWasUsedLongestAgo) {
   EXPECT_FALSE(HasAnswer("two"));
   EXPECT_TRUE(HasAnswer("three"));
   EXPECT_TRUE(HasAnswer("four"));
-  EXPECT_EQ(store().KeptBytes(), 900u);
+  EXPECT_EQ(store().StoredBytes(), 900u);
   const auto too_large = store().MakeRoom(1001);
   ASSERT_FALSE(too_large.ok());
   EXPECT_EQ(too_large.error().code, ErrorCode::kWriteFailed);
@@ -108,7 +108,7 @@ TEST_P(StoreConformance, NeverGivesUpWhatAJobNeeds) {
   ASSERT_TRUE(jobs().Finish(claimed).value());
   EXPECT_TRUE(store().MakeRoom(500).ok());
   EXPECT_FALSE(store().FindModel("", id).has_value());
-  EXPECT_EQ(store().KeptBytes(), 0u);
+  EXPECT_EQ(store().StoredBytes(), 0u);
 }
 
 TEST_P(StoreConformance, EverythingOutlivesTheProcess) {

@@ -38,9 +38,9 @@ class StoreConformance : public testing::TestWithParam<std::unique_ptr<StoreHost
   JobStore& jobs() { return host_->jobs(); }
 
   // A file of the store with this text.
-  KeptFile Kept(const std::string& text) {
+  StoredFile Kept(const std::string& text) {
     scratch_.push_back(store().Scratch().value());
-    return store().Keep(WriteText(scratch_.back().File("file"), text), "").value();
+    return store().AddFile(WriteText(scratch_.back().File("file"), text), "").value();
   }
   void PutModel(const std::string& source, const std::string& model = "model",
                 const std::string& owner = "") {
@@ -50,7 +50,7 @@ class StoreConformance : public testing::TestWithParam<std::unique_ptr<StoreHost
   }
   // An answer with a picture of so many bytes.
   void PutAnswer(const std::string& question, std::size_t bytes) {
-    const KeptFile picture = Kept(question + std::string(bytes - question.size(), '.'));
+    const StoredFile picture = Kept(question + std::string(bytes - question.size(), '.'));
     const auto put = store().PutAnswer("", Sha256Hex(question), "{}", {{picture.sha256 + ".png", picture}});
     ASSERT_TRUE(put.ok()) << put.error().message;
   }

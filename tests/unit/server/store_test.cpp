@@ -58,9 +58,9 @@ class Stored : public testing::Test {
     data_directory_.reset();
   }
   // A file of the store with this text.
-  KeptFile Kept(const std::string& text) {
+  StoredFile Kept(const std::string& text) {
     scratch_.push_back(store_->Scratch().value());
-    return store_->Keep(WriteText(scratch_.back().File("file"), text), "").value();
+    return store_->AddFile(WriteText(scratch_.back().File("file"), text), "").value();
   }
   void PutModel(const std::string& source, const std::string& model = "model",
                 const std::string& owner = "") {
@@ -70,7 +70,7 @@ class Stored : public testing::Test {
   }
   // An answer with a picture of so many bytes.
   void PutAnswer(const std::string& question, std::size_t bytes) {
-    const KeptFile picture = Kept(question + std::string(bytes - question.size(), '.'));
+    const StoredFile picture = Kept(question + std::string(bytes - question.size(), '.'));
     const auto put = store_->PutAnswer("", Sha256Hex(question), "{}", {{picture.sha256 + ".png", picture}});
     ASSERT_TRUE(put.ok()) << put.error().message;
   }
@@ -163,7 +163,7 @@ class Checked : public Stored {
     PutModel("source");
     PutAnswer("question", 10);
     scratch_.clear();
-    const KeptFile report = Kept("{}"), page = Kept("<html>");
+    const StoredFile report = Kept("{}"), page = Kept("<html>");
     const auto put = store_->PutAnswer("", Sha256Hex("asked"), "{}",
                                        {{report.sha256 + ".json", report}, {page.sha256 + ".html", page}});
     EXPECT_TRUE(put.ok());

@@ -22,7 +22,7 @@ Camera View(const char* name, Projection projection = Projection::kOrthographic,
 
 TEST(Turntable, TurnsByEvenStepsAboutTheAxisThatIsUp) {
   for (const UpAxis up : {UpAxis::kX, UpAxis::kY, UpAxis::kZ}) {
-    const Vec3 axis = TurnedTo(up, {0, 0, 1});
+    const Vec3 axis = RotateToUpAxis(up, {0, 0, 1});
     const Camera first = View("iso", Projection::kOrthographic, up);
     for (const int count : {2, 7, 36, 360}) {
       const auto cameras = TurntableCameras(first, up, count, nullptr).value();

@@ -136,8 +136,8 @@ class Measuring {
     Outcome& outcome = result_.outcomes[p];
     std::size_t others = 0;
     for (const std::uint32_t i : pixels) {
-      const oracle::Claim claim = oracle::Judge::ClaimOf(samples, static_cast<int>(i) % samples.width,
-                                                         static_cast<int>(i) / samples.width);
+      const oracle::Claim claim = oracle::Judge::MakeClaim(samples, static_cast<int>(i) % samples.width,
+                                                           static_cast<int>(i) / samples.width);
       const auto certificate = static_cast<std::size_t>(claim.certificate);
       if (claim.certificate != Certificate::kCertified) {
         if (p != kCertified || others++ >= kOthers) continue;
@@ -171,8 +171,9 @@ class Measuring {
         std::isfinite(claim.depth_error) && claim.depth_error > 0 ? claim.depth_error : kShare * diagonal;
     bool covered = !claim.hit;
     bool nearer = false;
-    for (const oracle::Crossing& crossing : surfaces.Crossings(
-             RayOf(view, claim.column + 0.5, claim.row + 0.5), perspective ? 1e-9 * diagonal : -INFINITY)) {
+    for (const oracle::Crossing& crossing :
+         surfaces.Crossings(ViewPixelRay(view, claim.column + 0.5, claim.row + 0.5),
+                            perspective ? 1e-9 * diagonal : -INFINITY)) {
       const double off = static_cast<double>(crossing.depth - claim.depth);
       const double allowed = bound + static_cast<double>(crossing.half_depth);
       covered = covered || (std::fabs(off) <= allowed && crossing.standing != oracle::Standing::kOutside);

@@ -60,7 +60,7 @@ void Ask(const Scene& scene, const oracle::Oracle& surfaces, const Camera& camer
     options.accuracy.precision = kPrecisions[p];
     options.depth_error = true;
     const DirectResult direct = TraceDirect(scene, camera, options).value();
-    const oracle::Claim claim = oracle::Judge::ClaimOf(direct.samples, 0, 0);
+    const oracle::Claim claim = oracle::Judge::MakeClaim(direct.samples, 0, 0);
     const oracle::Verdict verdict = judge.Ask(claim).verdict;
     TangentRays::Count& count = rays.counts[p];
     ++count.rays;

@@ -55,8 +55,8 @@ std::vector<Vec3> Features(const Model& model, std::size_t most, Random& random)
   const std::uint32_t faces = model.PlacedFaceCount();
   for (std::size_t i = 0; i < most && faces > 0; ++i) {
     const std::uint32_t id = random.Below(faces);
-    features.push_back(
-        FeatureOf(model, model.instances[model.InstanceOf(id)], model.faces[model.FaceOf(id)], random));
+    features.push_back(FeatureOf(model, model.instances[model.InstanceOfPlacedFace(id)],
+                                 model.faces[model.FaceOfPlacedFace(id)], random));
   }
   return features;
 }

@@ -101,7 +101,7 @@ ViewRay AnyRay(double reach) {
   view.eye = view.target + Vec3{number(5), number(5), 5 + number(1)};
   view.up = {0, 1, 0};
   view.perspective = *rc::gen::arbitrary<bool>();
-  return RayOf(view, 0.5, 0.5);
+  return ViewPixelRay(view, 0.5, 0.5);
 }
 
 // The same crossings, in the same order, to the last digits. `keep`: which of the closed form's lie on the
@@ -152,7 +152,7 @@ ViewRay RayThrough(Vec3 point, Vec3 direction) {
   view.target = point;
   view.eye = point - 8 * direction;
   view.up = std::fabs(direction.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  return RayOf(view, 0.5, 0.5);
+  return ViewPixelRay(view, 0.5, 0.5);
 }
 
 TEST(Oracle, SeamsGiveOneCrossing) {

@@ -227,7 +227,7 @@ TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
     const DirectResult direct = Traced(model, camera);
     const Judge judge(oracle, camera);
     for (int column = 0; column < kSize; ++column) {
-      const Judgement judgement = judge.Ask(Judge::ClaimOf(direct.samples, column, kSize / 2));
+      const Judgement judgement = judge.Ask(Judge::MakeClaim(direct.samples, column, kSize / 2));
       EXPECT_TRUE(judgement.verdict == Verdict::kRight ||
                   judgement.claim.certificate != Certificate::kCertified)
           << window << ": " << Describe(judgement, model);

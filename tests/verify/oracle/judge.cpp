@@ -49,7 +49,7 @@ Judge::Judge(const Oracle& oracle, const Camera& camera)
       view_(ViewOf(camera)),
       near_(view_.perspective ? kNearShare * oracle.model().Diagonal() : -INFINITY) {}
 
-Claim Judge::ClaimOf(const SampleBuffer& samples, int column, int row) {
+Claim Judge::MakeClaim(const SampleBuffer& samples, int column, int row) {
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(samples.width) +
                          static_cast<std::size_t>(column);
   Claim claim{column,
@@ -144,7 +144,7 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
 Judgement Judge::Ask(const Claim& claim) const {
   Judgement judgement;
   judgement.claim = claim;
-  const ViewRay ray = RayOf(view_, claim.column + 0.5, claim.row + 0.5);
+  const ViewRay ray = ViewPixelRay(view_, claim.column + 0.5, claim.row + 0.5);
   const std::vector<Crossing> crossings = oracle_.Crossings(ray, near_);
   if (Agrees(ray, crossings, claim, Leniency::kNone, 0, judgement)) return judgement;
   Explain(crossings, judgement);
@@ -238,7 +238,7 @@ Tally JudgePixels(const Judge& judge, const SampleBuffer& samples, const std::ve
   ParallelFor(std::size_t{0}, pixels.size(), [&](std::size_t i) {
     const int column = static_cast<int>(pixels[i]) % samples.width,
               row = static_cast<int>(pixels[i]) / samples.width;
-    judgements[i] = judge.Ask(Judge::ClaimOf(samples, column, row));
+    judgements[i] = judge.Ask(Judge::MakeClaim(samples, column, row));
   });
   Tally tally;
   for (const Judgement& judgement : judgements) tally.Add(judgement);

@@ -75,7 +75,7 @@ class Judge {
   Judgement Ask(const Claim& claim) const;
 
   // The claim of one pixel.
-  static Claim ClaimOf(const SampleBuffer& samples, int column, int row);
+  static Claim MakeClaim(const SampleBuffer& samples, int column, int row);
 
  private:
   enum class Leniency { kNone, kEdge, kTwiceTheGap, kDoubts };

@@ -24,7 +24,7 @@ class JudgeOfASphere : public ::testing::Test {
         direct_(TraceDirect(Scene(model_), camera_, {}).value()),
         judge_(oracle_, camera_) {}
 
-  Claim At(int column, int row) const { return Judge::ClaimOf(direct_.samples, column, row); }
+  Claim At(int column, int row) const { return Judge::MakeClaim(direct_.samples, column, row); }
   Verdict VerdictOn(const Claim& claim) const { return judge_.Ask(claim).verdict; }
 
   Model model_;
@@ -157,7 +157,7 @@ TEST(Judge, LightThroughASeamIsNeverExcused) {
   // Either face is excused.
   const DirectResult direct = TraceDirect(Scene(model), camera, {}).value();
   for (const int column : {14, 18}) {
-    Claim claim = Judge::ClaimOf(direct.samples, column, 16);
+    Claim claim = Judge::MakeClaim(direct.samples, column, 16);
     ASSERT_TRUE(claim.hit);
     const Verdict verdict = judge.Ask(claim).verdict;
     EXPECT_TRUE(verdict == Verdict::kRight || verdict == Verdict::kAtEdge);

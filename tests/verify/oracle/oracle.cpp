@@ -32,7 +32,7 @@ struct Covector {
 };
 
 // normal·(point − origin) for points of an instance.
-Covector CovectorOf(const Placement& placement, Real3 normal, Real3 origin) {
+Covector PlacedCovector(const Placement& placement, Real3 normal, Real3 origin) {
   const auto& m = placement.m;
   const auto column = [&](int c) { return normal.x * m[0][c] + normal.y * m[1][c] + normal.z * m[2][c]; };
   const Real3 shift = Real3{m[0][3], m[1][3], m[2][3]} - origin;
@@ -117,7 +117,7 @@ Oracle::Oracle(const Model& model) : model_(model) {
   }
 }
 
-Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
+Standing Oracle::ClassifyTrimPoint(std::uint32_t face, Real u, Real v) const {
   const std::span<const Loop> loops = LoopsOf(model_, model_.faces[face]);
   if (loops.empty()) return Standing::kInside;
   const Real floor = kTrimFloor * (1 + Abs(u) + Abs(v));
@@ -141,7 +141,7 @@ Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
         if (!started) first = begin;
         started = true;
         last = end;
-        const TrimBox& box = trim_boxes_[IndexOf(model_.trim_segments, segment)];
+        const TrimBox& box = trim_boxes_[IndexWithin(model_.trim_segments, segment)];
         const double reach_u = std::nextafter(near_u, INFINITY), reach_v = std::nextafter(near_v, -INFINITY);
         if (reach_u < box.u_low || std::nextafter(near_u, -INFINITY) > box.u_high || reach_v > box.v_high)
           continue;
@@ -156,14 +156,14 @@ Standing Oracle::StandingOf(std::uint32_t face, Real u, Real v) const {
 
 void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed_face,
                            std::vector<Crossing>& found) const {
-  const Instance& instance = model_.instances[model_.InstanceOf(placed_face)];
-  const std::uint32_t face = model_.FaceOf(placed_face);
+  const Instance& instance = model_.instances[model_.InstanceOfPlacedFace(placed_face)];
+  const std::uint32_t face = model_.FaceOfPlacedFace(placed_face);
   const Surface& surface = model_.surfaces[model_.faces[face].surface];
   const int n = surface.degree_u, m = surface.degree_v;
   const Real3 along = Normalized(ray.direction);
-  const Covector across = CovectorOf(instance.placement, ray.across, ray.origin),
-                 down = CovectorOf(instance.placement, ray.down, ray.origin),
-                 forth = CovectorOf(instance.placement, along, ray.origin);
+  const Covector across = PlacedCovector(instance.placement, ray.across, ray.origin),
+                 down = PlacedCovector(instance.placement, ray.down, ray.origin),
+                 forth = PlacedCovector(instance.placement, along, ray.origin);
   const Real depth_per_mm = 1 / Length(ray.direction);
   const Real floor = kFloorShare * model_.Diagonal();
   for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
@@ -236,7 +236,7 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
       crossing.tangents[1][1] = static_cast<double>(dv.y / v.rate);
       // Inside or outside.
       const bool beyond = -crossing.border > root.radius + kOnBorder;
-      if (root.proven && !beyond) crossing.standing = StandingOf(face, u.value, v.value);
+      if (root.proven && !beyond) crossing.standing = ClassifyTrimPoint(face, u.value, v.value);
       found.push_back(crossing);
     }
   }
@@ -282,7 +282,7 @@ std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
 }
 
 double Oracle::TrimDistance(const Crossing& crossing, double limit_mm) const {
-  const std::uint32_t face = model_.FaceOf(crossing.placed_face);
+  const std::uint32_t face = model_.FaceOfPlacedFace(crossing.placed_face);
   const FaceCoedges coedges = CoedgesOf(model_, model_.faces[face]);
   const auto& tangents = crossing.tangents;
   double best = limit_mm;
@@ -316,13 +316,13 @@ double Oracle::TrimDistance(const Crossing& crossing, double limit_mm) const {
 
 EdgeContact Oracle::NearestEdge(const ViewRay& ray, std::uint32_t placed_face, double depth, double slack_mm,
                                 double depth_reach) const {
-  const Instance& instance = model_.instances[model_.InstanceOf(placed_face)];
-  const Covector across = CovectorOf(instance.placement, ray.across, ray.origin),
-                 down = CovectorOf(instance.placement, ray.down, ray.origin),
-                 forth = CovectorOf(instance.placement, Normalized(ray.direction), ray.origin);
+  const Instance& instance = model_.instances[model_.InstanceOfPlacedFace(placed_face)];
+  const Covector across = PlacedCovector(instance.placement, ray.across, ray.origin),
+                 down = PlacedCovector(instance.placement, ray.down, ray.origin),
+                 forth = PlacedCovector(instance.placement, Normalized(ray.direction), ray.origin);
   const Real depth_per_mm = 1 / Length(ray.direction);
   EdgeContact best;
-  for (const Coedge& coedge : CoedgesOf(model_, model_.faces[model_.FaceOf(placed_face)])) {
+  for (const Coedge& coedge : CoedgesOf(model_, model_.faces[model_.FaceOfPlacedFace(placed_face)])) {
     if (coedge.edge == kNoIndex) continue;
     for (const EdgeSegment& segment : SegmentsOf(model_, model_.edges[coedge.edge])) {
       const Vec4* points = PointsOf(model_, segment).data();
@@ -339,7 +339,7 @@ EdgeContact Oracle::NearestEdge(const ViewRay& ray, std::uint32_t placed_face, d
       const double edge_depth = static_cast<double>(high.x / high.z * depth_per_mm);
       if (!(std::fabs(edge_depth - depth) <= depth_reach)) continue;
       if (best.coedge == kNoIndex || nearest.distance - coedge.gap_mm < best.distance_mm - best.gap_mm)
-        best = {IndexOf(model_.coedges, coedge), nearest.distance, coedge.gap_mm, edge_depth};
+        best = {IndexWithin(model_.coedges, coedge), nearest.distance, coedge.gap_mm, edge_depth};
     }
   }
   return best;

@@ -78,7 +78,7 @@ class Oracle {
   };
   void FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed_face,
                      std::vector<Crossing>& found) const;
-  Standing StandingOf(std::uint32_t face, Real u, Real v) const;
+  Standing ClassifyTrimPoint(std::uint32_t face, Real u, Real v) const;
 
   const Model& model_;
   std::vector<Box3> boxes_;          // of the placed faces, with slack

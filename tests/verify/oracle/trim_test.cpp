@@ -24,7 +24,7 @@ ViewRay Down(double x, double y) {
   view.target = {x, y, 0};
   view.eye = {x, y, 8};
   view.up = {0, 1, 0};
-  return RayOf(view, 0.5, 0.5);
+  return ViewPixelRay(view, 0.5, 0.5);
 }
 
 Standing StandingAt(const Model& model, double x, double y) {
@@ -92,7 +92,7 @@ TEST(OracleTrim, AnglesStayAngles) {
         view.eye = {0, 0, 2.5};
         view.target = {std::cos(u), std::sin(u), 2.5};
         view.up = {0, 0, 1};
-        const std::vector<Crossing> crossings = Oracle(model).Crossings(RayOf(view, 0.5, 0.5), 0);
+        const std::vector<Crossing> crossings = Oracle(model).Crossings(ViewPixelRay(view, 0.5, 0.5), 0);
         ASSERT_EQ(crossings.size(), 1u);
         EXPECT_NEAR(static_cast<double>(crossings[0].u), u, 1e-15);
         EXPECT_EQ(crossings[0].standing, u > low && u < high ? Standing::kInside : Standing::kOutside) << u;

@@ -15,7 +15,7 @@ ViewRay ViewRay::Moved(Real along_across, Real along_down) const {
   return moved;
 }
 
-ViewRay RayOf(const View& view, double x, double y) {
+ViewRay ViewPixelRay(const View& view, double x, double y) {
   // The axes.
   const Real3 eye = Widened(view.eye);
   const Real3 forward = Normalized(Widened(view.target) - eye);

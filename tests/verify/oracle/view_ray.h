@@ -30,6 +30,6 @@ struct ViewRay {
 };
 
 // The ray through pixel coordinates (x, y): centres are at halves.
-ViewRay RayOf(const View& view, double x, double y);
+ViewRay ViewPixelRay(const View& view, double x, double y);
 
 }  // namespace facetless::oracle

@@ -66,7 +66,7 @@ void Describe(const Scene::Data& scene, const CameraFrame& frame, const AuditRes
     ray->crossings += back ? "; backwards" : "forwards";
     for (const AuditHit& hit : back ? audit.backward : audit.forward) {
       if (hit.sample != sample) continue;
-      if (instance == kNoIndex) instance = model.InstanceOf(hit.placed_face);
+      if (instance == kNoIndex) instance = model.InstanceOfPlacedFace(hit.placed_face);
       char depth[40];
       std::snprintf(depth, sizeof(depth), " at %.12g", hit.root.depth);
       ray->crossings += ' ' + model.PlacedFaceName(hit.placed_face) + depth;
