@@ -1,6 +1,8 @@
 #include "import/edge_projection.h"
 
 #include <ElSLib.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_BezierSurface.hxx>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,6 +22,10 @@ constexpr int kFitDepth = 4;
 constexpr double kAtPole = 1e-9;
 constexpr int kNewtonSteps = 40;
 constexpr double kMostStep = 0.1;
+// The largest ratio of a surface's weights at which its points are still known to a millionth of its size.
+constexpr double kMostWeights = 1e8;
+// An edge is beside a border where its parameter is within this share of the surface's range.
+constexpr double kBeside = 1e-3;
 // A step that is shorter than this share of the coordinates is the last.
 constexpr double kLastStep = 1e-9;
 // A direction whose squared derivative is below this share of what it is in the middle has collapsed in a pole.
@@ -68,6 +74,21 @@ double RadiusOf(const GeomAdaptor_Surface& surface) {
     default:
       return surface.Torus().MajorRadius();
   }
+}
+
+// Whether the weights of a surface differ so much that rounding moves its points by more than an edge may be off.
+bool HasExtremeWeights(const GeomAdaptor_Surface& surface) {
+  double least = INFINITY, most = 0;
+  const auto look_at = [&](const auto& rational) {
+    for (int i = 1; i <= rational->NbUPoles(); ++i)
+      for (int j = 1; j <= rational->NbVPoles(); ++j) {
+        least = std::fmin(least, rational->Weight(i, j));
+        most = std::fmax(most, rational->Weight(i, j));
+      }
+  };
+  if (surface.GetType() == GeomAbs_BSplineSurface) look_at(surface.BSpline());
+  if (surface.GetType() == GeomAbs_BezierSurface) look_at(surface.Bezier());
+  return most > kMostWeights * least;
 }
 
 double Nearest(double value, double period, double to) {
@@ -278,6 +299,35 @@ std::vector<Step> Follow(const Projector& projector, const std::function<gp_Pnt(
   return steps;
 }
 
+// A border of the surface that an edge runs along: the parameter that it keeps there.
+struct Border {
+  std::optional<double> u, v;
+
+  Vec2 On(Vec2 at) const { return {u.value_or(at.x), v.value_or(at.y)}; }
+};
+
+// The border that the steps are beside, if the edge is no farther from it than from the steps themselves: where
+// weights differ much, a parameter is known much worse than a point.
+Border FindBorder(const GeomAdaptor_Surface& surface, const std::function<gp_Pnt(double)>& edge,
+                  const std::vector<Step>& steps, double tolerance) {
+  const auto follows = [&](const Border& border, double range) {
+    return std::all_of(steps.begin(), steps.end(), [&](const Step& step) {
+      const Vec2 on = border.On(step.at);
+      if (!(std::fabs(on.x - step.at.x) + std::fabs(on.y - step.at.y) <= kBeside * range)) return false;
+      const gp_Pnt point = edge(step.s);
+      return surface.Value(on.x, on.y).Distance(point) <=
+             surface.Value(step.at.x, step.at.y).Distance(point) + tolerance;
+    });
+  };
+  const double u0 = surface.FirstUParameter(), u1 = surface.LastUParameter();
+  const double v0 = surface.FirstVParameter(), v1 = surface.LastVParameter();
+  for (const double u : {u0, u1})
+    if (const Border border{u, std::nullopt}; u1 - u0 < 1e50 && follows(border, u1 - u0)) return border;
+  for (const double v : {v0, v1})
+    if (const Border border{std::nullopt, v}; v1 - v0 < 1e50 && follows(border, v1 - v0)) return border;
+  return {};
+}
+
 // Whether the steps lie on the chord of the first and the last of them, and run evenly. Distances in mm.
 bool IsStraight(const std::vector<Step>& steps, double scale_u, double scale_v, double tolerance) {
   const Step &a = steps.front(), &b = steps.back();
@@ -302,12 +352,16 @@ CurvePiece Line(const Step& a, const Step& b) {
 std::vector<CurvePiece> ProjectEdge(const GeomAdaptor_Surface& surface,
                                     const std::function<gp_Pnt(double)>& edge,
                                     const std::vector<double>& breaks, double tolerance) {
+  if (HasExtremeWeights(surface)) return {};
   const Projector projector(surface);
   if (!projector.closed_form() &&
       ((surface.IsUClosed() && !surface.IsUPeriodic()) || (surface.IsVClosed() && !surface.IsVPeriodic())))
     return {};
-  const std::vector<Step> steps = Follow(projector, edge, breaks);
+  std::vector<Step> steps = Follow(projector, edge, breaks);
   if (steps.empty()) return {};
+  Border border;
+  if (!projector.closed_form()) border = FindBorder(surface, edge, steps, tolerance);
+  for (Step& step : steps) step.at = border.On(step.at);
 
   // Parameters in millimetres, so that the fit's deviation is one.
   gp_Pnt point;
@@ -326,13 +380,16 @@ std::vector<CurvePiece> ProjectEdge(const GeomAdaptor_Surface& surface,
     const Vec2 guess = a.at + (s - a.s) / (b.s - a.s) * (b.at - a.at);
     const std::optional<Vec2> uv = projector.Find(edge(s), guess);
     found = found && uv.has_value();
-    return uv ? Vec3{uv->x * scale_u, uv->y * scale_v, 0} : Vec3{};
+    if (!uv) return Vec3{};
+    const Vec2 at = border.On(*uv);
+    return Vec3{at.x * scale_u, at.y * scale_v, 0};
   };
   double deviation = 0;
   std::vector<CurvePiece> pieces = ApproximateCurve(project, breaks, tolerance, kFitDepth, &deviation);
   if (!found) return {};
   for (CurvePiece& piece : pieces)
-    for (Vec4& p : piece.points) p = {p.x / scale_u, p.y / scale_v, 0, 1};
+    for (Vec4& p : piece.points)
+      p = {border.u.value_or(p.x / scale_u), border.v.value_or(p.y / scale_v), 0, 1};
   return pieces;
 }
 

@@ -22,7 +22,8 @@ namespace facetless {
 // The pieces over `breaks` (increasing, at least two: where the edge may be less smooth). `edge` gives the
 // point at a parameter, in the surface's frame, in mm. `tolerance` bounds the fit's distance to the projection
 // in mm, as far as points between the nodes show. Empty where the edge cannot be followed: the parameters turn
-// singular, or the surface is closed without being periodic, so that a point of its seam has two parameters.
+// singular, the surface's weights differ by more than 1e8, or the surface is closed without being periodic, so
+// that a point of its seam has two parameters.
 std::vector<CurvePiece> ProjectEdge(const GeomAdaptor_Surface& surface,
                                     const std::function<gp_Pnt(double)>& edge,
                                     const std::vector<double>& breaks, double tolerance);
