@@ -12,9 +12,9 @@
 namespace facetless {
 namespace {
 
-// How STEP shapes are healed, by HealDocument (heal.h) and by whoever else reads STEP files in this process. All
-// as OpenCASCADE has it, but for one repair that takes four fifths of the time of a large file and finds nothing
-// to do in sound ones. Our own transfer runs the sequence that is empty.
+// How STEP shapes are healed, by HealDocument (heal.h) and by other readers of STEP in this process (tests have
+// some). The settings are OpenCASCADE's, except that one repair is off: it takes four fifths of the time of a large
+// file and finds nothing to do in sound ones. StepReader's transfer runs the sequence that is empty.
 constexpr char kStepResource[] =
     "FromSTEP.exec.op : FixShape\n"
     "FromSTEP.FixShape.Tolerance3d : &Runtime.Tolerance\n"

@@ -148,6 +148,7 @@ void ResolvePlacements(CadDocument& document) {
 }
 
 void ScaleDocument(double scale, CadDocument& document) {
+  if (document.unhealed_mm) *document.unhealed_mm *= scale;
   gp_Trsf scaling;
   scaling.SetScale(gp_Pnt(), scale);
   for (Prototype& prototype : document.prototypes)
