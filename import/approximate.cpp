@@ -10,16 +10,17 @@ namespace {
 
 constexpr int kDegree = kApproximationDegree;
 constexpr int kCount = kDegree + 1;
-// A grid's stretch is halved at most this often: 2^-10 of a smooth stretch is either good enough or not
-// smooth.
+// A stretch of a grid is halved at most this often. After 10 halvings, a stretch that is not accurate enough
+// is not smooth.
 constexpr int kMaxDepth = 10;
-// A grid grows to at most this many stretches a side: it is a fallback for single faces, not for whole
+// A grid has at most this many stretches per direction. It is a fallback for single faces, not for whole
 // models.
 constexpr std::size_t kMaxStretches = 128;
 
 struct Interpolation {
-  std::array<double, kCount> nodes;                        // in [0, 1], both ends among them
-  std::array<std::array<double, kCount>, kCount> inverse;  // Bernstein coefficients from values at the nodes
+  std::array<double, kCount> nodes;  // in [0, 1], including both ends
+  // Maps values at the nodes to Bernstein coefficients.
+  std::array<std::array<double, kCount>, kCount> inverse;
 };
 
 double Bernstein(int i, double t) {
@@ -31,7 +32,7 @@ double Bernstein(int i, double t) {
 
 Interpolation MakeInterpolation() {
   Interpolation result;
-  // Chebyshev points of the second kind: neighbouring pieces share their end node.
+  // These are Chebyshev points of the second kind, so that neighbouring pieces share their end node.
   for (int i = 0; i < kCount; ++i) result.nodes[i] = 0.5 - 0.5 * std::cos(std::numbers::pi * i / kDegree);
   result.nodes[0] = 0;
   result.nodes[kDegree] = 1;
@@ -66,7 +67,7 @@ const Interpolation& TheInterpolation() {
   return interpolation;
 }
 
-// Interpolation error is largest between nodes: measure there.
+// The interpolation error is largest between the nodes, so it is measured there.
 double CheckNode(int i) {
   return 0.5 * (TheInterpolation().nodes[i] + TheInterpolation().nodes[i + 1]);
 }
@@ -90,7 +91,7 @@ void AppendCurve(const std::function<Vec3(double)>& curve, double begin, double 
   }
   piece.points.front() = Lifted(values.front());
   piece.points.back() = Lifted(values.back());
-  // Measure between the nodes; cut in two what is not good enough.
+  // Measure between the nodes, and halve pieces that are not accurate enough.
   double worst = 0;
   for (int i = 0; i < kDegree; ++i) {
     const double t = CheckNode(i);
@@ -108,7 +109,7 @@ void AppendCurve(const std::function<Vec3(double)>& curve, double begin, double 
   pieces.push_back(std::move(piece));
 }
 
-// The patch over one cell, points k along u, l along v.
+// Interpolates the patch over one cell. Index k counts points along u, l along v.
 std::array<Vec4, kCount * kCount> InterpolatePatch(const std::function<Vec3(double, double)>& surface,
                                                    double u0, double u1, double v0, double v1) {
   const Interpolation& interpolation = TheInterpolation();
@@ -120,7 +121,7 @@ std::array<Vec4, kCount * kCount> InterpolatePatch(const std::function<Vec3(doub
     }
   }
   // Apply the one-dimensional inverse along u, then along v. The end nodes are kept bit by bit, so that
-  // patches meet.
+  // neighbouring patches share their border.
   for (int i = 0; i < kCount; ++i) {
     for (int j = 0; j < kCount; ++j) {
       Vec3 sum;
@@ -139,7 +140,7 @@ std::array<Vec4, kCount * kCount> InterpolatePatch(const std::function<Vec3(doub
   return points;
 }
 
-// Largest distance of the patch to the surface along the middle lines of u (check_u) or of v.
+// Returns the largest distance of the patch to the surface along its middle lines in u (check_u) or in v.
 double PatchDeviation(const std::function<Vec3(double, double)>& surface,
                       const std::array<Vec4, kCount * kCount>& points, double u0, double u1, double v0,
                       double v1, bool check_u) {
@@ -182,7 +183,7 @@ ApproximateGrid ApproximateSurface(const std::function<Vec3(double, double)>& su
                                    std::vector<double> u_breaks, std::vector<double> v_breaks,
                                    double tolerance) {
   for (int depth = 0;; ++depth) {
-    // Interpolate every cell and note which rows and columns are not good enough.
+    // Interpolate every cell, and note which rows and columns are not accurate enough.
     ApproximateGrid grid{u_breaks, v_breaks, {}, 0};
     std::vector<bool> cut_u(u_breaks.size() - 1), cut_v(v_breaks.size() - 1);
     bool cut = false;
@@ -200,7 +201,7 @@ ApproximateGrid ApproximateSurface(const std::function<Vec3(double, double)>& su
         grid.points.insert(grid.points.end(), points.begin(), points.end());
       }
     }
-    // Done when good enough, or when finer stretches would be too many.
+    // Stop when the grid is accurate enough, or when refining would give too many stretches.
     std::vector<double> next_u = Refined(u_breaks, cut_u), next_v = Refined(v_breaks, cut_v);
     if (!cut || depth == kMaxDepth || next_u.size() > kMaxStretches + 1 || next_v.size() > kMaxStretches + 1)
       return grid;

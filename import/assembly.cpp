@@ -36,17 +36,18 @@ std::string NameOf(const TDF_Label& label) {
   return Printable(utf8);
 }
 
-// Colours of faces that are the faces' own or those of a body within the prototype, innermost first.
+// Collects the colours of faces: those of faces themselves and those of bodies within the prototype. Inner
+// colours take precedence.
 void CollectColors(const TDF_Label& label, Prototype& prototype) {
   XCAFPrs_IndexedDataMapOfShapeStyle styles;
   XCAFPrs::CollectStyleSettings(label, TopLoc_Location(), styles);
-  // Write the outer shapes' colours first and let the inner ones overwrite them.
+  // Write the outer shapes' colours first, and let the inner ones overwrite them.
   for (const TopAbs_ShapeEnum type :
        {TopAbs_COMPOUND, TopAbs_COMPSOLID, TopAbs_SOLID, TopAbs_SHELL, TopAbs_FACE}) {
     for (int i = 1; i <= styles.Extent(); ++i) {
       const TopoDS_Shape& shape = styles.FindKey(i);
       if (shape.ShapeType() != type || !styles.FindFromIndex(i).IsSetColorSurf()) continue;
-      // The whole prototype's colour is that of its occurrences, which may override it.
+      // The whole prototype's colour belongs to its occurrences, which may override it.
       if (shape.IsPartner(prototype.shape) && type != TopAbs_FACE) continue;
       TopTools_IndexedMapOfShape faces;
       TopExp::MapShapes(shape, TopAbs_FACE, faces);
@@ -62,7 +63,7 @@ bool HasFaces(const TopoDS_Shape& shape) {
   return faces.Extent() > 0;
 }
 
-// Whether the file hides what a label stands for, or one of its layers.
+// Returns whether the file hides the shape of a label, or one of the label's layers.
 bool IsHidden(const TDF_Label& label) {
   if (label.IsNull()) return false;
   if (!XCAFDoc_DocumentTool::ColorTool(label)->IsVisible(label)) return true;
@@ -75,8 +76,8 @@ bool IsHidden(const TDF_Label& label) {
   return false;
 }
 
-// Moves the hidden bodies and faces of a prototype into one of their own; null if there are none. Faces keep
-// their identity.
+// Moves the hidden bodies and faces of a prototype into a prototype of their own; returns null if there are
+// none. Faces keep their TShape.
 TopoDS_Shape TakeOutHidden(const TDF_Label& label, Prototype& prototype) {
   TDF_LabelSequence parts;
   XCAFDoc_ShapeTool::GetSubShapes(label, parts);
@@ -117,7 +118,7 @@ Handle(TDocStd_Document) NewXcafDocument() {
 
 namespace {
 
-// Gathers what an XCAF document places.
+// Collects the prototypes and occurrences of an XCAF document.
 class AssemblyWalk {
  public:
   AssemblyWalk(const std::string& name, const std::vector<OccurrenceColor>& colors, CadDocument& document)
@@ -132,12 +133,12 @@ class AssemblyWalk {
       const XCAFPrs_DocumentNode& step = explorer.Current(depth);
       hidden = hidden || IsHidden(step.Label) || IsHidden(step.RefLabel);
     }
-    // Gather loose sheets, keeping the colour of each.
+    // Collect loose sheets, and keep the colour of each.
     if (explorer.CurrentDepth() == 0 && IsSheet(shape) && node.Location.IsIdentity()) {
       AddSheet(node, shape, loose_[hidden]);
       return;
     }
-    // Make the prototype when it is first met, and one of what is hidden in it.
+    // Create the prototype when it is first met, and a second one from its hidden parts.
     TCollection_AsciiString entry;
     TDF_Tool::Entry(node.RefLabel, entry);
     const auto [known, added] = prototypes_.try_emplace(entry.ToCString());
@@ -165,7 +166,8 @@ class AssemblyWalk {
   }
 
  private:
-  // The prototypes that one label of the document became: of what is to be seen, and of what is hidden.
+  // The prototypes that one label of the document becomes: one of its visible shapes, one of its hidden
+  // shapes.
   struct Prototypes {
     std::optional<std::size_t> of[2];
   };
@@ -207,7 +209,7 @@ class AssemblyWalk {
     return added;
   }
 
-  // Its place, its name by its path, and its colour.
+  // Returns the occurrence with its placement, its colour, and its name, which is its path.
   Occurrence OccurrenceAt(const XCAFPrs_DocumentExplorer& explorer) const {
     const XCAFPrs_DocumentNode& node = explorer.Current();
     Occurrence occurrence;
@@ -216,7 +218,7 @@ class AssemblyWalk {
     for (int depth = 0; depth <= explorer.CurrentDepth(); ++depth) {
       const XCAFPrs_DocumentNode& step = explorer.Current(depth);
       std::string text = NameOf(step.Label);
-      // Occurrences that the file does not name are called after their prototype's label.
+      // Occurrences without a name in the file take the name of their prototype's label.
       if (text.empty() || text.starts_with("=>[")) text = NameOf(step.RefLabel);
       if (text.empty()) continue;
       if (!occurrence.name.empty()) occurrence.name += "/";
@@ -234,8 +236,7 @@ class AssemblyWalk {
     return occurrence;
   }
 
-  // What the file says of the colour of one step of a path; none where it says nothing that differs from the
-  // part's.
+  // Returns the colour that the file gives to one step of a path; nothing if it is the part's own colour.
   std::optional<Color> ColorOf(const XCAFPrs_DocumentNode& step) const {
     const TopoDS_Shape component = XCAFDoc_ShapeTool::GetShape(step.Label);
     std::optional<Color> of_part;
@@ -250,7 +251,7 @@ class AssemblyWalk {
   const std::vector<OccurrenceColor>& colors_;
   CadDocument& document_;
   std::map<std::string, Prototypes> prototypes_;  // by label
-  Loose loose_[2];                                // what is to be seen, and what is hidden
+  Loose loose_[2];                                // visible sheets, and hidden sheets
 };
 
 }  // namespace
@@ -266,7 +267,7 @@ void AddAssembly(const Handle(TDocStd_Document) & xcaf, const std::string& name,
 
 namespace {
 
-// Collects the largest pieces of a shape that have hidden faces only.
+// Collects the largest parts of a shape all of whose faces are hidden.
 void CollectHidden(const TopoDS_Shape& shape, const std::unordered_set<const void*>& hidden,
                    std::vector<TopoDS_Shape>& pieces) {
   TopTools_IndexedMapOfShape faces;
@@ -321,8 +322,8 @@ void HideFaces(const std::unordered_set<const void*>& hidden, CadDocument& docum
 
 namespace {
 
-// True if two bodies below share their geometry: then it is worth placing it twice instead of converting it
-// twice.
+// Counts how often each body below the shape is used. A body with two uses is placed twice instead of being
+// converted twice.
 void CountBodies(const TopoDS_Shape& shape, std::unordered_map<const void*, int>& uses) {
   if (shape.ShapeType() > TopAbs_SHELL) return;
   if (shape.ShapeType() != TopAbs_COMPOUND) {

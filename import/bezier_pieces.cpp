@@ -7,11 +7,11 @@
 namespace facetless {
 namespace {
 
-// Parameters closer than this, relative to their size, are one parameter: they differ by the rounding of a
-// few operations.
+// Parameters whose relative difference is smaller than this are equal: they differ by the rounding of a few
+// operations.
 constexpr double kParameterRounding = 32 * std::numeric_limits<double>::epsilon();
 
-// A polynomial piece keeps its weights at 1 bit by bit, whatever affine combinations round to.
+// A polynomial piece keeps weights of exactly 1, whatever rounding affine combinations have.
 bool AllWeightsOne(std::span<const Vec4> points) {
   return std::all_of(points.begin(), points.end(), [](const Vec4& p) { return p.w == 1; });
 }
@@ -24,8 +24,8 @@ std::vector<Vec4> BsplineSpanPoints(std::span<const double> knots, int degree, s
   std::vector<Vec4> work(degree + 1);
   const bool polynomial = AllWeightsOne(poles.subspan(span - degree, degree + 1));
   for (int j = 0; j <= degree; ++j) {
-    // Evaluate the blossom at a, degree − j times, and b, j times, by de Boor's algorithm on the span's own
-    // poles.
+    // Evaluate the blossom with `degree − j` arguments equal to a and j equal to b, by de Boor's algorithm on
+    // the span's own poles.
     for (int i = 0; i <= degree; ++i) work[i] = poles[span - degree + i];
     for (int round = 1; round <= degree; ++round) {
       const double x = round <= degree - j ? a : b;
@@ -45,8 +45,8 @@ std::vector<KnotStretch> KnotStretches(std::span<const double> knots, int degree
   const int first_span = degree, last_span = static_cast<int>(knots.size()) - degree - 2;
   const double size = std::max(std::fabs(first), std::fabs(last));
   const double rounding = kParameterRounding * std::max(size, last - first);
-  // Note which spans have a width and overlap the range by more than rounding; the outermost ones reach to
-  // infinity.
+  // Collect the spans that have a width and overlap the range by more than rounding. The outermost spans
+  // extend to infinity.
   std::vector<int> spans;
   for (int k = first_span; k <= last_span; ++k) {
     if (knots[k] < knots[k + 1]) spans.push_back(k);
@@ -58,7 +58,7 @@ std::vector<KnotStretch> KnotStretches(std::span<const double> knots, int degree
     const double begin = std::max(low, first), end = std::min(high, last);
     if (end - begin > rounding) stretches.push_back({spans[i], begin, end});
   }
-  // Close the hairline gaps that skipping slivers may have left.
+  // Close the tiny gaps that skipping very narrow spans may have left.
   for (std::size_t i = 0; i + 1 < stretches.size(); ++i) stretches[i].end = stretches[i + 1].begin;
   if (!stretches.empty()) {
     stretches.front().begin = first;
@@ -80,7 +80,8 @@ std::vector<CurvePiece> BsplinePieces(std::span<const double> knots, int degree,
 }
 
 std::vector<CurvePiece> ArcPieces(Vec3 center, Vec3 x, Vec3 y, double first, double last, double max_width) {
-  // Use the fewest equal arcs; the tolerance keeps a quarter turn that is one rounding too wide a single arc.
+  // Use as few equal arcs as possible. The tolerance keeps a quarter turn that rounding has made too wide a
+  // single arc.
   const int count =
       std::max(1, static_cast<int>(std::ceil((last - first) / max_width * (1 - kParameterRounding))));
   const auto point = [&](double angle, double weight) {

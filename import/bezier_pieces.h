@@ -1,5 +1,5 @@
-// Bézier pieces of curves: what curves of every kind are made into on the way to the model. Knows no
-// OpenCASCADE.
+// Bézier pieces of curves. Curves of all kinds are converted to these pieces before they go into the model.
+// This file does not use OpenCASCADE.
 //
 //  1. Points are homogeneous (w·x, w·y, w·z, w), w > 0; a polynomial piece has w = 1 exactly.
 //  2. A piece covers [begin, end] of its curve's native parameter, by the law `map` (model.h).
@@ -22,15 +22,16 @@ struct CurvePiece {
   int degree() const { return static_cast<int>(points.size()) - 1; }
 };
 
-// The Bézier points over [a, b] of the polynomial that a B-spline has on knot span [knots[span],
-// knots[span+1]]; one blossom value per point, so that points of a span that is Bézier already come out
-// unchanged. Requires knots[span] < knots[span+1] and degree <= span < knots.size() − degree − 1; poles are
-// all poles of the curve.
+// Returns the Bézier points over [a, b] of the polynomial that a B-spline has on the knot span [knots[span],
+// knots[span+1]]. Each point is one blossom value, so that the points of a span that already is a Bézier
+// curve stay unchanged. Requires knots[span] < knots[span+1] and degree <= span < knots.size() − degree − 1;
+// `poles` are all poles of the curve.
 std::vector<Vec4> BsplineSpanPoints(std::span<const double> knots, int degree, std::span<const Vec4> poles,
                                     int span, double a, double b);
 
-// The stretches of [first, last] that lie in one knot span each, in order. Beyond the domain the end spans go
-// on. A stretch that is no wider than rounding joins its neighbour. Requires first < last.
+// Splits [first, last] into stretches that lie in one knot span each, in order. The first and the last span
+// also cover parameters beyond the domain. A stretch that is no wider than rounding is merged with its
+// neighbour. Requires first < last.
 struct KnotStretch {
   int span;
   double begin, end;
@@ -41,18 +42,19 @@ std::vector<KnotStretch> KnotStretches(std::span<const double> knots, int degree
 std::vector<CurvePiece> BsplinePieces(std::span<const double> knots, int degree, std::span<const Vec4> poles,
                                       double first, double last);
 
-// center + cos(θ)·x + sin(θ)·y for θ in [first, last], as rational quadratic arcs of at most `max_width`
-// radians each (max_width < π). Parametrised by SpanMap::kHalfAngle.
+// Returns center + cos(θ)·x + sin(θ)·y for θ in [first, last], as rational quadratic arcs of at most
+// `max_width` radians each (max_width < π). The parametrisation is SpanMap::kHalfAngle.
 std::vector<CurvePiece> ArcPieces(Vec3 center, Vec3 x, Vec3 y, double first, double last, double max_width);
 
 // Raises the degree of every piece to `degree`, exactly up to rounding. Requires degree >= that of each.
 void ElevateDegree(std::vector<CurvePiece>& pieces, int degree);
 
-// De Casteljau at t of the piece's own parameter; homogeneous.
+// Evaluates the piece at its own parameter t in [0, 1] by de Casteljau's algorithm. The result is
+// homogeneous.
 Vec4 EvaluateBezier(std::span<const Vec4> points, double t);
-// The piece's own parameter of native parameter `native`.
+// Converts the native parameter `native` to the piece's own parameter.
 double PieceParameter(double begin, double end, SpanMap map, double native);
-// Its inverse.
+// The inverse of PieceParameter.
 double NativeParameter(double begin, double end, SpanMap map, double t);
 
 inline Vec3 Cartesian(Vec4 p) {

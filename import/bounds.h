@@ -1,4 +1,5 @@
-// Boxes of trimmed faces, for a model in the making: render/model/bounds.h with the importer's parameters.
+// Bounding boxes of trimmed faces of a model that is being built: render/model/bounds.h with the importer's
+// parameters.
 #pragma once
 
 #include <vector>
@@ -7,10 +8,10 @@
 
 namespace facetless {
 
-// A box that holds the trimmed face, in its part's frame.
+// Returns a box that contains the trimmed face, in its part's frame.
 Box3 FaceBounds(const Model& model, std::uint32_t face);
 
-// The box of all placed faces.
+// Returns the box of all placed faces.
 Box3 PlacedBounds(const Model& model);
 
 }  // namespace facetless

@@ -14,7 +14,7 @@ Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress) {
   CadDocument document;
   progress("read", 0);
   document.info.format = "BREP";
-  document.info.unit = "millimetre";  // the format has no unit; OpenCASCADE's is the millimetre
+  document.info.unit = "millimetre";  // the format has no unit; OpenCASCADE's unit is the millimetre
   document.pcurves_in_file = true;
   try {
     OCC_CATCH_SIGNALS
@@ -27,7 +27,7 @@ Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress) {
     TopTools_IndexedMapOfShape faces;
     TopExp::MapShapes(shape, TopAbs_FACE, faces);
     for (int i = 1; i <= faces.Extent(); ++i) {
-      // A face in two places is one.
+      // A face in two places counts as one face.
       std::string& entity = document.origins[faces(i).TShape().get()].entity;
       if (!entity.empty()) continue;
       entity = "face " + std::to_string(i);

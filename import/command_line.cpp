@@ -33,7 +33,7 @@ Error Usage(const std::string& what) {
   return {ErrorCode::kBadUsage, what + " See facetless-import --help."};
 }
 
-// A number above 0; 0 if the text is none.
+// Parses a number above 0; returns 0 if the text is no such number.
 double PositiveNumber(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);

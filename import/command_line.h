@@ -1,5 +1,6 @@
-// The command line of facetless-import. Mesh options follow the --mesh that they belong to, so that one call
-// can mesh a model at many deflections; that is why it is read by hand and not by a table of options.
+// The command line of facetless-import. Mesh options apply to the --mesh option before them, so that one call
+// can mesh a model with several deflections. A table of options cannot express this order, so the parser is
+// written by hand.
 #pragma once
 
 #include <string>
@@ -12,7 +13,7 @@ namespace facetless {
 struct MeshRequest {
   std::string path;
   double deflection = 1e-3;  // relative to the diagonal of the model
-  double deflection_mm = 0;  // above 0: used instead
+  double deflection_mm = 0;  // if above 0, used instead of `deflection`
   double angular_deg = 20;
 };
 
@@ -20,15 +21,15 @@ struct CommandLine {
   bool help = false;
   std::string input, model;
   std::vector<MeshRequest> meshes;
-  unsigned deadline_s = 0;  // 0: none
-  double unit_mm = 0;       // above 0: one unit of the file in mm, whatever the file says
+  unsigned deadline_s = 0;  // 0: no deadline
+  double unit_mm = 0;       // if above 0, the length of the file's unit in mm; overrides what the file says
   // Rays for OpenCASCADE's exact intersector (exact_intersector.h); none if `rays` is empty.
   std::string rays, depths;
   double rays_seconds = 10;
-  double rays_near = 0;  // 0: hits may lie anywhere on the line
+  double rays_near = 0;  // smallest depth of a hit; 0: hits may lie anywhere on the line
 };
 
-// Error: kBadUsage, with the option that is wrong.
+// Error: kBadUsage, with the name of the wrong option.
 Result<CommandLine> ParseCommandLine(int argc, const char* const* argv);
 
 const char* CommandLineHelp();

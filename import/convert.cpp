@@ -14,7 +14,7 @@
 namespace facetless {
 namespace {
 
-// Of a face of which some pieces are shown.
+// Begins the reason of a loss if other pieces of the face are shown.
 const std::string kInPart = "a part of it is missing: ";
 
 Placement ToPlacement(const gp_Trsf& transformation) {
@@ -47,10 +47,10 @@ void FindLargestGap(const Model& model, ImportInfo& info) {
   }
 }
 
-// Makes what the file declares, what is shown and what is lost add up: faces_declared = faces_imported +
-// faces_lost. A face counts once, however many pieces OpenCASCADE makes of it and however many parts hold it;
-// it is shown if nothing of it is lost. What is lost and is no face (a body of another kind, an occurrence)
-// counts as one that was declared.
+// Completes the list of losses so that faces_declared = faces_imported + faces_lost. A face counts once,
+// however many pieces OpenCASCADE makes of it and however many parts contain it. It counts as imported if no
+// piece of it is lost. A lost item that is no face (a body of another kind, an occurrence) counts as one
+// declared face.
 void Balance(const std::vector<DeclaredFace>& declared, const Model& model, ImportInfo& info) {
   std::unordered_set<std::string> lost, shown;
   std::erase_if(info.faces_lost,
@@ -69,7 +69,7 @@ void Balance(const std::vector<DeclaredFace>& declared, const Model& model, Impo
   }
   info.faces_imported = shown.size() + unnamed;
   info.faces_declared = info.faces_imported + info.faces_lost.size();
-  // A face of which one piece of several is lost is not shown as it should be.
+  // If one piece of a face is lost, the face does not count as imported.
   for (const Face& face : model.faces) {
     if (face.entity.empty() || !lost.contains(face.entity)) continue;
     const auto loss = std::find_if(info.faces_lost.begin(), info.faces_lost.end(),
@@ -147,7 +147,7 @@ std::vector<TopoDS_Face> PlacedFaces(Conversion& conversion) {
   faces.reserve(conversion.model.PlacedFaceCount());
   for (std::size_t i = 0; i < conversion.model.instances.size(); ++i) {
     const TopLoc_Location location(conversion.placements[i]);
-    // Placements of files may scale or mirror, which a location must be told to allow.
+    // Placements may scale or mirror. Moved() accepts such locations only if its second argument is false.
     for (const std::uint32_t face : Indices(FacesOf(conversion.model, conversion.model.instances[i])))
       faces.push_back(TopoDS::Face(conversion.faces[face].Moved(location, false)));
   }

@@ -6,10 +6,10 @@
 
 namespace facetless {
 
-// Makes the file `entity` in `folder`; without it NoteEntity does nothing.
+// Creates the file `entity` in `folder`. Without this call, NoteEntity does nothing.
 void OpenCrashNote(const std::string& folder);
 
-// Notes that the importer is at `entity` ("#12", "D7"). This costs a copy of a few bytes in memory.
+// Records that the importer is reading `entity` ("#12", "D7"). A call copies only a few bytes in memory.
 void NoteEntity(const std::string& entity);
 
 }  // namespace facetless

@@ -21,12 +21,12 @@
 namespace facetless {
 namespace {
 
-// What an approximation aims at, relative to the curve's size: below any tolerance that a CAD file states,
-// above the rounding of its evaluation.
+// The relative accuracy that an approximation aims at: below any tolerance that a CAD file states, above the
+// rounding of the curve's evaluation.
 constexpr double kRelativeTolerance = 1e-10;
-// A smooth stretch is halved at most this often: 2^-10 of it is either good enough or not smooth.
+// A smooth stretch is halved at most this often. A stretch that needs more halvings is not smooth.
 constexpr int kMaxHalvings = 10;
-// More turns than any thread or spring has; a damaged range must not fill the memory.
+// No thread or spring has more turns. The limit prevents a damaged parameter range from filling the memory.
 constexpr double kMaxTurns = 4096;
 
 Vec4 Affine(Vec3 p) {
@@ -39,7 +39,7 @@ CurvePiece LinePiece(const gp_Lin& line, double first, double last) {
       first, last, SpanMap::kLinear, {Affine(origin + first * direction), Affine(origin + last * direction)}};
 }
 
-// C + u²/(4F)·X + u·Y: its blossom at (a, b) has ab for u² and (a+b)/2 for u.
+// The curve is C + u²/(4F)·X + u·Y. Its blossom at (a, b) replaces u² by ab and u by (a+b)/2.
 CurvePiece ParabolaPiece(const gp_Parab& parabola, double first, double last) {
   const Vec3 center = ToVec3(parabola.Location().XYZ());
   const Vec3 x = ToVec3(parabola.XAxis().Direction().XYZ()), y = ToVec3(parabola.YAxis().Direction().XYZ());
@@ -49,7 +49,8 @@ CurvePiece ParabolaPiece(const gp_Parab& parabola, double first, double last) {
   return {first, last, SpanMap::kLinear, {blossom(first, first), blossom(first, last), blossom(last, last)}};
 }
 
-// C + R·cosh(u)·X + r·sinh(u)·Y as one rational quadratic: the arc's formula with hyperbolic functions.
+// The curve C + R·cosh(u)·X + r·sinh(u)·Y is one rational quadratic: the formula of an arc with hyperbolic
+// functions.
 CurvePiece HyperbolaPiece(const gp_Hypr& hyperbola, double first, double last) {
   const Vec3 center = ToVec3(hyperbola.Location().XYZ());
   const Vec3 x = hyperbola.MajorRadius() * ToVec3(hyperbola.XAxis().Direction().XYZ());
@@ -76,7 +77,7 @@ std::vector<CurvePiece> BezierPieces(const Geom_BezierCurve& curve, double first
 }
 
 std::vector<CurvePiece> BsplineCurvePieces(Handle(Geom_BSplineCurve) curve, double first, double last) {
-  // Clamp a periodic curve at its origin; that inserts knots and changes no point of it.
+  // Clamp a periodic curve at its origin. This inserts knots and moves no point.
   const bool periodic = curve->IsPeriodic();
   const double origin = curve->FirstParameter(), period = curve->LastParameter() - origin;
   if (periodic) {
@@ -93,7 +94,7 @@ std::vector<CurvePiece> BsplineCurvePieces(Handle(Geom_BSplineCurve) curve, doub
     poles.push_back({p.x, p.y, p.z, weight});
   }
   if (!periodic) return BsplinePieces(knots, degree, poles, first, last);
-  // Take the stretch of each turn and move it to where the range has it.
+  // Take the stretch of each turn, and shift it by whole periods to its place in the range.
   std::vector<CurvePiece> pieces;
   const int first_turn = static_cast<int>(std::floor((first - origin) / period));
   for (int turn = first_turn; origin + turn * period < last; ++turn) {
@@ -118,7 +119,7 @@ std::vector<CurvePiece> BsplineCurvePieces(Handle(Geom_BSplineCurve) curve, doub
   return pieces;
 }
 
-// Parameters between which the curve is smooth.
+// Returns the parameters between which the curve is smooth.
 std::vector<double> SmoothBreaks(const Handle(Geom_Curve) & curve, double first, double last) {
   GeomAdaptor_Curve adaptor(curve, first, last);
   TColStd_Array1OfReal intervals(1, adaptor.NbIntervals(GeomAbs_CN) + 1);
@@ -132,7 +133,7 @@ std::vector<double> SmoothBreaks(const Handle(Geom_Curve) & curve, double first,
 }
 
 CurvePieces Approximated(const Handle(Geom_Curve) & curve, double first, double last) {
-  // The polygon of a few points tells the size that the tolerance is relative to.
+  // The tolerance is relative to the curve's size, which the polygon of a few points gives.
   double size = 0;
   const Vec3 start = ToVec3(curve->Value(first).XYZ());
   for (int i = 1; i <= 8; ++i)
@@ -206,7 +207,8 @@ Result<CurvePieces> PiecesOf(const Handle(Geom_Curve) & trimmed, double first, d
 
 Result<CurvePieces> PiecesOf(const Handle(Geom2d_Curve) & curve, double first, double last, double max_arc,
                              Parametrization parametrization) {
-  // The plane of parameters as z = 0 of space: parameters stay, left-handed conics included.
+  // Treat the plane of parameters as the plane z = 0 in space. Parameters stay the same, also of left-handed
+  // conics.
   return PiecesOf(GeomAPI::To3d(curve, gp_Pln()), first, last, max_arc, parametrization);
 }
 

@@ -1,5 +1,5 @@
-// What a reader makes of a CAD file: OpenCASCADE shapes as prototypes, where they are placed, and what the
-// file says about them.
+// The result of reading a CAD file: OpenCASCADE shapes as prototypes, their placements, and what the file
+// says about them.
 #pragma once
 
 #include <TopLoc_Location.hxx>
@@ -16,14 +16,14 @@
 
 namespace facetless {
 
-// What the file declares about a face, to be compared with what came out.
+// What the file declares about a face. The importer compares it with the converted face.
 struct FaceOrigin {
   std::string entity, name;
-  int bounds = 0;  // that have edges; 0: not known
-  int edges = 0;   // different ones, of all bounds; 0: not known
-  int sense = 0;   // 1: the face looks where its surface does, −1: the other way; 0: not known
-  // Of a torus that meets its axis the face has the outer part, the apple (1), or the inner one, the lemon
-  // (−1); 0: no such torus.
+  int bounds = 0;  // number of bounds that have edges; 0: unknown
+  int edges = 0;   // number of different edges in all bounds; 0: unknown
+  int sense = 0;   // 1: the face has the orientation of its surface, −1: the opposite one; 0: unknown
+  // Of a torus that meets its axis, the face is the outer part, called apple (1), or the inner part, called
+  // lemon (−1). 0: the surface is no such torus.
   int torus_part = 0;
 };
 
@@ -39,26 +39,27 @@ struct Occurrence {
   bool has_color = false;
   Color color;
   std::string name;
-  TopLoc_Location location;  // what `placement` was computed from; it may hold stand-ins (step_placements.h)
-  bool hidden = false;       // the file says that it is not to be shown
+  TopLoc_Location location;  // the source of `placement`; it may contain stand-ins (step_placements.h)
+  bool hidden = false;       // the file says that this occurrence is not to be shown
 };
 
-// A face that the file declares; what became of it is counted when all is converted.
+// A face that the file declares. Faces that were lost are counted after the conversion.
 struct DeclaredFace {
   std::string entity, name;
 };
 
 struct CadDocument {
-  ImportInfo info;  // what reading knows; conversion adds the rest
+  ImportInfo info;  // filled in part by the reader; the conversion adds the rest
   std::vector<DeclaredFace> declared;
   std::vector<Prototype> prototypes;
   std::vector<Occurrence> occurrences;
   std::unordered_map<const void*, FaceOrigin> origins;  // by TShape
   bool pcurves_in_file = false;
-  // What the file says that its points are known to, in mm, if its shapes are as the file has them: no
-  // OpenCASCADE repair has seen them, and edges may lack p-curves. Empty: they are healed.
+  // The precision of the file's points in mm, as the file states it. It is set if no OpenCASCADE repair has
+  // changed the shapes, so that edges may lack p-curves. It is empty if the shapes are healed.
   std::optional<double> unhealed_mm;
-  std::vector<LinearMap> linear_maps;  // what stand-ins among the placements stand for (step_placements.h)
+  // The maps that stand-ins among the placements represent (step_placements.h).
+  std::vector<LinearMap> linear_maps;
 };
 
 }  // namespace facetless

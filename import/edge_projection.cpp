@@ -13,26 +13,28 @@
 namespace facetless {
 namespace {
 
-// Steps of the continuation in each stretch: within one of them the projection of a curve that turns by no
-// more than a full circle is nearly straight.
+// The number of continuation steps per stretch. If a curve turns by no more than a full circle per stretch,
+// its projection is nearly straight within a step.
 constexpr int kSteps = 24;
-// Halvings of a stretch that is fitted.
+// A stretch of the fit is halved at most this often.
 constexpr int kFitDepth = 4;
-// Nearer to its pole than this share of a surface's radius, a point has no direction around the axis.
+// A point that is closer to the axis than this share of the surface's radius has no direction around the
+// axis.
 constexpr double kAtPole = 1e-9;
 constexpr int kNewtonSteps = 40;
 constexpr double kMostStep = 0.1;
-// The largest ratio of a surface's weights at which its points are still known to a millionth of its size.
+// The largest ratio of weights at which a surface's points are still accurate to a millionth of its size.
 constexpr double kMostWeights = 1e8;
-// An edge is beside a border where its parameter is within this share of the surface's range.
+// An edge is close to a border if its parameter differs by less than this share of the surface's range.
 constexpr double kBeside = 1e-3;
-// A step that is shorter than this share of the coordinates is the last.
+// The iteration ends after a step that is shorter than this share of the coordinates.
 constexpr double kLastStep = 1e-9;
-// A direction whose squared derivative is below this share of what it is in the middle has collapsed in a pole.
+// A parameter direction has collapsed into a pole if its squared derivative is below this share of its value
+// in the middle of the surface.
 constexpr double kCollapsed = 1e-14;
-// Points of the surface, in each direction, among which the search for the first point begins.
+// The number of surface points per direction from which the search for the first point starts.
 constexpr int kSeeds = 12;
-// The seeds from which Newton's iteration is tried.
+// The number of these points from which Newton's iteration is tried.
 constexpr int kTries = 4;
 
 bool HasClosedForm(const GeomAdaptor_Surface& surface) {
@@ -42,14 +44,16 @@ bool HasClosedForm(const GeomAdaptor_Surface& surface) {
     case GeomAbs_Sphere:
       return true;
     case GeomAbs_Torus:
-      // A torus that meets its axis has two points where others have one.
+      // On a torus that meets its axis, the closed form is ambiguous: a half-plane through the axis
+      // contains arcs of two circles instead of one circle.
       return surface.Torus().MajorRadius() > surface.Torus().MinorRadius();
     default:
       return false;
   }
 }
 
-// The axis of a surface of revolution with a closed form, and a length for kAtPole.
+// Returns the axis of a surface of revolution with a closed form. RadiusOf returns the length to which
+// kAtPole is relative.
 gp_Ax1 AxisOf(const GeomAdaptor_Surface& surface) {
   switch (surface.GetType()) {
     case GeomAbs_Cylinder:
@@ -76,7 +80,8 @@ double RadiusOf(const GeomAdaptor_Surface& surface) {
   }
 }
 
-// Whether the weights of a surface differ so much that rounding moves its points by more than an edge may be off.
+// Returns whether the weights of a surface differ so much that rounding moves its points by more than the
+// allowed distance of an edge.
 bool HasExtremeWeights(const GeomAdaptor_Surface& surface) {
   double least = INFINITY, most = 0;
   const auto look_at = [&](const auto& rational) {
@@ -119,7 +124,7 @@ class Projector {
     radius_ = RadiusOf(surface);
   }
 
-  // The parameters of the foot of `point`; none where they cannot be told from those around it, or Newton's
+  // Returns the parameters of the foot of `point`. Returns nothing if they are not unique, or if Newton's
   // iteration fails.
   std::optional<Vec2> Find(const gp_Pnt& point, const std::optional<Vec2>& guess) const {
     if (closed_) return ClosedForm(point, guess);
@@ -158,8 +163,9 @@ class Projector {
     return Vec2{u, v};
   }
 
-  // The foot of the perpendicular, by Newton on the squared distance, from a guess. In directions that are not
-  // periodic it stays on the surface: beyond its borders a formula goes anywhere.
+  // Finds the foot of the perpendicular by Newton's method on the squared distance, starting at a guess. In
+  // directions that are not periodic, the iteration stays within the surface's borders, because the surface's
+  // formula is meaningless beyond them.
   std::optional<Vec2> Newton(const gp_Pnt& target, Vec2 guess) const {
     Vec2 at = Clamped(guess);
     double best = INFINITY;
@@ -172,7 +178,7 @@ class Projector {
       const double distance = offset.Magnitude();
       if (!std::isfinite(distance)) return std::nullopt;
       if (distance > best * (1 + 1e-12)) {
-        // Too far: half of the step.
+        // The distance has grown: halve the step.
         change = 0.5 * change;
         at = Clamped(from + change);
         if (at.x == from.x && at.y == from.y) return from;
@@ -182,20 +188,22 @@ class Projector {
       from = at;
       const std::optional<Vec2> next = NewtonStep(offset, at, du, dv, duu, dvv, duv);
       if (!next) return std::nullopt;
-      // No step is longer than a share of the surface: a nearly singular Hessian sends it anywhere.
+      // The length of a step is limited to a share of the surface, because a nearly singular Hessian gives
+      // arbitrary steps.
       change = {std::clamp(next->x, -kMostStep * (u1_ - u0_), kMostStep * (u1_ - u0_)),
                 std::clamp(next->y, -kMostStep * (v1_ - v0_), kMostStep * (v1_ - v0_))};
       at = Clamped(from + change);
       const double moved =
           std::fabs(at.x - from.x) * du.Magnitude() + std::fabs(at.y - from.y) * dv.Magnitude();
-      // What is left after this step is about its square.
+      // The remaining error after this step is about its square.
       if (!(moved > kLastStep * (1 + gp_Vec(target.XYZ()).Magnitude()))) return at;
     }
     return from;
   }
 
-  // The step to the zero of the distance's gradient, or Gauss's part of it where the Hessian is not positive. A
-  // direction that runs into a border, or that a pole has collapsed, takes no part.
+  // Returns the Newton step towards the zero of the distance's gradient, or the Gauss-Newton step if the
+  // Hessian is not positive definite. A direction that points out of a border, or that has collapsed into a
+  // pole, is held fixed.
   std::optional<Vec2> NewtonStep(const gp_Vec& offset, Vec2 at, const gp_Vec& du, const gp_Vec& dv,
                                  const gp_Vec& duu, const gp_Vec& dvv, const gp_Vec& duv) const {
     const double f = offset.Dot(du), g = offset.Dot(dv);
@@ -225,7 +233,7 @@ class Projector {
     return {periodic_u_ ? at.x : std::clamp(at.x, u0_, u1_), periodic_v_ ? at.y : std::clamp(at.y, v0_, v1_)};
   }
 
-  // The nearest foot that is found from a grid of points of the surface.
+  // Searches for the nearest foot from a grid of points of the surface.
   std::optional<Vec2> Search(const gp_Pnt& target) const {
     if (!(u1_ - u0_ < 1e50 && v1_ - v0_ < 1e50)) return std::nullopt;
     struct Seed {
@@ -254,7 +262,7 @@ class Projector {
   }
 
   const GeomAdaptor_Surface& surface_;
-  const bool closed_;  // its parameters have a closed form
+  const bool closed_;  // the surface's parameters have a closed form
   const bool periodic_u_, periodic_v_;
   const double u0_, u1_, v0_, v1_;
   gp_Ax1 axis_;
@@ -267,21 +275,21 @@ struct Step {
   Vec2 at;
 };
 
-// The projection followed along the edge; empty where that fails.
+// Follows the projection along the edge. The result is empty if that fails.
 std::vector<Step> Follow(const Projector& projector, const std::function<gp_Pnt(double)>& edge,
                          const std::vector<double>& breaks) {
   std::vector<double> at;
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
     for (int k = 0; k < kSteps; ++k) at.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * k / kSteps);
   at.push_back(breaks.back());
-  // An end may be a pole: begin in the middle and go both ways.
+  // An end may be a pole, so begin in the middle and go in both directions.
   const std::size_t middle = at.size() / 2;
   std::vector<Step> steps(at.size());
   const std::optional<Vec2> first = projector.Find(edge(at[middle]), std::nullopt);
   if (!first) return {};
   steps[middle] = {at[middle], *first};
   const auto walk = [&](std::size_t from, std::size_t to, std::size_t before) {
-    // Guess that the projection goes on as it did.
+    // Extrapolate the last two steps.
     Vec2 guess = steps[from].at;
     if (before != from) {
       const double ratio = (at[to] - at[from]) / (at[from] - at[before]);
@@ -299,15 +307,16 @@ std::vector<Step> Follow(const Projector& projector, const std::function<gp_Pnt(
   return steps;
 }
 
-// A border of the surface that an edge runs along: the parameter that it keeps there.
+// A border of the surface along which an edge runs, given by the parameter that is constant there.
 struct Border {
   std::optional<double> u, v;
 
   Vec2 On(Vec2 at) const { return {u.value_or(at.x), v.value_or(at.y)}; }
 };
 
-// The border that the steps are beside, if the edge is no farther from it than from the steps themselves: where
-// weights differ much, a parameter is known much worse than a point.
+// Returns the border next to the steps, provided that the edge is no farther from the border than from the
+// steps themselves. If weights differ much, a parameter is much less accurate than a point, so that an edge
+// on the border may have parameters beside it.
 Border FindBorder(const GeomAdaptor_Surface& surface, const std::function<gp_Pnt(double)>& edge,
                   const std::vector<Step>& steps, double tolerance) {
   const auto follows = [&](const Border& border, double range) {
@@ -328,7 +337,8 @@ Border FindBorder(const GeomAdaptor_Surface& surface, const std::function<gp_Pnt
   return {};
 }
 
-// Whether the steps lie on the chord of the first and the last of them, and run evenly. Distances in mm.
+// Returns whether the steps lie on the chord between the first and the last of them at even speed. The
+// tolerance is in mm.
 bool IsStraight(const std::vector<Step>& steps, double scale_u, double scale_v, double tolerance) {
   const Step &a = steps.front(), &b = steps.back();
   for (const Step& step : steps) {
@@ -363,7 +373,7 @@ std::vector<CurvePiece> ProjectEdge(const GeomAdaptor_Surface& surface,
   if (!projector.closed_form()) border = FindBorder(surface, edge, steps, tolerance);
   for (Step& step : steps) step.at = border.On(step.at);
 
-  // Parameters in millimetres, so that the fit's deviation is one.
+  // Scale the parameters to millimetres, so that the fit's deviation is in millimetres, too.
   gp_Pnt point;
   gp_Vec du, dv;
   const Vec2 middle = steps[steps.size() / 2].at;

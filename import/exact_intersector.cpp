@@ -23,7 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct BoxedFace {
   TopoDS_Face face;
   Box3 box;
-  std::unique_ptr<IntCurvesFace_Intersector> intersector;  // made when first needed
+  std::unique_ptr<IntCurvesFace_Intersector> intersector;  // created when first needed
 };
 
 struct FileRay {
@@ -43,7 +43,7 @@ Box3 BoxOf(const TopoDS_Face& face) {
   return box;
 }
 
-// The depths between which the ray is inside the box; first > second: nowhere.
+// Returns the depths between which the ray is inside the box; first > second if it misses the box.
 std::pair<double, double> DepthsInside(const Box3& box, Vec3 ray_origin, Vec3 ray_direction) {
   const double origin[3] = {ray_origin.x, ray_origin.y, ray_origin.z};
   const double direction[3] = {ray_direction.x, ray_direction.y, ray_direction.z};
@@ -75,7 +75,7 @@ Result<std::vector<FileRay>> ReadRays(const std::string& path) {
 
 struct ExactIntersector::Data {
   std::vector<BoxedFace> faces;
-  std::vector<std::pair<double, int>> queue;  // of one ray: depth at which it enters the box, face
+  std::vector<std::pair<double, int>> queue;  // for one ray: depth at which it enters the box, face
 };
 
 ExactIntersector::ExactIntersector(const std::vector<TopoDS_Face>& faces) : data_(std::make_unique<Data>()) {
@@ -99,8 +99,8 @@ ExactHit ExactIntersector::Nearest(Vec3 origin, Vec3 direction, double near) {
     if (enter <= leave && leave >= near) data_->queue.emplace_back(enter, static_cast<int>(i));
   }
   std::sort(data_->queue.begin(), data_->queue.end());
-  // Ask each, until the next box begins behind the hit. The line's parameter is a length; depth is its share
-  // along the direction.
+  // Ask each face, until the next box begins behind the hit. The line's parameter is a length; the depth is
+  // that length divided by the length of the direction.
   const double length = Length(direction);
   const gp_Lin line(gp_Pnt(origin.x, origin.y, origin.z), gp_Dir(direction.x, direction.y, direction.z));
   const double from = near == -kInfinity ? -RealLast() : near * length;
@@ -138,14 +138,14 @@ Result<ExactTiming> TimeExactIntersector(const std::vector<TopoDS_Face>& faces, 
                  {ray.direction[0], ray.direction[1], ray.direction[2]}, near)
         .depth;
   };
-  // Prepare the faces by asking, …
+  // Trace once to prepare the faces.
   std::vector<double> depths;
   const Stopwatch preparation;
   for (const FileRay& ray : rays.value()) {
     if (preparation.Milliseconds() > 500 * seconds) break;
     depths.push_back(ask(ray));
   }
-  // … and measure the same rays.
+  // Trace the same rays again to measure.
   const Stopwatch stopwatch;
   for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = ask(rays.value()[i]);
   const ExactTiming timing{depths.size(), stopwatch.Milliseconds()};

@@ -1,10 +1,10 @@
-// OpenCASCADE's exact intersector over many faces: the nearest hit of a ray.
+// OpenCASCADE's exact intersector for many faces. It finds the nearest hit of a ray.
 //
-//  1. Nearest() asks IntCurvesFace_Intersector of every face whose box the ray meets, nearest box first,
-//     until the next box begins behind the hit. What the library answers is neither checked nor repaired.
-//  2. A face's intersector is made when a ray first meets its box, and kept: rays that are asked twice are
-//     asked of prepared faces.
-//  3. Not for several threads at once: OpenCASCADE's intersectors keep state.
+//  1. Nearest() calls IntCurvesFace_Intersector for the faces whose boxes the ray meets, nearest box first,
+//     until the next box begins behind the hit. The library's answers are neither checked nor repaired.
+//  2. The intersector of a face is created when a ray first meets its box, and it is kept. When the same rays
+//     are traced again, all faces are therefore already prepared.
+//  3. Several threads must not use one object at once, because OpenCASCADE's intersectors have state.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -21,20 +21,20 @@ namespace facetless {
 
 struct ExactHit {
   double depth = std::numeric_limits<double>::infinity();  // the hit is origin + depth · direction
-  int face = -1;                                           // index of the face; −1: nothing hit
+  int face = -1;                                           // index of the face; −1: no hit
   bool failed = false;  // an exception ended the search on at least one face
 };
 
 class ExactIntersector {
  public:
-  // Faces that have no box are never hit.
+  // A face that has no box is never hit.
   explicit ExactIntersector(const std::vector<TopoDS_Face>& faces);
   ~ExactIntersector();
   ExactIntersector(ExactIntersector&&) noexcept;
   ExactIntersector& operator=(ExactIntersector&&) noexcept;
 
-  // OpenCASCADE's box of the face, widened by a hundredth of its diagonal: the box selects, it must not
-  // decide.
+  // OpenCASCADE's box of the face, widened by a hundredth of its diagonal. The box only selects faces;
+  // whether a ray hits must not depend on it.
   const Box3& box(int face) const;
 
   // The nearest hit with a depth of at least `near`, which may be −infinity.
@@ -45,15 +45,15 @@ class ExactIntersector {
   std::unique_ptr<Data> data_;
 };
 
-// How many rays a second.
+// The speed of the exact intersector.
 struct ExactTiming {
-  std::size_t rays = 0;  // that were answered, from the first on
-  double trace_ms = 0;   // of these
+  std::size_t rays = 0;  // number of rays that were answered, counted from the first ray
+  double trace_ms = 0;   // time for these rays
 };
 
-// Reads rays from `rays_path` (six doubles each: origin, direction), answers as many as half of `seconds`
-// allows, measures the same rays once more with all faces prepared, and writes their depths to `depths_path`
-// (a double each, infinite for a miss). Errors: kFileUnreadable, kWriteFailed.
+// Reads rays from `rays_path` (six doubles each: origin, direction) and answers as many as fit in half of
+// `seconds`. Then it measures the same rays again, with all faces prepared, and writes their depths to
+// `depths_path` (one double each, infinite for a miss). Errors: kFileUnreadable, kWriteFailed.
 Result<ExactTiming> TimeExactIntersector(const std::vector<TopoDS_Face>& faces, const std::string& rays_path,
                                          const std::string& depths_path, double near, double seconds);
 

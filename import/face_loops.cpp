@@ -17,26 +17,27 @@
 namespace facetless {
 namespace {
 
-// Ends closer than this, relative to the loop's size, differ by rounding only and are made equal.
+// Ends that are closer than this, relative to the loop's size, differ only by rounding and are made equal.
 constexpr double kSnap = 64 * std::numeric_limits<double>::epsilon();
 
-// More than this share of a loop's length must not be invented to close it.
+// Invented lines may make up at most this share of a loop's length.
 constexpr double kMostInvented = 0.5;
 
-// A face whose edges lie farther off its surface than this share of its longest loop is not the face that was
-// meant: a tenth of the diameter of a circle of that length. Its surface was read in another unit, or is
-// another one.
+// If a face's edges lie farther off its surface than this share of its longest loop, the surface is the wrong
+// one: it was read in another unit, or it belongs to another face. The share is about a tenth of the diameter
+// of a circle of that length.
 constexpr double kFarOff = 0.03;
 
-// Loops of less area than this share of their box enclose nothing: edges that are walked there and back leave
-// rounding. A sliver of a nanometre along a metre has a hundred times as much.
+// Loops whose area is less than this share of their box enclose nothing: edges that are followed forwards and
+// backwards leave only rounding. A sliver that is a nanometre wide and a metre long has a hundred times as
+// much area.
 constexpr double kNoArea = 1e-11;
 
 struct Period {
   double u = 0, v = 0;
 };
 
-// Points of the face's surface, for lengths in millimetres.
+// Evaluates points of the face's surface, for lengths in millimetres.
 struct SurfacePoints {
   const Handle(Geom_Surface) & surface;
   double scale = 1;
@@ -46,7 +47,7 @@ struct SurfacePoints {
   }
 };
 
-// One use of an edge before it has its place in a loop.
+// A use of an edge, before its position in a loop is known.
 struct Use {
   LoopCoedge coedge;
   TopoDS_Vertex start, end;
@@ -82,7 +83,7 @@ void Shift(FaceLoop& loop, Vec2 by) {
   for (LoopCoedge& coedge : loop.coedges) Shift(coedge, by);
 }
 
-// The multiple of the period that is nearest to `distance`.
+// Returns the multiple of the period that is nearest to `distance`.
 double WholePeriods(double distance, double period) {
   return period > 0 ? std::round(distance / period) * period : 0;
 }
@@ -125,8 +126,9 @@ FaceLoop LoopFrom(std::vector<Use> uses) {
   return loop;
 }
 
-// Puts the uses of one wire in order: as they come if vertices agree, else by following vertices and, among
-// equals, the nearest start.
+// Puts the uses of one wire in order. The given order is kept if the vertices agree. Otherwise, each use is
+// followed by one that starts at its last vertex, or, if several or none do, by the one with the nearest
+// start.
 std::vector<FaceLoop> Chained(std::vector<Use> uses) {
   std::vector<FaceLoop> loops;
   if (InOrder(uses)) {
@@ -151,7 +153,7 @@ std::vector<FaceLoop> Chained(std::vector<Use> uses) {
           next_distance = distance;
         }
       }
-      // A chain that has come home goes on only to what continues it better than its own start.
+      // A chain that is closed continues only with a use that fits its end better than its own start does.
       if (closed && (!next_linked || Length(Start(chain.front().coedge) - end) <= next_distance)) break;
       if (next == uses.size()) break;
       chain.push_back(std::move(uses[next]));
@@ -162,7 +164,7 @@ std::vector<FaceLoop> Chained(std::vector<Use> uses) {
   return loops;
 }
 
-// Moves each coedge by whole periods next to the end of the one before.
+// Moves each coedge by whole periods to the end of the coedge before it.
 void Unwrap(FaceLoop& loop, const Period& period) {
   for (std::size_t i = 1; i < loop.coedges.size(); ++i) {
     const Vec2 gap = End(loop.coedges[i - 1]) - Start(loop.coedges[i]);
@@ -170,7 +172,7 @@ void Unwrap(FaceLoop& loop, const Period& period) {
   }
 }
 
-// How many periods the loop goes on by in one turn.
+// Returns by how many periods the loop advances in one turn.
 Vec2 Winding(const FaceLoop& loop, const Period& period) {
   const Vec2 gap = End(loop) - Start(loop);
   return {WholePeriods(gap.x, period.u), WholePeriods(gap.y, period.v)};
@@ -186,7 +188,7 @@ void Append(FaceLoop& loop, std::vector<LoopCoedge> coedges) {
   for (LoopCoedge& coedge : coedges) loop.coedges.push_back(std::move(coedge));
 }
 
-// Where the surface ends in v in a pole, infinite if it does not.
+// The parameters v at which the surface ends in a pole; infinite if it does not.
 struct Poles {
   double low = -INFINITY, high = INFINITY;
 };
@@ -205,8 +207,8 @@ Poles PolesOf(const Handle(Geom_Surface) & surface) {
   return poles;
 }
 
-// Loops that wind around the surface enclose nothing in the plane of parameters: join two by a cut, or close
-// one through the pole that its material lies towards.
+// Treats loops that wind around the surface, which enclose no area in the parameter plane: it joins two of
+// them by a cut, or closes one through the pole on the side of its material.
 bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const Poles& poles,
                       std::vector<std::string>& joins) {
   std::vector<FaceLoop> closed, winding;
@@ -224,7 +226,7 @@ bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const 
     });
     const Vec2 start = Start(loop);
     if (partner != winding.end()) {
-      // Cut along a line from one loop to the other and back one turn earlier.
+      // Cut along a line from one loop to the other, and back one turn earlier.
       FaceLoop other = std::move(*partner);
       winding.erase(partner);
       const Vec2 gap = End(loop) - Start(other);
@@ -235,7 +237,7 @@ bool JoinWindingLoops(std::vector<FaceLoop>& loops, const Period& period, const 
       Append(loop, {Connector(other_end, start)});
       joins.push_back("a cut was made between two bounds that go around the surface");
     } else {
-      // Material is on the left: towards higher v if the loop runs along growing u.
+      // The material is on the left: on the side of higher v if the loop runs in the direction of growing u.
       const double pole = turn.x > 0 ? poles.high : poles.low;
       if (turn.y != 0 || !std::isfinite(pole)) return false;
       const Vec2 end = End(loop);
@@ -267,7 +269,7 @@ ParameterBox BoxOf(const std::vector<FaceLoop>& loops) {
   return box;
 }
 
-// Twice the signed area of the loop's polygon through points of its segments.
+// Returns twice the signed area of the polygon through points of the loop's segments.
 double TwiceArea(const FaceLoop& loop) {
   constexpr int kSamples = 4;
   const Vec2 origin = Start(loop);
@@ -297,7 +299,8 @@ void Reverse(FaceLoop& loop) {
   }
 }
 
-// Moves inner loops by whole periods into the outermost one's box, which is that of the largest area.
+// Moves inner loops by whole periods into the box of the outermost loop, which is the one with the largest
+// area.
 void Gather(std::vector<FaceLoop>& loops, const Period& period) {
   if (loops.size() < 2 || (period.u == 0 && period.v == 0)) return;
   const auto outer = std::max_element(loops.begin(), loops.end(), [](const FaceLoop& a, const FaceLoop& b) {
@@ -307,7 +310,7 @@ void Gather(std::vector<FaceLoop>& loops, const Period& period) {
   for (FaceLoop& loop : loops) {
     if (&loop == &*outer) continue;
     const ParameterBox box = BoxOf({loop});
-    // Where a loop's centre is inside already, leave it.
+    // Do not move a loop whose centre is already inside.
     const double u = 0.5 * (box.u0 + box.u1), v = 0.5 * (box.v0 + box.v1);
     Vec2 by{};
     if (u < frame.u0 || u > frame.u1) by.x = WholePeriods(0.5 * (frame.u0 + frame.u1) - u, period.u);
@@ -316,12 +319,12 @@ void Gather(std::vector<FaceLoop>& loops, const Period& period) {
   }
 }
 
-// How long the lines are that close a loop, in millimetres.
+// The lengths of the lines that close a loop, in millimetres.
 struct Opening {
   double longest = 0, all = 0;
 };
 
-// Makes consecutive ends equal: bit by bit where they differ by rounding, with a straight segment where the
+// Makes consecutive ends equal: bit by bit if they differ only by rounding, with a straight segment if the
 // file leaves a gap.
 Opening Close(FaceLoop& loop, double size, const SurfacePoints& points) {
   Opening opening;
@@ -354,7 +357,8 @@ Opening Close(FaceLoop& loop, double size, const SurfacePoints& points) {
   return opening;
 }
 
-// The length of a loop's edges, by polygons through points of its segments, in millimetres.
+// Returns the length of a loop's edges in millimetres, measured along polygons through points of its
+// segments.
 double LengthOf(const FaceLoop& loop, const SurfacePoints& points) {
   constexpr int kSamples = 4;
   double length = 0;
@@ -397,7 +401,8 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file, Mis
       if (pcurve.ok()) {
         uses.push_back(MakeUse(edge, std::move(pcurve.value())));
       } else if (missing == MissingPcurve::kByOpenCascade || !BRep_Tool::Degenerated(edge)) {
-        // A pole that the file names by a vertex alone has nothing to project; a loop around it is closed there.
+        // A pole that the file declares by a vertex alone has nothing to project. A loop around it is closed
+        // there.
         result.lost_edges.push_back(edge);
       }
     }
@@ -409,12 +414,12 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file, Mis
     if (result.lost_edges.empty()) return result;
     return Error{ErrorCode::kFormatBroken, "none of its edges has a curve on the surface"};
   }
-  // Unwrap, join what winds around, bring all into one turn, close.
+  // Unwrap the loops, join those that wind around the surface, move all into one period, and close them.
   for (FaceLoop& loop : result.loops) Unwrap(loop, period);
   if (!JoinWindingLoops(result.loops, period, PolesOf(surface), result.joins))
     return Error{ErrorCode::kFormatBroken, "a bound goes around the surface and nothing closes it"};
   Gather(result.loops, period);
-  // Material on the left: the loops together must enclose a positive area.
+  // The material is on the left, so the loops together must enclose a positive area.
   double area = 0;
   for (const FaceLoop& loop : result.loops) area += TwiceArea(loop);
   if (area < 0) {
@@ -427,7 +432,7 @@ Result<FaceLoops> LoopsOf(const TopoDS_Face& oriented, bool pcurves_in_file, Mis
   const SurfacePoints points{surface, std::fabs(location.Transformation().ScaleFactor())};
   double longest = 0, gap = 0;
   for (std::size_t i = 0; i < result.loops.size(); ++i) {
-    // Measure what the file gives before anything is invented.
+    // Measure the file's edges before anything is invented.
     const double length = LengthOf(result.loops[i], points);
     longest = std::fmax(longest, length);
     for (const LoopCoedge& coedge : result.loops[i].coedges) gap = std::fmax(gap, coedge.gap_mm);

@@ -1,8 +1,9 @@
 // A face's loops: its wires as closed chains of Bézier segments in the surface's native parameters.
 //
-//  1. Chains are closed bit by bit: a gap that the file leaves between two p-curves becomes a straight
-//     segment of the coedge that follows.
-//  2. Loops are unwrapped: on a periodic surface a chain runs on beyond the period and is never broken at it.
+//  1. Chains are closed bit by bit: a gap between two p-curves in the file becomes a straight segment, which
+//     belongs to the coedge after the gap.
+//  2. Loops are unwrapped: on a periodic surface, a chain continues beyond the period and is not broken
+//     there.
 //  3. The face's material lies on the left of every loop in (u, v).
 #pragma once
 
@@ -24,9 +25,9 @@ struct LoopSegment {
 };
 
 struct LoopCoedge {
-  TopoDS_Edge edge;        // null: a border made for the face
-  bool reversed = false;   // runs against its edge
-  bool from_file = false;  // the p-curve is the file's
+  TopoDS_Edge edge;        // null: a border that was made for the face
+  bool reversed = false;   // the coedge runs against its edge
+  bool from_file = false;  // the p-curve comes from the file
   bool degenerate = false;
   std::vector<LoopSegment> segments;
   double gap_mm = 0;
@@ -38,22 +39,21 @@ struct FaceLoop {
 
 struct FaceLoops {
   std::vector<FaceLoop> loops;
-  ParameterBox box;                     // of all control points
-  std::vector<TopoDS_Edge> lost_edges;  // no p-curve could be had
-  std::vector<std::string> repairs;     // what had to be done to the bounds, one clause each
-  std::vector<std::string> joins;       // cuts and poles that loops which go around the surface need
-  double open_mm =
-      0;  // length of the longest line that was invented to close a loop; open_loop is the index of that loop
-  std::size_t open_loop = 0;
-  double open_share = 0;  // open_mm as a share of that loop's length
+  ParameterBox box;                     // box of all control points
+  std::vector<TopoDS_Edge> lost_edges;  // edges for which no p-curve exists or can be computed
+  std::vector<std::string> repairs;     // what was repaired in the bounds, one clause each
+  std::vector<std::string> joins;       // cuts and closures at poles, which loops around the surface need
+  double open_mm = 0;                   // length of the longest line that was invented to close a loop
+  std::size_t open_loop = 0;            // index of that loop
+  double open_share = 0;                // open_mm divided by the length of that loop
 };
 
-// A line that closes a loop is said if it is longer than this share of the loop.
+// A line that closes a loop is reported if it is longer than this share of the loop.
 inline constexpr double kOpenSaid = 1e-3;
 
-// The loops of `face` in its FORWARD orientation. `pcurves_in_file`: a stored p-curve is the file's. Errors:
-// kFormatBroken (a wire that cannot be closed on its surface, or only by inventing more than half of its
-// length; loops that enclose nothing; an edge far off the surface).
+// Returns the loops of `face` in its FORWARD orientation. `pcurves_in_file` says that stored p-curves come
+// from the file. Errors: kFormatBroken (a wire cannot be closed on its surface, or only with invented lines
+// that make up more than half of its length; the loops enclose no area; an edge is far off the surface).
 Result<FaceLoops> LoopsOf(const TopoDS_Face& face, bool pcurves_in_file,
                           MissingPcurve missing = MissingPcurve::kByOpenCascade);
 

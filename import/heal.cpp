@@ -31,13 +31,14 @@ namespace {
 // An edge that is farther off its surface than this share of its length, and than the file's own precision,
 // was projected to the wrong place, or is wrong in the file.
 constexpr double kOffSurface = 1e-3;
-// A volume that is smaller than this share of what the faces contribute to it is not known to be positive.
+// A volume that is smaller than this share of the sum of the faces' contributions is not reliably positive.
 constexpr double kVolumeKnown = 0.02;
-// Lines across a face's parameters, and points on each stretch of them, for its part of the volume.
+// The number of lines across a face's parameter range, and of points per stretch of a line, for the volume
+// integral.
 constexpr int kLines = 12, kPoints = 6;
-// Points of a loop's segment for the same.
+// The number of points per segment of a loop, for the same integral.
 constexpr int kChords = 6;
-// What OpenCASCADE's reader allows tolerances to grow to, in mm.
+// The limit to which OpenCASCADE's reader lets tolerances grow, in mm.
 constexpr double kMaxTolerance = 1;
 
 using FaceMap = TopTools_DataMapOfShapeShape;
@@ -81,7 +82,8 @@ bool IsSound(const FaceLoops& loops, double precision_mm) {
          EdgesLieOn(loops, precision_mm) && FindLoopCrossings(loops.loops).empty();
 }
 
-// The loops' edges as chords in the plane of parameters; a face without loops has its surface's borders.
+// The loops' edges as chords in the parameter plane. For a face without loops, the chords are its surface's
+// borders.
 struct Chord {
   Vec2 from, to;
 };
@@ -102,7 +104,7 @@ std::vector<Chord> ChordsOf(const FaceLoops& loops, const Handle(Geom_Surface) &
   return {{{u0, v0}, {u0, v1}}, {{u1, v0}, {u1, v1}}};
 }
 
-// What a face contributes to three times the volume, about `origin`.
+// Returns the contribution of a face to three times the volume, relative to `origin`.
 double FluxOf(const TopoDS_Face& face, const FaceLoops& loops, const gp_Pnt& origin) {
   TopLoc_Location location;
   const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, location));
@@ -137,7 +139,7 @@ double FluxOf(const TopoDS_Face& face, const FaceLoops& loops, const gp_Pnt& ori
     }
   }
   flux *= (high - low) / kLines;
-  // A placement that mirrors turns the cross product with it.
+  // A placement that mirrors reverses the cross product.
   const bool mirrored = placement.IsNegative();
   return (face.Orientation() == TopAbs_REVERSED) != mirrored ? -flux : flux;
 }
@@ -146,7 +148,8 @@ struct Uses {
   int forward = 0, reversed = 0;
 };
 
-// How a body's faces run through its edges: each at most once in a direction; of a solid exactly once.
+// Returns whether the body's faces use each of its edges at most once per direction. In a solid, each
+// direction must be used exactly once.
 bool EdgesMeet(const TopoDS_Shape& body, bool solid) {
   NCollection_DataMap<TopoDS_Shape, Uses, TopTools_ShapeMapHasher> uses;
   for (TopExp_Explorer edge(body, TopAbs_EDGE); edge.More(); edge.Next()) {
@@ -179,7 +182,8 @@ bool EnclosesVolume(const std::vector<TopoDS_Face>& faces, const std::vector<Fac
   return volume > kVolumeKnown * all;
 }
 
-// Stores the loops of the body's faces if it is sound. OpenCASCADE may raise exceptions.
+// Stores the loops of the body's faces, and returns true, if the body is sound. OpenCASCADE may raise
+// exceptions.
 bool StoreIfSound(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm, LoopsByFace& stored) {
   const bool solid = body.ShapeType() == TopAbs_SOLID;
   if (!EdgesMeet(body, solid)) return false;
@@ -208,8 +212,8 @@ bool StoreIfSoundOrThrows(const TopoDS_Shape& body, bool pcurves_in_file, double
   }
 }
 
-// What OpenCASCADE makes of a body; `faces` receives what became of its faces, of those that changed. The body
-// itself where OpenCASCADE fails.
+// Returns the body as OpenCASCADE heals it, or the body itself if OpenCASCADE fails. `faces` receives the
+// results of those faces that changed.
 TopoDS_Shape Healed(const TopoDS_Shape& body, double precision_mm, FaceMap& faces) {
   try {
     OCC_CATCH_SIGNALS
@@ -227,14 +231,15 @@ TopoDS_Shape Healed(const TopoDS_Shape& body, double precision_mm, FaceMap& face
   }
 }
 
-// What became of a face: the map may have it without its place.
+// Returns the result of healing a face. The map may contain the face without its placement.
 TopoDS_Shape Mapped(const FaceMap& faces, const TopoDS_Shape& face) {
   if (const TopoDS_Shape* found = faces.Seek(face)) return *found;
   const TopoDS_Shape* bare = faces.Seek(face.Located(TopLoc_Location()));
   return bare == nullptr ? face : bare->Moved(face.Location());
 }
 
-// One use of an edge as a B-spline in the edge's own parameter and direction; null where its segments make none.
+// Returns one use of an edge as a B-spline in the edge's own parameter and direction; null if its segments do
+// not form one.
 Handle(Geom2d_BSplineCurve) PcurveOfUse(const LoopCoedge& use) {
   std::vector<const LoopSegment*> segments;
   for (const LoopSegment& segment : use.segments)
@@ -265,12 +270,12 @@ Handle(Geom2d_BSplineCurve) PcurveOfUse(const LoopCoedge& use) {
   return new Geom2d_BSplineCurve(poles, knots, multiplicities, static_cast<int>(degree));
 }
 
-// Stores the p-curves of a face's loops with its edges, where OpenCASCADE has none. On planes it needs none.
+// Stores the p-curves of a face's loops in its edges where OpenCASCADE has none. Planes need no p-curves.
 void StorePcurves(const TopoDS_Face& placed, const FaceLoops& loops) {
   const TopoDS_Face face = TopoDS::Face(placed.Oriented(TopAbs_FORWARD));
   TopLoc_Location location;
   if (Untrimmed(BRep_Tool::Surface(face, location))->IsKind(STANDARD_TYPE(Geom_Plane))) return;
-  // A seam has two uses, one in each direction.
+  // A seam edge has two uses, one in each direction.
   NCollection_DataMap<TopoDS_Shape, std::pair<const LoopCoedge*, const LoopCoedge*>, TopTools_ShapeMapHasher>
       uses;
   for (const FaceLoop& loop : loops.loops)
@@ -300,7 +305,7 @@ void StorePcurves(const TopoDS_Face& placed, const FaceLoops& loops) {
   }
 }
 
-// Faces after `face` was healed have its origin and its colour.
+// Gives the faces that result from healing `face` its origin and its colour.
 void Inherit(const TopoDS_Shape& face, const TopoDS_Shape& healed, CadDocument& document,
              Prototype& prototype) {
   const void* before = face.TShape().get();

@@ -1,13 +1,14 @@
-// Which bodies of a document OpenCASCADE has to heal, and healing them.
+// Finds the bodies of a document that OpenCASCADE has to heal, and heals them.
 //
-//  1. A body is a solid, a shell that belongs to none, or a face that belongs to neither.
-//  2. A body is sound if the edges of every face lie on its surface and make loops that close, do not cross
-//     and run the right way around; if no two faces run through an edge in the same direction; and, of a
-//     solid, if every edge has two faces, and the faces enclose a positive volume. A sound body stays as the
+//  1. A body is a solid, a shell that belongs to no solid, or a face that belongs to neither.
+//  2. A body is sound if the edges of every face lie on its surface and form closed loops that do not cross
+//     and have the right orientation, and if no two faces use an edge in the same direction. A sound solid
+//     also has two faces at every edge, and its faces enclose a positive volume. A sound body stays as the
 //     file has it.
-//  3. The others are healed as OpenCASCADE's reader of STEP would heal them.
-//  4. OpenCASCADE's mesher and its intersector need p-curves with the shapes: for these, and for these alone,
-//     sound bodies are healed, too (HealedFaces), with the p-curves of law 2, so that none is computed twice.
+//  3. The other bodies are healed in the same way as OpenCASCADE's STEP reader heals shapes.
+//  4. OpenCASCADE's mesher and its intersector require p-curves in the shapes. Only for these two, sound
+//     bodies are healed, too (HealedFaces). They receive the p-curves that law 2 has computed, so that none
+//     is computed twice.
 #pragma once
 
 #include <NCollection_DataMap.hxx>
@@ -21,20 +22,21 @@
 
 namespace facetless {
 
-// By face, wherever it is placed.
+// Loops by face. The face's key includes its placement.
 using LoopsByFace = NCollection_DataMap<TopoDS_Shape, FaceLoops, TopTools_ShapeMapHasher>;
 
 struct Healing {
   std::vector<TopoDS_Shape> sound;  // bodies that were left as the file has them
-  LoopsByFace loops;                // of their faces
-  double precision_mm = 0;          // of the file
+  LoopsByFace loops;                // loops of the faces of sound bodies
+  double precision_mm = 0;          // precision of the file
 };
 
-// Heals the ill bodies of the document's prototypes in place; their faces keep their origins and colours. Does
-// nothing to a document that is healed.
+// Heals the bodies of the document's prototypes that are not sound, in place. Their faces keep their origins
+// and colours. A document that is already healed does not change.
 Healing HealDocument(CadDocument& document);
 
-// The faces, those of sound bodies healed. One of which healing makes several stays as it is.
+// Returns the faces, with those of sound bodies healed. A face that healing would split into several stays as
+// it is.
 std::vector<TopoDS_Face> HealedFaces(const std::vector<TopoDS_Face>& faces, const Healing& healing);
 
 }  // namespace facetless

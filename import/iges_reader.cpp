@@ -30,8 +30,8 @@ namespace {
 
 constexpr int kPlane = 108, kBounded = 143, kTrimmed = 144, kBrepFace = 510;
 constexpr std::array kSurfaces{kPlane, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196};
-// Bodies that OpenCASCADE makes no shape of: CSG primitives, swept solids, Boolean trees, and what is made of
-// them.
+// Entities that OpenCASCADE does not convert to shapes: CSG primitives, swept solids, Boolean trees, and
+// entities that consist of them.
 constexpr std::array kUnread{150, 152, 154, 156, 158, 160, 162, 164, 168, 180, 184, 430};
 constexpr std::array kCurves{100, 102, 104, 106, 110, 112, 126, 130};
 constexpr std::array kLoops{141, 142, 508};
@@ -41,21 +41,21 @@ bool Contains(const std::array<int, N>& types, int type) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
-// Entities that stand for one face: trimmed and bounded surfaces, the face of a B-rep, and surfaces that
-// nothing else uses.
+// Returns whether the entity represents one face: a trimmed or bounded surface, the face of a B-rep, or a
+// surface that no other entity uses.
 bool IsFace(const IGESData_IGESEntity& entity) {
   const int type = entity.TypeNumber();
   if (type == kTrimmed || type == kBounded || type == kBrepFace) return true;
   return entity.SubordinateStatus() == 0 && Contains(kSurfaces, type);
 }
 
-// How IGES files name an entity: by the number of its first line in the directory.
+// IGES files identify an entity by the number of its first line in the directory.
 std::string Label(int directory_number) {
   std::string label = "D";
   return label.append(std::to_string(directory_number));
 }
 
-// Labels fill eight columns.
+// Labels are padded to eight columns.
 std::string Trimmed(const std::string& label) {
   const std::size_t first = label.find_first_not_of(' ');
   return first == std::string::npos ? std::string()
@@ -116,7 +116,7 @@ class IgesReader {
   }
 
   void Transfer() {
-    // The way that knows names and colours, then the one that knows only shapes.
+    // Try the transfer with names and colours, then the transfer of shapes alone.
     try {
       OCC_CATCH_SIGNALS
       Handle(TDocStd_Document) xcaf = NewXcafDocument();
@@ -136,7 +136,8 @@ class IgesReader {
     HideFaces(BlankedFaces(), document_);
   }
 
-  // Faces of entities that the file blanks. The surface under a trimmed one is often blanked, and is no face.
+  // Returns the faces of entities that the file blanks. The surface under a trimmed one is often blanked, but
+  // it is no face.
   std::unordered_set<const void*> BlankedFaces() {
     std::unordered_set<const void*> blanked;
     const Handle(IGESData_IGESModel) model = reader_.IGESModel();
@@ -156,7 +157,7 @@ class IgesReader {
     return blanked;
   }
 
-  // The last way: each face for itself.
+  // Transfers each face separately. This is the last attempt.
   void TransferFaces() {
     const Handle(IGESData_IGESModel) model = reader_.IGESModel();
     BRep_Builder builder;
@@ -169,7 +170,7 @@ class IgesReader {
       NoteEntity(Label(model->DNum(entity)));
       const TopoDS_Shape shape = TransferFace(entity);
       if (shape.IsNull()) continue;
-      // The transfer's results are forgotten at the next one.
+      // The next transfer discards the results of this one.
       NoteOrigins();
       builder.Add(faces, shape);
       any = true;
@@ -229,7 +230,7 @@ class IgesReader {
     }
   }
 
-  // What the file declares and did not arrive is lost.
+  // Lists what the file declares and OpenCASCADE did not transfer.
   void NoteLosses() {
     const Handle(IGESData_IGESModel) model = reader_.IGESModel();
     const Handle(Transfer_TransientProcess) process = reader_.WS()->TransferReader()->TransientProcess();
@@ -258,7 +259,7 @@ class IgesReader {
         document_.info.faces_lost.push_back(
             {kNoIndex, origin.name, origin.entity, ReasonFor(process, entity)});
     }
-    // A curve or a loop without data is lost even where OpenCASCADE makes a face without it.
+    // A curve or a loop without data is lost even if OpenCASCADE makes a face without it.
     for (const IgesEntity& entity : source_.iges.without_data) {
       const Loss loss{kNoIndex, "", Label(entity.directory), "its data are missing or cut off"};
       if (Contains(kLoops, entity.type)) document_.info.loops_lost.push_back(loss);

@@ -18,7 +18,7 @@ struct Lines {
   std::vector<std::string> start, global, directory, parameter;
 };
 
-// The number in columns [first, first + 8) of a directory line.
+// Returns the number in columns [first, first + 8) of a directory line.
 int Field(const std::string& line, std::size_t first) {
   int value = 0;
   std::size_t begin = first;
@@ -27,8 +27,8 @@ int Field(const std::string& line, std::size_t first) {
   return value;
 }
 
-// Sorts the lines by section. A line that is not 80 columns wide still has its letter eight columns before
-// its end. False if a line names no section; what comes after it is not read, and lines holds what was.
+// Sorts the lines by section. A line that is not 80 columns wide still has its section letter eight columns
+// before its end. Returns false if a line has no section letter; `lines` then contains the lines before it.
 bool Split(std::string_view bytes, Lines& lines) {
   std::size_t at = 0;
   while (at < bytes.size()) {
@@ -63,7 +63,7 @@ bool Split(std::string_view bytes, Lines& lines) {
   return true;
 }
 
-// Parameter and record delimiters, as the global section's first two fields give them.
+// The delimiters of parameters and of records, as the first two fields of the global section define them.
 struct Delimiters {
   char parameter = ',', record = ';';
 };
@@ -85,14 +85,14 @@ Delimiters DelimitersOf(const Lines& lines) {
 // The text of each entity's parameters, by directory number.
 struct ParameterTexts {
   std::map<int, std::string> of;
-  std::uint64_t wide_lines = 0;  // with data beyond column 64
+  std::uint64_t wide_lines = 0;  // lines with data beyond column 64
 };
 
 ParameterTexts CollectParameters(const Lines& lines) {
   ParameterTexts texts;
   for (const std::string& line : lines.parameter) {
-    // The owner's number ends in front of the letter; data end at column 64, or run on into the space before
-    // the number.
+    // The number of the owning entity ends before the section letter. Data end at column 64, or continue into
+    // the space before that number.
     const std::size_t letter = line.size() > kColumns ? line.size() - 8 : 72;
     std::size_t number = letter;
     while (number > letter - 8 && std::isdigit(static_cast<unsigned char>(line[number - 1]))) --number;
@@ -106,8 +106,8 @@ ParameterTexts CollectParameters(const Lines& lines) {
   return texts;
 }
 
-// Splits at delimiters outside Hollerith strings (nH…); up to the record's end, which *ended says whether it
-// was there.
+// Splits the text at delimiters outside Hollerith strings (nH…), up to the end of the record. *ended says
+// whether the record has an end.
 std::vector<std::string> Tokens(const std::string& text, const Delimiters& delimiters,
                                 bool* ended = nullptr) {
   if (ended) *ended = false;
@@ -133,8 +133,8 @@ std::vector<std::string> Tokens(const std::string& text, const Delimiters& delim
   return tokens;
 }
 
-// Index of the first real among an entity's parameters (0 is its type), from which on all are reals; 0 if it
-// has none or reals are mixed with integers later on.
+// Returns the index of the first real parameter of an entity (index 0 is its type); all parameters from there
+// on are reals. Returns 0 if the entity has none, or if integers are mixed with the reals.
 std::size_t FirstReal(int type) {
   switch (type) {
     case 100:
@@ -160,17 +160,17 @@ std::size_t FirstReal(int type) {
   }
 }
 
-// Parameters that are reals, as [first, last).
+// Returns the range [first, last) of parameters that are reals.
 std::pair<std::size_t, std::size_t> Reals(int type, const std::vector<std::string>& tokens) {
   const std::size_t first = FirstReal(type);
   if (first == 0) return {0, 0};
   std::size_t last = tokens.size();
   if (type == 126 || type == 128) {
-    // Properties and pointers may follow the numbers: count the numbers.
+    // Properties and pointers may follow the numbers, so count the numbers.
     const auto value = [&](std::size_t i) {
       long long number = 0;
       if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
-      // Products of two must stay numbers.
+      // The products of two values must not overflow.
       return std::clamp(number, -1LL, 1'000'000'000LL);
     };
     if (type == 126) {
@@ -199,19 +199,20 @@ bool IsInteger(const std::string& token) {
                                              [](unsigned char c) { return std::isdigit(c); });
 }
 
-// The number that a token begins with; 0 if it begins with none, or with NaN or infinity ("nano", "infix").
+// Returns the number at the beginning of a token; 0 if there is none, or if the text is NaN or infinity
+// ("nano", "infix").
 double NumberIn(const std::vector<std::string>& tokens, std::size_t i) {
   double number = 0;
   if (i < tokens.size()) std::from_chars(tokens[i].data(), tokens[i].data() + tokens[i].size(), number);
   return std::isfinite(number) ? number : 0;
 }
 
-// What entities say of their own length: values (numbers or pointers) per item, and the tokens whose product
-// is the number of items.
+// Describes the length that an entity claims: the number of values (numbers or pointers) per item, and the
+// tokens whose product is the number of items.
 struct Claim {
   int type;
   double values;
-  std::size_t count, other;  // tokens; other 0: none
+  std::size_t count, other;  // indices of tokens; other = 0: only `count`
 };
 constexpr std::array<Claim, 12> kClaims{{{102, 1, 1, 0},
                                          {106, 1, 2, 0},
@@ -226,7 +227,7 @@ constexpr std::array<Claim, 12> kClaims{{{102, 1, 1, 0},
                                          {514, 2, 1, 0},
                                          {402, 1, 1, 0}}};
 
-// True if an entity's counts claim more values than its text has room for, each value taking at least its
+// Returns whether an entity claims more values than its text can contain, since each value takes at least its
 // delimiter.
 bool ClaimsMoreThan(std::size_t available, int type, const std::vector<std::string>& tokens) {
   const double room = static_cast<double>(available);
@@ -236,15 +237,15 @@ bool ClaimsMoreThan(std::size_t available, int type, const std::vector<std::stri
     if (claim.type != type) continue;
     const double items =
         NumberIn(tokens, claim.count) * (claim.other > 0 ? NumberIn(tokens, claim.other) : 1.0);
-    // The last value's delimiter may be lost with the record's end.
+    // The last value's delimiter may be missing together with the record's end.
     if (items * claim.values > room + 2 || NumberIn(tokens, claim.count) < 0) return true;
   }
   return false;
 }
 
-// The first token that writes a number which is none, is infinite, or has an exponent beyond
-// kGreatestExponent; nullptr if there is none. Texts (nH…) are no numbers.
-constexpr int kGreatestExponent = 150;  // as in STEP files: its square is no double
+// Finds the first token that writes NaN, an infinite number, or an exponent beyond kGreatestExponent; nullptr
+// if there is none. Texts (nH…) are ignored.
+constexpr int kGreatestExponent = 150;  // as in STEP files; the square of a larger number overflows
 const std::string* NotFinite(const std::vector<std::string>& tokens) {
   for (const std::string& token : tokens) {
     if (token.size() > 64) continue;
@@ -266,7 +267,7 @@ const std::string* NotFinite(const std::vector<std::string>& tokens) {
   return nullptr;
 }
 
-// Where entities that are made of others name them: ranges of tokens, first … last − 1.
+// Ranges of tokens [first, last) that refer to the entities of which an entity consists.
 using TokenRange = std::pair<std::size_t, std::size_t>;
 std::vector<TokenRange> MadeOf(int type, const std::vector<std::string>& tokens) {
   const auto counted = [&](std::size_t count, std::size_t first) {
@@ -303,8 +304,8 @@ std::vector<TokenRange> MadeOf(int type, const std::vector<std::string>& tokens)
   }
 }
 
-// What the directory itself names: a structure, a line font, a level, a view, a matrix and a label display,
-// as pointers. Some fields hold a value where they are positive.
+// Returns the pointers of a directory entry: structure, line font, level, view, matrix and label display. In
+// some of these fields a positive number is a value and a negative one a pointer.
 std::vector<int> DirectoryPointers(const std::string& line) {
   std::vector<int> pointers;
   for (const std::size_t column : {16, 24, 32}) {
@@ -316,8 +317,8 @@ std::vector<int> DirectoryPointers(const std::string& line) {
   return pointers;
 }
 
-// The directory number of an entity that is made of itself, by whatever detour: OpenCASCADE would follow it
-// until its stack ends. 0 if there is none.
+// Returns the directory number of an entity that contains itself, directly or indirectly; 0 if there is none.
+// OpenCASCADE would follow such a cycle until its stack overflows.
 int MadeOfItself(const std::map<int, std::vector<int>>& made_of) {
   enum class State : std::uint8_t { kNew, kOpen, kDone };
   std::map<int, State> states;
@@ -346,7 +347,7 @@ std::string Padded(std::size_t number, std::size_t width) {
   return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
 }
 
-// Lays tokens out in 64 columns, each token whole unless it is longer than a line.
+// Lays tokens out in 64 columns. A token is broken only if it is longer than a line.
 std::vector<std::string> Wrapped(const std::vector<std::string>& tokens, const Delimiters& delimiters) {
   std::vector<std::string> lines{""};
   for (std::size_t i = 0; i < tokens.size(); ++i) {
@@ -416,7 +417,7 @@ IgesRepair RepairIges(std::string& bytes) {
   if (!Split(bytes, lines)) return {};
   const Delimiters delimiters = DelimitersOf(lines);
   const ParameterTexts texts = CollectParameters(lines);
-  // Find integers where reals belong.
+  // Find integers where reals are required.
   IgesRepair repair{0, texts.wide_lines};
   std::vector<std::vector<std::string>> tokens_of(lines.directory.size());
   for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
@@ -431,7 +432,7 @@ IgesRepair RepairIges(std::string& bytes) {
     }
   }
   if (repair.reals == 0 && repair.wide_lines == 0) return repair;
-  // Write all sections again: parameters move to other lines, and the directory must follow.
+  // Write all sections again. The parameters move to other lines, so the directory must change, too.
   std::vector<std::string> parameter;
   for (std::size_t i = 0; i + 1 < lines.directory.size(); i += 2) {
     const std::vector<std::string> wrapped = Wrapped(tokens_of[i], delimiters);
@@ -442,7 +443,7 @@ IgesRepair RepairIges(std::string& bytes) {
       parameter.push_back(line + Padded(i + 1, 8) + 'P' + Padded(parameter.size() + 1, 7));
     }
   }
-  // Parameters of entities that the directory does not have are nobody's.
+  // Parameters of entities that the directory does not list are dropped.
   if (parameter.empty()) return {};
   std::string out;
   for (const auto* section : {&lines.start, &lines.global, &lines.directory, &parameter}) {

@@ -9,14 +9,15 @@
 namespace facetless {
 namespace {
 
-// Curves that meet at a smaller angle than this sine run along each other.
+// Curves that meet at an angle with a smaller sine than this run along each other.
 constexpr double kLeastSine = 1e-3;
-// Nearer to an end of either curve than this share of the smaller loop they touch there.
+// Curves that meet closer than this to an end of either, relative to the smaller loop, only touch there.
 constexpr double kTouch = 1e-3;
-// A curve that deviates from its chord by less than this share of the smaller loop is its chord.
+// A curve that deviates from its chord by less than this, relative to the smaller loop, is treated as its
+// chord.
 constexpr double kFlat = 1e-7;
-// Pairs of pieces that are looked at for a pair of curves, and for a face: curves that run along each other
-// have many.
+// The largest number of pairs of pieces that are compared for one pair of curves, and for one face. Curves
+// that run along each other have many such pairs.
 constexpr int kMostSteps = 20000;
 constexpr int kMostFaceSteps = 2000000;
 
@@ -45,11 +46,11 @@ Box BoxOf(const std::vector<Vec4>& points) {
 
 struct Curve {
   const std::vector<Vec4>* points;
-  std::size_t loop, index, count;  // which of the loop's segments, of how many
+  std::size_t loop, index, count;  // index of the segment in the loop, and number of the loop's segments
   Box box;
 };
 
-// The two halves, by de Casteljau.
+// Halves a Bézier curve by de Casteljau's algorithm.
 std::pair<std::vector<Vec4>, std::vector<Vec4>> Halves(std::vector<Vec4> points) {
   std::vector<Vec4> low, high(points.size());
   const std::size_t n = points.size();
@@ -113,16 +114,16 @@ class Finder {
   int steps_ = 0;
 };
 
-// One after the other in the same loop: they share an end.
+// Returns whether one curve follows the other in the same loop, so that they share an end.
 bool AreNeighbours(const Curve& a, const Curve& b) {
   if (a.loop != b.loop) return false;
   const std::size_t low = std::min(a.index, b.index), high = std::max(a.index, b.index);
   return high - low <= 1 || (low == 0 && high + 1 == a.count);
 }
 
-// A loop as a polygon, with a point within each of its segments.
+// A loop as a polygon, with one point within each of its segments.
 struct Outline {
-  std::vector<Vec2> corners, middles, ends;  // ends: where the segment of each middle ends
+  std::vector<Vec2> corners, middles, ends;  // ends: the end of each middle's segment
   Box box;
 };
 
@@ -146,7 +147,8 @@ Outline MakeLoopOutline(const FaceLoop& loop) {
   return outline;
 }
 
-// 1 inside the polygon, −1 outside, 0 nearer to it than `tolerance`.
+// Returns 1 if p is inside the polygon, −1 if it is outside, 0 if it is nearer to the polygon than
+// `tolerance`.
 int SideOf(Vec2 p, const std::vector<Vec2>& polygon, double tolerance) {
   bool inside = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -159,14 +161,15 @@ int SideOf(Vec2 p, const std::vector<Vec2>& polygon, double tolerance) {
   return inside ? 1 : -1;
 }
 
-// True if one loop lies on both sides of the other. OpenCASCADE splits edges where loops cross: there they
-// only meet.
+// Returns whether one loop lies on both sides of the other. OpenCASCADE splits edges where loops cross, so
+// that they only meet there and no curve crosses another.
 bool Straddles(const Outline& loop, const Outline& other, Vec2& at) {
-  // A polygon of eighths of arcs of an eighth of a turn is off the arc by less than this share of its size.
+  // The corners are eight points per arc of at most an eighth of a turn. Such a polygon deviates from the arc
+  // by less than this share of its size.
   constexpr double kOffArc = 2e-2;
   if (!loop.box.Meets(other.box)) return false;
   const double tolerance = kOffArc * std::min(loop.box.Size(), other.box.Size());
-  // Of loops of thousands of edges a share is looked at.
+  // Loops with thousands of edges are sampled.
   constexpr std::size_t kMostTests = 20000000;
   const std::size_t stride = 1 + loop.middles.size() * other.corners.size() / kMostTests;
   int before = 0;
@@ -184,7 +187,7 @@ bool Straddles(const Outline& loop, const Outline& other, Vec2& at) {
 }  // namespace
 
 std::vector<LoopCrossing> FindLoopCrossings(const std::vector<FaceLoop>& loops) {
-  // Gather the curves, by where they begin in u.
+  // Collect the curves, sorted by the beginning of their range in u.
   std::vector<Curve> curves;
   std::vector<double> sizes;
   for (std::size_t l = 0; l < loops.size(); ++l) {
@@ -204,7 +207,7 @@ std::vector<LoopCrossing> FindLoopCrossings(const std::vector<FaceLoop>& loops) 
     sizes.push_back(whole.Size());
   }
   std::sort(curves.begin(), curves.end(), [](const Curve& a, const Curve& b) { return a.box.u0 < b.box.u0; });
-  // Compare those that overlap in u.
+  // Compare the curves whose ranges in u overlap.
   std::vector<LoopCrossing> crossings;
   std::set<std::pair<std::size_t, std::size_t>> found;
   int steps = 0;

@@ -1,5 +1,5 @@
-// Finds loops of a face that cross each other or themselves: what such loops enclose is hardly what the file
-// means.
+// Finds loops of a face that cross each other or themselves. The area that such loops enclose is hardly the
+// area that the file means.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 namespace facetless {
 
 struct LoopCrossing {
-  std::size_t first_loop = 0, second_loop = 0;  // the same: it crosses itself
-  Vec2 at;                                      // native parameters
+  std::size_t first_loop = 0, second_loop = 0;  // equal if the loop crosses itself
+  Vec2 at;                                      // the place, in native parameters
 };
 
-// At most one crossing for each pair of loops. Curves that touch, that meet at their ends or that run along
-// each other do not cross; nor do borders that were made for the face.
+// Returns at most one crossing for each pair of loops. Curves that touch, that meet at their ends or that run
+// along each other do not cross. Borders that were made for the face are ignored.
 std::vector<LoopCrossing> FindLoopCrossings(const std::vector<FaceLoop>& loops);
 
 }  // namespace facetless

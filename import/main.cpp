@@ -1,8 +1,8 @@
-// facetless-import: one CAD file in, one model file and any number of meshes out, then the process ends. Its
-// limits of memory, time and file size are set by whoever starts it.
+// facetless-import reads one CAD file and writes one model file and any number of meshes; then the process
+// ends. The caller sets its limits of memory, time and file size.
 //
-// Standard output is one JSON object; standard error has a line `progress STAGE FRACTION` now and then. Exit
-// status: 0 written, 4 nothing usable, 64 bad usage.
+// Standard output is one JSON object. Standard error has lines `progress STAGE FRACTION`. Exit status: 0
+// written, 4 nothing usable, 64 bad usage.
 #include <sys/resource.h>
 #include <unistd.h>
 #include <Standard_ErrorHandler.hxx>
@@ -43,7 +43,7 @@ std::uint64_t PeakBytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-// Notes when stages begin, and tells standard error of progress, at most once per whole per cent.
+// Records when stages begin, and reports progress to standard error, at most once per whole per cent.
 class Stages {
  public:
   static void Report(const char* stage, double fraction) {
@@ -67,8 +67,8 @@ class Stages {
   inline static Stopwatch stopwatch_;
 };
 
-// Standard output for our own JSON alone: OpenCASCADE writes to it too, and is sent to standard error
-// instead.
+// Reserves standard output for the importer's JSON. OpenCASCADE writes to standard output, too; its text goes
+// to standard error instead.
 class Answer {
  public:
   Answer() : descriptor_(dup(STDOUT_FILENO)) { dup2(STDERR_FILENO, STDOUT_FILENO); }
@@ -91,7 +91,7 @@ class Answer {
   int descriptor_;
 };
 
-// A folder of the process's own, removed at the end.
+// A folder that only this process uses, removed at the end.
 class Scratch {
  public:
   Scratch() {
@@ -108,8 +108,8 @@ class Scratch {
   std::string path_;
 };
 
-// The answer of a process that runs out of time: prepared beforehand, since a signal handler may allocate
-// nothing.
+// The answer of a process that runs out of time. It is prepared in advance, because a signal handler must not
+// allocate memory.
 std::string& DeadlineAnswer() {
   static std::string text;
   return text;
@@ -208,8 +208,7 @@ int Import(const CommandLine& options, const Answer& answer) {
   if (!options.meshes.empty() && !(model.Diagonal() > 0))
     return Fail({ErrorCode::kNothingUsable, source.value().name + ": all that it holds lies in one point."},
                 answer);
-  // Write the model before anything that may take long: whoever started the importer can use it when the
-  // mesher fails.
+  // Write the model before steps that may take long, so that the caller can use it if the mesher fails.
   model.info.read_ms = Stages::read_ms;
   model.info.transfer_ms = Stages::transfer_ms;
   model.info.convert_ms = Stages::convert_ms;
@@ -254,7 +253,7 @@ int Run(int argc, char** argv) {
     std::cerr << options.error().message << "\n";
     return Fail(options.error(), answer);
   }
-  // What the readers and the mesher did not catch themselves.
+  // Handle exceptions that the readers and the mesher did not catch.
   try {
     OCC_CATCH_SIGNALS
     return Import(options.value(), answer);
@@ -274,8 +273,8 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const int status = facetless::Run(argc, argv);
-  // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool:
-  // every tenth run or so dies in them, so leave without.
+  // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool, and
+  // about one run in ten crashes in them. Therefore the process ends without running them.
   std::cout.flush();
   std::fflush(nullptr);
   std::_Exit(status);

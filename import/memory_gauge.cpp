@@ -9,7 +9,7 @@
 namespace facetless {
 namespace {
 
-// A line such as "VmHWM:  1234 kB" of /proc/self/status, in bytes; −1 if there is none.
+// Returns the value of a line such as "VmHWM:  1234 kB" of /proc/self/status, in bytes; −1 if there is none.
 std::int64_t StatusBytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -19,7 +19,7 @@ std::int64_t StatusBytes(const std::string& name) {
   return -1;
 }
 
-// Lowers VmHWM to what is resident now: see proc(5), clear_refs.
+// Lowers VmHWM to the memory that is resident now: see proc(5), clear_refs.
 bool ResetPeak() {
   std::ofstream file("/proc/self/clear_refs");
   file << "5" << std::flush;

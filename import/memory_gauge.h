@@ -1,11 +1,11 @@
-// How much memory a stretch of work takes at its fullest.
+// Measures the peak memory of one or more stretches of work.
 //
-//  1. Measured, not counted: resident memory of this process, from the kernel (/proc/self), so it includes
-//     what the libraries hold. Memory that was freed earlier is given back to the system first, so that the
-//     work cannot use it unseen.
-//  2. Stretches add up: what one leaves allocated counts below the next one's peak, and what happens between
-//     them does not.
-//  3. Where the kernel tells nothing, or doesn't let a process reset its peak, the answer is 0: unknown.
+//  1. The gauge measures resident memory of this process, as the kernel reports it (/proc/self), so it
+//     includes the memory of libraries. Memory that was freed earlier is returned to the system first, so
+//     that the work cannot reuse it unnoticed.
+//  2. Stretches add up: memory that one stretch leaves allocated counts towards the peak of the next one.
+//     Memory that is allocated between stretches does not count.
+//  3. If the kernel reports nothing, or does not let a process reset its peak, the answer is 0: unknown.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ namespace facetless {
 class MemoryGauge {
  public:
   MemoryGauge();
-  // Around each stretch.
+  // Begin() and End() enclose each stretch.
   void Begin();
   void End();
-  // The most that was held at once, in bytes.
+  // The peak memory, in bytes.
   std::uint64_t peak_bytes() const { return known_ ? peak_ : 0; }
 
  private:

@@ -22,7 +22,7 @@
 namespace facetless {
 namespace {
 
-// The edges of a wire, in its order, without those that are walked there and back.
+// Returns the edges of a wire in order, without those that are followed forwards and backwards.
 std::vector<TopoDS_Edge> Reduced(const TopoDS_Shape& wire, TopTools_MapOfShape& left_out) {
   const auto opposite = [](const TopoDS_Edge& a, const TopoDS_Edge& b) {
     return a.IsSame(b) && a.Orientation() != b.Orientation() && !BRep_Tool::Degenerated(a);
@@ -37,7 +37,7 @@ std::vector<TopoDS_Edge> Reduced(const TopoDS_Shape& wire, TopTools_MapOfShape& 
       edges.push_back(edge);
     }
   }
-  // The wire is a circle: its ends may cancel, too.
+  // The wire is closed, so its two ends may cancel, too.
   std::size_t ends = 0;
   while (edges.size() >= 2 * ends + 2 && opposite(edges[ends], edges[edges.size() - 1 - ends])) {
     left_out.Add(edges[ends].Oriented(TopAbs_FORWARD));
@@ -46,7 +46,7 @@ std::vector<TopoDS_Edge> Reduced(const TopoDS_Shape& wire, TopTools_MapOfShape& 
   return {edges.begin() + static_cast<std::ptrdiff_t>(ends), edges.end() - static_cast<std::ptrdiff_t>(ends)};
 }
 
-// True if the iso-line is a point.
+// Returns whether the iso-line is a point.
 bool IsPoint(const Handle(Geom_Curve) & line) {
   const double first = line->FirstParameter(), last = line->LastParameter();
   if (Precision::IsInfinite(first) || Precision::IsInfinite(last)) return false;
@@ -59,7 +59,7 @@ bool IsPoint(const Handle(Geom_Curve) & line) {
   return true;
 }
 
-// True if the whole surface has no border.
+// Returns whether the surface has no border.
 bool IsClosed(const Handle(Geom_Surface) & surface) {
   double u0, u1, v0, v1;
   surface->Bounds(u0, u1, v0, v1);

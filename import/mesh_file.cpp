@@ -31,9 +31,9 @@ struct FaceMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Gives normals their side and fills those that are missing: the exact one where a parameter line has
-// collapsed to a point is known up to its sign, and where nothing is known that of the facets around the node
-// serves.
+// Orients normals and fills in missing ones. Where a parameter line has collapsed to a point, the exact
+// normal is known only up to its sign, and the facets around the node decide. Where there is no exact normal,
+// the facets' normal is used.
 void FinishNormals(const std::vector<bool>& unsigned_normal, FaceMesh& mesh) {
   std::vector<Vec3> facets(mesh.positions.size());
   for (const auto& triangle : mesh.triangles) {
@@ -49,13 +49,13 @@ void FinishNormals(const std::vector<bool>& unsigned_normal, FaceMesh& mesh) {
   }
 }
 
-// The surface's unit normal at (u, v), zero if it has none. Where one derivative vanishes the mixed one has
-// its direction (*sign_unknown).
+// Returns the surface's unit normal at (u, v), or zero if it has none. If one derivative vanishes, the mixed
+// derivative replaces it; the normal's sign is then unknown (*sign_unknown).
 Vec3 NormalAt(const GeomAdaptor_Surface& surface, gp_Pnt2d uv, const gp_Trsf& placement, bool* sign_unknown) {
   gp_Pnt point;
   gp_Vec du, dv, duu, dvv, duv;
   surface.D2(uv.X(), uv.Y(), point, du, dv, duu, dvv, duv);
-  // What is left of a derivative after cancellation is noise of this size.
+  // After cancellation, a vanishing derivative still has noise of this size.
   const double collapsed = 1e-10 * std::fmax(du.Magnitude(), dv.Magnitude());
   *sign_unknown = !(du.Magnitude() > collapsed) || !(dv.Magnitude() > collapsed);
   if (!(du.Magnitude() > collapsed)) du = duv;
@@ -65,15 +65,15 @@ Vec3 NormalAt(const GeomAdaptor_Surface& surface, gp_Pnt2d uv, const gp_Trsf& pl
   return Normalized(Cross(ToVec3(du.XYZ()), ToVec3(dv.XYZ())));
 }
 
-// True for what the file's float32 can hold relative to any centre: OpenCASCADE meshes faces of damaged files
-// to infinity.
+// Returns whether the file's float32 can hold the position relative to any centre. OpenCASCADE may mesh faces
+// of damaged files to infinity.
 bool IsStorable(const Vec3& position) {
   constexpr double kGreatest = std::numeric_limits<float>::max() / 4;
   return std::fabs(position.x) <= kGreatest && std::fabs(position.y) <= kGreatest &&
          std::fabs(position.z) <= kGreatest;
 }
 
-// Without triangles if the face has none that can be stored.
+// Returns the mesh of a face. It has no triangles if the face has none that can be stored.
 FaceMesh MeshOf(const TopoDS_Face& face) {
   FaceMesh mesh;
   TopLoc_Location location;
@@ -112,11 +112,11 @@ class GltfWriter {
     gltf_.asset.version = "2.0";
     gltf_.asset.generator = "facetless-import";
     gltf_.buffers.resize(1);
-    // One view each: positions and normals, indices.
+    // There is one buffer view for positions and normals, and one for indices.
     gltf_.bufferViews.resize(2);
   }
 
-  // Adds the part's faces in order; those without triangles are named.
+  // Adds the part's faces in order. `unmeshed` receives the names of those without triangles.
   void AddPart(std::uint32_t index, const std::vector<FaceMesh>& faces, std::vector<std::string>& unmeshed) {
     Box3 box;
     for (const FaceMesh& face : faces) {
@@ -215,8 +215,8 @@ class GltfWriter {
     return primitive;
   }
 
-  // The root turns millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a column-major
-  // matrix.
+  // The root node transforms millimetres, Z up, into metres, Y up: (x, y, z) -> (x, z, -y) / 1000, as a
+  // column-major matrix.
   void AddNodes() {
     tinygltf::Node root;
     root.name = model_.info.file;
@@ -250,7 +250,7 @@ class GltfWriter {
     gltf_.bufferViews[1].byteOffset = vectors_.size();
     gltf_.bufferViews[1].byteLength = indices_.size();
     gltf_.bufferViews[1].target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
-    // Without a triangle there is nothing to view.
+    // Without a triangle, there is no data for the buffer views.
     if (indices_.empty()) {
       gltf_.bufferViews.clear();
       gltf_.buffers.clear();
@@ -271,7 +271,7 @@ double Milliseconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-// Meshes the part's faces together, so that neighbours share the nodes of their edges.
+// Meshes the part's faces together, so that neighbouring faces share the nodes of their edges.
 void Tessellate(const std::vector<TopoDS_Face>& faces, const MeshOptions& options) {
   TopoDS_Compound compound;
   BRep_Builder builder;
@@ -283,9 +283,9 @@ void Tessellate(const std::vector<TopoDS_Face>& faces, const MeshOptions& option
     BRepMesh_IncrementalMesh(compound, options.deflection_mm, false,
                              options.angular_deg * std::numbers::pi / 180, false);
   } catch (const Standard_OutOfMemory&) {
-    throw;  // a mesh of the faces that were early would look as if the others had none
+    throw;  // a mesh of only the first faces would suggest that the others have none
   } catch (const Standard_Failure&) {
-    // What was meshed before the failure stays; the rest counts as unmeshed.
+    // Faces that were meshed before the failure keep their triangles. The rest counts as unmeshed.
   }
 }
 

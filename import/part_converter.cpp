@@ -28,18 +28,19 @@
 namespace facetless {
 namespace {
 
-// As for p-curves: within an eighth of a turn the parameter of an arc and its angle nearly agree.
+// The same limit as for p-curves: within an eighth of a turn, the parameter of an arc nearly agrees with its
+// angle.
 constexpr double kMaxArc = std::numbers::pi / 4;
-// A conversion that is called exact must agree with the surface to this share of its coordinates' size.
+// A conversion counts as exact if it agrees with the surface to this share of the size of its coordinates.
 constexpr double kExact = 1e-12;
 
-// A p-curve that is farther from its 3D edge than this share of the edge's length is worth a warning: one of
-// the two is wrong.
+// A p-curve that is farther from its 3D edge than this share of the edge's length causes a warning, since one
+// of the two must be wrong.
 constexpr double kOffSurface = 0.01;
-// A line that closes a loop counts as a lost edge if it is longer than this share of the loop: real files have
-// gaps of up to a ten-thousandth.
+// A line that closes a loop counts as a lost edge if it is longer than this share of the loop. Gaps in usable
+// files reach a ten-thousandth.
 constexpr double kOpenLost = 1e-2;
-// Indices into the model's vectors are 32 bits wide; stop well before they run out.
+// Indices into the model's vectors are 32 bits wide. The conversion stops well before they overflow.
 constexpr std::size_t kMaxElements = std::size_t{1} << 31;
 
 }  // namespace
@@ -51,7 +52,7 @@ void PartConverter::Begin() {
   stored_.assign(members_.size(), false);
 }
 
-// Walks down to the faces, noting the solid or shell that each belongs to.
+// Walks down to the faces, and notes the solid or shell to which each belongs.
 void PartConverter::Gather(const TopoDS_Shape& shape, int group) {
   if (shape.IsNull()) return;
   switch (shape.ShapeType()) {
@@ -98,16 +99,16 @@ std::uint32_t PartConverter::VertexIndex(const TopoDS_Shape& shape) {
   return index;
 }
 
-// The edge that `oriented` is a use of, made when it is first met.
+// Returns the edge of which `oriented` is a use. The edge is created when it is first met.
 std::uint32_t PartConverter::EdgeIndex(const TopoDS_Edge& oriented) {
   const TopoDS_Edge shape = TopoDS::Edge(oriented.Oriented(TopAbs_FORWARD));
   if (const int* known = edge_index_.Seek(shape)) return static_cast<std::uint32_t>(*known);
   Edge edge;
-  // What the file says of the distance between entities that it connects holds for every edge.
+  // The precision that the file states for connected entities applies to every edge.
   edge.tolerance_mm = std::fmax(BRep_Tool::Tolerance(shape), document_.unhealed_mm.value_or(0));
   edge.vertices[0] = VertexIndex(TopExp::FirstVertex(shape));
   edge.vertices[1] = VertexIndex(TopExp::LastVertex(shape));
-  // Its curve; an edge without one is degenerate.
+  // Convert the curve. An edge without a curve is degenerate.
   TopLoc_Location location;
   double first = 0, last = 1;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(shape, location, first, last);
@@ -124,8 +125,8 @@ std::uint32_t PartConverter::EdgeIndex(const TopoDS_Edge& oriented) {
   return index;
 }
 
-// The edge of each coedge, in order. OpenCASCADE may fail on one, so it comes before anything of the face is
-// stored.
+// Returns the edge of each coedge, in order. OpenCASCADE may fail on an edge, so this happens before any data
+// of the face are stored.
 std::vector<std::uint32_t> PartConverter::EdgesOf(const FaceLoops& loops) {
   std::vector<std::uint32_t> edges;
   for (const FaceLoop& loop : loops.loops) {
@@ -189,7 +190,7 @@ bool PartConverter::SameOrigin(const TopoDS_Face& face, const FaceOrigin& origin
 }
 
 std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shape) {
-  // Convert the loops, then as much of the surface as they reach.
+  // Convert the loops, then the part of the surface that they cover.
   TopLoc_Location location;
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape, location);
   if (surface.IsNull()) return "it has no surface";
@@ -234,8 +235,8 @@ std::string PartConverter::TryFace(const Member& member, const TopoDS_Face& shap
 }
 
 TopoDS_Face PartConverter::Mended(std::size_t index) {
-  // Gather the pieces that OpenCASCADE may have made of the file's face; what is converted already stays as
-  // it is.
+  // Collect the pieces into which OpenCASCADE may have split the file's face. Pieces that are already
+  // converted stay as they are.
   std::vector<TopoDS_Face> pieces{members_[index].face};
   if (const FaceOrigin* origin = OriginOf(members_[index].face)) {
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -269,7 +270,8 @@ std::string PartConverter::FaceName(std::uint32_t index) const {
   return face.entity.empty() ? std::to_string(index) : face.entity;
 }
 
-// A line that was invented to close a loop: said, and a loss where it is more than rounding and sloppy ends.
+// Reports a line that was invented to close a loop. If it is longer than rounding and inaccurate ends
+// explain, it is also listed as a loss.
 void PartConverter::WarnOfOpening(std::uint32_t index, const FaceLoops& loops) {
   if (!(loops.open_share > kOpenSaid)) return;
   char distance[32];
@@ -285,7 +287,7 @@ void PartConverter::WarnOfOpening(std::uint32_t index, const FaceLoops& loops) {
   }
 }
 
-// Loops that cross, with the place where they do.
+// Reports loops that cross, with the place of the crossing.
 void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops, const TopoDS_Face& shape) {
   for (const LoopCrossing& crossing : FindLoopCrossings(loops.loops)) {
     TopLoc_Location location;
@@ -303,18 +305,19 @@ void PartConverter::WarnOfCrossings(std::uint32_t index, const FaceLoops& loops,
   }
 }
 
-// Notes what has arrived of the face that the file declares, and what had to be done.
+// Records how much of the declared face has been converted, and what was repaired.
 void PartConverter::NoteLoops(std::uint32_t index, const FaceOrigin* origin, const FaceLoops& loops) {
   const Face& face = model().faces[index];
   for (const std::string& repair : loops.repairs) Warn("Face " + FaceName(index) + ": " + repair + ".");
-  // STEP lets bounds go around a surface without a seam or a pole; elsewhere one is missing.
+  // In STEP, bounds may go around a surface without a seam or a pole. In other formats, this means that one
+  // is missing.
   if (!document_.unhealed_mm)
     for (const std::string& join : loops.joins) Warn("Face " + FaceName(index) + ": " + join + ".");
   for (std::size_t i = 0; i < loops.lost_edges.size(); ++i)
     builder_.info().edges_lost.push_back(
         {index, face.name, face.entity, "an edge has no curve on the surface and none can be computed"});
   if (origin == nullptr || origin->bounds == 0) return;
-  // Pieces of one face carry copies of one origin.
+  // Pieces of one face have copies of the same origin.
   const auto [known, added] = arrived_of_.try_emplace(origin->entity, arrived_.size());
   if (added) arrived_.push_back({origin, {}, {}, 0, 0});
   Arrived* arrived = &arrived_[known->second];
@@ -329,15 +332,15 @@ void PartConverter::NoteLoops(std::uint32_t index, const FaceOrigin* origin, con
   }
 }
 
-// Lists bounds and edges that the file declares for a face and that are in none of its pieces.
+// Lists the bounds and edges that the file declares for a face and that none of its pieces has.
 void PartConverter::CheckAgainstFile() {
   for (const Arrived& arrived : arrived_) {
     const FaceOrigin& origin = *arrived.origin;
     const std::uint32_t index = arrived.faces.front();
     const int missing_edges = std::max(0, origin.edges - arrived.edges.Extent() - arrived.mended);
     const int missing_bounds = std::max(0, origin.bounds - arrived.loops);
-    // Seams may join two bounds into one loop, and may add edges: a bound is missing only if edges are. Where
-    // OpenCASCADE splits a face, it shares the bounds out among the pieces.
+    // Seams may join two bounds into one loop, and may add edges, so a bound counts as missing only if edges
+    // are missing. Where OpenCASCADE splits a face, it distributes the bounds among the pieces.
     if (origin.edges > 0 && missing_edges == 0) continue;
     for (int i = 0; i < missing_edges; ++i)
       builder_.info().edges_lost.push_back(
@@ -348,7 +351,7 @@ void PartConverter::CheckAgainstFile() {
   }
 }
 
-// True if a bound or an edge that the file gives the face is missing.
+// Returns whether a declared bound or edge of the face is missing.
 bool PartConverter::HasLosses(std::uint32_t face) const {
   const auto of_face = [&](const Loss& loss) { return loss.face == face; };
   const ImportInfo& info = model().info;
@@ -356,8 +359,9 @@ bool PartConverter::HasLosses(std::uint32_t face) const {
          std::any_of(info.edges_lost.begin(), info.edges_lost.end(), of_face);
 }
 
-// Every edge with a curve has exactly two uses, of opposite sense as seen from outside the faces, and none is
-// known to be missing: a hole whose rim was lost on both sides would pass for closed.
+// Returns whether every edge with a curve has exactly two uses, of opposite sense as seen from outside the
+// faces, and no edge is known to be missing. Without the last condition, a hole whose rim was lost on both
+// sides would pass for closed.
 bool PartConverter::IsClosed(int group) const {
   std::unordered_map<std::uint32_t, std::pair<int, int>> uses;
   for (std::size_t i = 0; i < face_groups_.size(); ++i) {
@@ -375,8 +379,8 @@ bool PartConverter::IsClosed(int group) const {
                      [](const auto& use) { return use.second.first == 1 && use.second.second == 1; });
 }
 
-// OpenCASCADE turns solids whose faces look inwards. In other formats than STEP it leaves them: their volume
-// is negative.
+// Reports a solid whose faces look inwards. OpenCASCADE turns such solids in STEP files. In other formats it
+// leaves them, and their volume is negative.
 void PartConverter::WarnOfTurning(int group) {
   std::size_t turned = 0, known = 0, all = 0;
   std::uint32_t example = 0;
@@ -407,7 +411,7 @@ void PartConverter::WarnOfTurning(int group) {
 
 void PartConverter::End() {
   CheckAgainstFile();
-  // Make solids of the groups: those that the file calls solids, and shells that turn out closed.
+  // Create solids from the groups: those that the file calls solids, and shells that turn out to be closed.
   std::vector<std::uint32_t> solid_of_group(groups_.size(), kNoIndex);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (std::find(face_groups_.begin(), face_groups_.end(), static_cast<int>(g)) == face_groups_.end())

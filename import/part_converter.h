@@ -18,7 +18,7 @@ namespace facetless {
 
 class PartConverter {
  public:
-  // `loops` has those that are known already.
+  // `loops` contains the loops that are already known.
   PartConverter(const CadDocument& document, const Prototype& prototype, const LoopsByFace& loops,
                 ModelBuilder& builder, std::vector<TopoDS_Face>& faces)
       : document_(document), prototype_(prototype), loops_(loops), builder_(builder), faces_(faces) {}
@@ -41,29 +41,30 @@ class PartConverter {
     TopoDS_Face face;
     int group;  // index into groups_, or −1
   };
-  // The faces of a solid, or of a shell that may be closed without being called a solid.
+  // The faces of a solid, or of a shell that may be closed although the file does not call it a solid.
   struct Group {
     bool solid;
     std::string name;
   };
 
-  // What has come of a face of the file, in all its pieces.
+  // The parts of a face of the file that have been converted, over all its pieces.
   struct Arrived {
     const FaceOrigin* origin = nullptr;
     std::vector<std::uint32_t> faces;
     TopTools_MapOfShape edges;
     int loops = 0;
-    int mended = 0;  // edges that were left out on purpose
+    int mended = 0;  // edges that were removed on purpose
   };
 
   void Begin();
   void End();
   void Gather(const TopoDS_Shape& shape, int group);
   void AddFace(std::size_t index);
-  // Converts `shape`, which stands for the member's face; empty, or why it cannot be done.
+  // Converts `shape`, which replaces the member's face. Returns an empty string, or the reason for the
+  // failure.
   std::string TryFace(const Member& member, const TopoDS_Face& shape);
-  // The face without edges that are walked there and back, in one piece; null if it has none of those, or is
-  // nothing without them.
+  // Returns the face in one piece, without edges that are followed forwards and backwards. Returns null if
+  // the face has no such edges, or if nothing remains without them.
   TopoDS_Face Mended(std::size_t index);
   void LoseFace(const TopoDS_Face& face, const std::string& reason);
   void StoreLoops(const FaceLoops& loops, const std::vector<std::uint32_t>& edges);
@@ -91,12 +92,12 @@ class PartConverter {
   ModelBuilder& builder_;
   std::vector<TopoDS_Face>& faces_;
   std::vector<Member> members_;
-  std::vector<bool> stored_;  // of members: converted, or a piece of a face that was mended
+  std::vector<bool> stored_;  // for each member: it is converted, or a piece of a face that was mended
   std::vector<Group> groups_;
   std::vector<Arrived> arrived_;                             // of the part's faces, in order
   std::unordered_map<std::string, std::size_t> arrived_of_;  // by entity
-  int mended_edges_ = 0;                                     // left out of the face that is being mended
-  std::vector<int> face_groups_;                             // of the part's converted faces
+  int mended_edges_ = 0;          // edges that were removed from the face that is being mended
+  std::vector<int> face_groups_;  // of the part's converted faces
   std::uint32_t first_face_ = 0;
   TopTools_DataMapOfShapeInteger edge_index_, vertex_index_;
 };

@@ -20,23 +20,24 @@
 namespace facetless {
 namespace {
 
-// Arcs of p-curves and edges are at most an eighth of a turn: within one, parameter and angle differ by less
-// than 1 % of its width.
+// Arcs of p-curves and edges are at most an eighth of a turn wide. Within one, parameter and angle differ by
+// less than 1 % of its width.
 constexpr double kMaxArc = std::numbers::pi / 4;
-// Intervals at whose ends a gap is measured, per stretch on which p-curve, edge and surface are smooth.
-// Ninths: p-curves that were fitted are exact at halves and quarters, and at their worst in between.
+// The number of intervals at whose ends a gap is measured, per stretch on which p-curve, edge and surface are
+// smooth. There are nine, because fitted p-curves are exact at halves and quarters, and least accurate in
+// between.
 constexpr int kGapIntervals = 9;
-// … and at most so many per piece.
+// The largest number of intervals per piece.
 constexpr int kMaxGapIntervals = 9000;
-// Below this share of the edge's size a computed p-curve is as good as it gets: the noise of projecting and
-// interpolating.
+// Below this share of the edge's size, a computed p-curve cannot be improved: this is the noise of projection
+// and interpolation.
 constexpr double kGapNoise = 1e-9;
-// A new p-curve must be this much better than the one it replaces.
+// A new p-curve replaces the old one only if its gap is at most this share of the old gap.
 constexpr double kWorthwhile = 0.5;
-// Halvings of a p-curve that is fitted anew.
+// The limit of halvings when a p-curve is fitted again.
 constexpr int kFitDepth = 4;
 
-// The 3D edge as seen from the surface's own frame.
+// The 3D edge in the surface's own frame.
 struct SpatialEdge {
   GeomAdaptor_Curve curve;
   gp_Trsf to_surface;
@@ -55,12 +56,12 @@ struct SpatialEdge {
     if (moved) point.Transform(to_surface);
     return point;
   }
-  // By a polygon of three points, in mm.
+  // Returns the length of a polygon through three points, in mm.
   double Size() const {
     const gp_Pnt middle = Value(0.5 * (first + last));
     return Value(first).Distance(middle) + middle.Distance(Value(last));
   }
-  // Its ends, and where it is not smooth.
+  // Returns the ends of the edge and the parameters at which it is not smooth.
   std::vector<double> Breaks() const {
     std::vector<double> breaks{first};
     TColStd_Array1OfReal intervals(1, curve.NbIntervals(GeomAbs_C2) + 1);
@@ -72,8 +73,8 @@ struct SpatialEdge {
   }
 };
 
-// Distance of `point` to the edge near parameter `s`, by Newton on the foot of the perpendicular, kept within
-// the edge.
+// Returns the distance of `point` to the edge near parameter `s`. Newton's iteration finds the foot of the
+// perpendicular and stays within the edge.
 double DistanceToEdge(const SpatialEdge& edge, const gp_Pnt& point, double s) {
   double best = INFINITY;
   for (int step = 0; step < 6; ++step) {
@@ -92,15 +93,15 @@ double DistanceToEdge(const SpatialEdge& edge, const gp_Pnt& point, double s) {
   return best;
 }
 
-// How many of the sorted `knots` lie strictly between a and b.
+// Returns how many of the sorted `knots` lie strictly between a and b.
 int KnotsBetween(const TColStd_Array1OfReal& knots, double a, double b) {
   return static_cast<int>(std::count_if(knots.begin(), knots.end(), [&](double knot) {
     return knot > std::min(a, b) && knot < std::max(a, b);
   }));
 }
 
-// Where a curve or a surface, in one direction, is not smooth: an exact p-curve crosses such places unaware
-// of them, and the gap turns there.
+// The parameters at which a curve, or a surface in one direction, is not smooth. An exact p-curve does not
+// show such places, but the gap changes its slope there.
 template <typename Adaptor>
 TColStd_Array1OfReal BreaksOf(const Adaptor& adaptor, int count,
                               void (Adaptor::*intervals)(TColStd_Array1OfReal&, GeomAbs_Shape) const) {
@@ -128,14 +129,15 @@ double MeasureGap(const std::vector<CurvePiece>& pieces, const GeomAdaptor_Surfa
       const Vec3 uv = Cartesian(EvaluateBezier(piece.points, t));
       const double distance = DistanceToEdge(edge, surface.Value(uv.x, uv.y),
                                              NativeParameter(piece.begin, piece.end, piece.map, t));
-      // A distance that is no number must not pass for a small one.
+      // A distance that is NaN must not pass for a small one.
       if (!(distance <= gap)) gap = distance;
     }
   }
   return gap;
 }
 
-// The parameters of the point of the surface nearest to `target`, by damped Gauss-Newton from a guess.
+// Returns the parameters of the surface point nearest to `target`, by damped Gauss-Newton iteration from a
+// guess.
 Vec2 Project(const GeomAdaptor_Surface& surface, const gp_Pnt& target, Vec2 guess) {
   Vec2 best = guess;
   double best_distance = INFINITY;
@@ -149,7 +151,7 @@ Vec2 Project(const GeomAdaptor_Surface& surface, const gp_Pnt& target, Vec2 gues
     if (!(distance < best_distance)) break;
     best = at;
     best_distance = distance;
-    // Solve the normal equations; a collapsed direction gives up.
+    // Solve the normal equations. If one direction has collapsed, the iteration ends.
     const double a = du.Dot(du), b = du.Dot(dv), c = dv.Dot(dv), f = offset.Dot(du), g = offset.Dot(dv);
     const double determinant = a * c - b * b;
     if (!(determinant > 1e-14 * a * c)) break;
@@ -159,7 +161,7 @@ Vec2 Project(const GeomAdaptor_Surface& surface, const gp_Pnt& target, Vec2 gues
   return best;
 }
 
-// Projects the 3D edge onto the surface, starting from the p-curve that there is, and interpolates.
+// Projects the 3D edge onto the surface, starting from the existing p-curve, and interpolates.
 std::vector<CurvePiece> Refitted(const std::vector<CurvePiece>& old, const GeomAdaptor_Surface& surface,
                                  const SpatialEdge& edge, double tolerance) {
   const auto guess = [&](double s) {
@@ -169,7 +171,7 @@ std::vector<CurvePiece> Refitted(const std::vector<CurvePiece>& old, const GeomA
         Cartesian(EvaluateBezier(piece->points, PieceParameter(piece->begin, piece->end, piece->map, s)));
     return Vec2{uv.x, uv.y};
   };
-  // Measure parameters in millimetres, so that the fit's deviation is one.
+  // Scale the parameters to millimetres, so that the fit's deviation is in millimetres, too.
   const Vec2 middle = guess(0.5 * (edge.first + edge.last));
   gp_Pnt point;
   gp_Vec du, dv;
@@ -189,14 +191,14 @@ std::vector<CurvePiece> Refitted(const std::vector<CurvePiece>& old, const GeomA
   return pieces;
 }
 
-// The edge projected onto a surface that is no plane; empty where that fails.
+// Projects the edge onto a surface that is no plane. The result is empty if that fails.
 std::vector<CurvePiece> Projected(const SpatialEdge& edge, const GeomAdaptor_Surface& surface) {
   if (surface.GetType() == GeomAbs_Plane) return {};
   return ProjectEdge(
       surface, [&](double s) { return edge.Value(s); }, edge.Breaks(), kGapNoise * edge.Size());
 }
 
-// On a plane every curve projects exactly: its control points do.
+// On a plane every curve is projected exactly by projecting its control points.
 std::vector<CurvePiece> PlanarPieces(const Geom_Plane& plane, std::vector<CurvePiece> pieces) {
   const gp_Ax3& axes = plane.Position();
   const Vec3 origin = ToVec3(axes.Location().XYZ()), x = ToVec3(axes.XDirection().XYZ()),
@@ -231,7 +233,7 @@ Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool
   TopLoc_Location surface_location, edge_location;
   const Handle(Geom_Surface) surface = Untrimmed(BRep_Tool::Surface(face, surface_location));
   const Handle(Geom_Plane) plane = Handle(Geom_Plane)::DownCast(surface);
-  // Bring the 3D curve into the surface's frame.
+  // Transform the 3D curve into the surface's frame.
   double first = 0, last = 1;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, edge_location, first, last);
   const bool spatial = !curve.IsNull() && !BRep_Tool::Degenerated(edge) && first < last;
@@ -248,9 +250,9 @@ Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool
   const bool lacks = stored.curve.IsNull() && spatial;
   if (lacks) result.pieces = Projected(*in_space, adaptor);
   if (!result.pieces.empty()) {
-    // Its parameter is the edge's own.
+    // The projection already has the edge's own parameter.
   } else if (!stored.stored && !plane.IsNull() && spatial) {
-    // A plane's p-curves are rarely stored: project the control points.
+    // For planes, p-curves are rarely stored: project the control points.
     Result<CurvePieces> pieces = PiecesOf(curve, first, last, kMaxArc, Parametrization::kEndsOnly);
     if (!pieces.ok()) return pieces.error();
     if (in_space->moved) Transform(in_space->to_surface, pieces.value().pieces);
@@ -267,7 +269,7 @@ Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool
     if (!pieces.ok()) return pieces.error();
     result.pieces = std::move(pieces.value().pieces);
     result.from_file = stored.stored && pcurves_in_file;
-    // Carry the p-curve's parameter over to the edge's: the same range, or else a linear map between the two.
+    // Convert the p-curve's parameter to the edge's: both have the same range, or a linear map connects them.
     if (spatial && (stored.first != first || stored.last != last)) {
       const double scale = (last - first) / (stored.last - stored.first);
       for (CurvePiece& piece : result.pieces) {
@@ -279,7 +281,7 @@ Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool
   }
   if (!spatial) return result;
 
-  // Measure; a computed curve that is not good enough is computed again by us.
+  // Measure the gap. A computed curve that is not accurate enough is fitted again.
   result.gap_mm = MeasureGap(result.pieces, adaptor, *in_space);
   const double size = in_space->Size();
   if (!lacks && !result.from_file && plane.IsNull() && !(result.gap_mm <= kGapNoise * size)) {

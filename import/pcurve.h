@@ -1,5 +1,5 @@
-// One coedge's p-curve: from the file, from the 3D edge, or improved by projecting the edge, with its
-// measured gap.
+// Makes the p-curve of one coedge: from the file, from the 3D edge, or improved by projecting the edge. Also
+// measures its gap.
 #pragma once
 
 #include <TopoDS_Edge.hxx>
@@ -17,14 +17,14 @@ struct Pcurve {
   double gap_mm = 0;  // largest distance of its points, on the surface, to the 3D edge
 };
 
-// Who computes a p-curve that the file lacks.
+// Says which code computes a p-curve that the file lacks.
 enum class MissingPcurve {
-  kProjected,      // ProjectEdge alone; the shape stays as it is, so that calls may run side by side
-  kByOpenCascade,  // ProjectEdge, and OpenCASCADE where that fails, which stores its own with the shape
+  kProjected,  // ProjectEdge alone. The shape does not change, so that several threads may call it at once
+  kByOpenCascade,  // ProjectEdge; if it fails, OpenCASCADE, which stores its p-curve in the shape
 };
 
-// The p-curve of `edge` (its orientation chooses among the two of a seam) on the FORWARD face.
-// Errors: kFormatBroken (none stored, and none can be computed).
+// Returns the p-curve of `edge` on the FORWARD face. On a seam, the orientation of `edge` selects one of the
+// two p-curves. Errors: kFormatBroken (no p-curve is stored, and none can be computed).
 Result<Pcurve> MakePcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, bool pcurves_in_file,
                           MissingPcurve missing);
 

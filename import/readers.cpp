@@ -12,9 +12,10 @@
 namespace facetless {
 namespace {
 
-// How STEP shapes are healed, by HealDocument (heal.h) and by other readers of STEP in this process (tests have
-// some). The settings are OpenCASCADE's, except that one repair is off: it takes four fifths of the time of a large
-// file and finds nothing to do in sound ones. StepReader's transfer runs the sequence that is empty.
+// Defines how STEP shapes are healed, by HealDocument (heal.h) and by other STEP readers in this process
+// (tests have some). The settings are OpenCASCADE's, except that one repair is off: it takes four fifths of
+// the time of a large file and finds nothing to do in sound ones. StepReader's transfer runs the empty
+// sequence.
 constexpr char kStepResource[] =
     "FromSTEP.exec.op : FixShape\n"
     "FromSTEP.FixShape.Tolerance3d : &Runtime.Tolerance\n"
@@ -26,9 +27,9 @@ constexpr char kStepResource[] =
 }  // namespace
 
 void PrepareOpenCascade(const std::string& scratch) {
-  // Make faults exceptions, which the readers catch.
+  // Turn signals of faults into exceptions, which the readers catch.
   OSD::SetSignal(false);
-  // Standard output is for our own JSON.
+  // Standard output is reserved for the importer's JSON.
   Message::DefaultMessenger()->ChangePrinters().Clear();
   std::ofstream(scratch + "/STEP") << kStepResource;
   setenv("CSF_STEPDefaults", scratch.c_str(), 1);
@@ -43,7 +44,7 @@ std::string UnitName(double mm, const std::string& written) {
                              {1e-3, "micrometre"},   {25.4, "inch"},     {304.8, "foot"}, {0.0254, "mil"},
                              {2.54e-5, "microinch"}, {1609344, "mile"}};
   for (const Unit& unit : kUnits) {
-    // Conversion factors are written with as few as six digits.
+    // Conversion factors in files may have as few as six digits.
     if (std::fabs(mm - unit.mm) <= 1e-6 * unit.mm) return unit.name;
   }
   return written.empty() ? std::to_string(mm) + " millimetres" : written;
@@ -51,7 +52,7 @@ std::string UnitName(double mm, const std::string& written) {
 
 namespace {
 
-// Says what unit was taken, if the file has none; or takes the caller's.
+// If the file has no unit, reports which unit is assumed. If the caller gave a unit, applies it.
 void SettleUnit(double unit_mm, CadDocument& document) {
   ImportInfo& info = document.info;
   if (unit_mm > 0) {

@@ -1,4 +1,5 @@
-// From a file to a document, one reader per format. OpenCASCADE's exceptions end here.
+// Reads a file into a document, with one reader per format. OpenCASCADE's exceptions do not leave the
+// readers.
 #pragma once
 
 #include <string>
@@ -9,24 +10,25 @@
 
 namespace facetless {
 
-// Called with a stage ("read", "transfer") and the share of it that is done.
+// Called with a stage ("read", "transfer") and the fraction of it that is done.
 using StageProgress = void (*)(const char* stage, double fraction);
 
-// Errors of all: kFormatBroken (OpenCASCADE cannot read it at all), kNothingUsable (it holds no faces).
+// Errors of all readers: kFormatBroken (OpenCASCADE cannot read the file at all), kNothingUsable (the file
+// has no faces).
 Result<CadDocument> ReadStep(const SourceFile& source, StageProgress progress);
 Result<CadDocument> ReadIges(const SourceFile& source, StageProgress progress);
 Result<CadDocument> ReadBrep(const SourceFile& source, StageProgress progress);
 
-// The usual name of a length unit of `mm` millimetres: "millimetre", "inch", …; else `written`, the file's
-// own name for it, or "N millimetres".
+// Returns the usual name of a length unit of `mm` millimetres: "millimetre", "inch", …. For other lengths it
+// returns `written`, the file's own name, or "N millimetres".
 std::string UnitName(double mm, const std::string& written);
 
-// The reader for the source's format; fills the parts of ImportInfo that all share. `unit_mm` above 0 is one
-// unit of the file in millimetres, whatever the file says.
+// Calls the reader for the source's format, and fills in the parts of ImportInfo that all formats share. If
+// `unit_mm` is above 0, it is the length of the file's unit in millimetres, whatever the file says.
 Result<CadDocument> ReadDocument(const SourceFile& source, StageProgress progress, double unit_mm = 0);
 
-// Turns on OpenCASCADE's signal handler and sets its tables: call once per process, with a folder of the
-// process's own.
+// Turns on OpenCASCADE's signal handler and sets its tables. Call it once per process, with a folder that
+// only this process uses.
 void PrepareOpenCascade(const std::string& scratch);
 
 }  // namespace facetless

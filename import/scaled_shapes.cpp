@@ -12,7 +12,7 @@
 namespace facetless {
 namespace {
 
-// What a stand-in's coefficients are off by after a few products.
+// The rounding error of a stand-in's coefficients after a few products.
 constexpr double kStandInError = 1e-9;
 
 gp_Trsf WithLinear(const LinearMap& linear, const gp_XYZ& translation) {
@@ -33,7 +33,7 @@ bool HasLinear(const gp_Trsf& transformation, const LinearMap& linear) {
   return true;
 }
 
-// What one elementary placement is.
+// Returns the map that one elementary placement represents.
 gp_Trsf ResolvedOne(const gp_Trsf& transformation, const std::vector<LinearMap>& maps) {
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const LinearMap stand_in = StandIn(i);
@@ -48,7 +48,7 @@ bool IsScaled(const gp_Trsf& transformation) {
   return std::fabs(transformation.ScaleFactor() - 1) > kStandInError;
 }
 
-// True if a placement within the shape is a stand-in.
+// Returns whether a placement within the shape is a stand-in.
 bool HasStandIn(const TopoDS_Shape& shape, const std::vector<LinearMap>& maps) {
   if (!shape.Location().IsIdentity() && IsScaled(Resolved(shape.Location(), maps))) return true;
   if (shape.ShapeType() >= TopAbs_FACE) return false;
@@ -58,7 +58,7 @@ bool HasStandIn(const TopoDS_Shape& shape, const std::vector<LinearMap>& maps) {
   return false;
 }
 
-// The shape with the placements within it resolved; what they scale is baked.
+// Returns the shape with the placements within it resolved. Scales are applied to copies of shapes.
 TopoDS_Shape Rebuilt(const TopoDS_Shape& shape, CadDocument& document,
                      std::unordered_map<const void*, Color>& colors) {
   const gp_Trsf placement = Resolved(shape.Location(), document.linear_maps);
@@ -96,7 +96,7 @@ TopoDS_Shape BakedShape(const TopoDS_Shape& shape, const gp_Trsf& transformation
     const void* after = transform.ModifiedShape(face.Current()).TShape().get();
     if (const auto origin = document.origins.find(before); origin != document.origins.end()) {
       FaceOrigin copy = origin->second;
-      // A mirrored face looks the other way.
+      // Mirroring reverses the orientation of a face.
       if (transformation.IsNegative()) copy.sense = -copy.sense;
       document.origins[after] = copy;
     }
@@ -114,7 +114,7 @@ void ResolvePlacements(CadDocument& document) {
     if (HasStandIn(prototype.shape, document.linear_maps))
       prototype.shape = Rebuilt(prototype.shape, document, prototype.colors);
   }
-  // One copy for each prototype and scale.
+  // Make one copy for each prototype and scale.
   std::map<std::pair<std::size_t, double>, std::size_t> copies;
   for (Occurrence& occurrence : document.occurrences) {
     const gp_Trsf whole = Resolved(occurrence.location, document.linear_maps);
@@ -131,10 +131,10 @@ void ResolvePlacements(CadDocument& document) {
     }
     occurrence.prototype = copy->second;
     occurrence.placement = whole.Multiplied(scaling.Inverted());
-    // What rounding leaves of the scale goes, too.
+    // Remove the rounding error that remains in the scale.
     occurrence.placement.SetScaleFactor(1);
   }
-  // A prototype that only scaled occurrences showed is shown no longer.
+  // Drop prototypes that only scaled occurrences used.
   std::vector<std::size_t> uses(document.prototypes.size());
   for (const Occurrence& occurrence : document.occurrences) ++uses[occurrence.prototype];
   std::vector<Prototype> kept;

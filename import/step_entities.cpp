@@ -17,7 +17,7 @@ bool IsWord(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// Passes over blanks and comments.
+// Skips blanks and comments.
 std::size_t SkipBlanks(std::string_view text, std::size_t at) {
   while (at < text.size()) {
     if (IsSpace(text[at])) {
@@ -32,7 +32,7 @@ std::size_t SkipBlanks(std::string_view text, std::size_t at) {
   return at;
 }
 
-// Where an entity begins at `at`: "#12 =". Returns the place behind the equals sign, 0 if there is none.
+// If an entity ("#12 =") begins at `at`, returns the position behind the equals sign; otherwise 0.
 std::size_t EntityBegin(std::string_view text, std::size_t at, std::uint64_t& id) {
   if (at >= text.size() || text[at] != '#') return 0;
   const std::size_t digits = ++at;
@@ -43,12 +43,12 @@ std::size_t EntityBegin(std::string_view text, std::size_t at, std::uint64_t& id
   return at < text.size() && text[at] == '=' ? at + 1 : 0;
 }
 
-// Behind the closing apostrophe of the text that opens at `at`. A text that is not closed ends where a new
-// entity begins.
+// Returns the position behind the closing apostrophe of the text that begins at `at`. A text that is not
+// closed ends where a new entity begins.
 std::size_t SkipString(std::string_view text, std::size_t at) {
   for (++at; at < text.size(); ++at) {
     if (text[at] == ';') {
-      // Blanks only: a comment would be looked through again for each semicolon.
+      // Skip blanks only. If comments were skipped, too, each semicolon would scan the same comment again.
       std::size_t next = at + 1;
       while (next < text.size() && IsSpace(text[next])) ++next;
       std::uint64_t ignored;
@@ -64,7 +64,7 @@ std::size_t SkipString(std::string_view text, std::size_t at) {
   return at;
 }
 
-// Behind the semicolon that ends the statement.
+// Returns the position behind the semicolon that ends the statement.
 std::size_t StatementEnd(std::string_view text, std::size_t at) {
   while (at < text.size()) {
     if (text[at] == '\'') {
@@ -84,7 +84,7 @@ std::string_view WordAt(std::string_view text, std::size_t at) {
   return text.substr(begin, at - begin);
 }
 
-// Parses one entity's body by recursive descent; the depth of lists is bounded before (step_text.h).
+// Parses one entity's body by recursive descent. The depth of lists was checked before (step_text.h).
 class Parser {
  public:
   explicit Parser(std::string_view text) : text_(text) {}
@@ -122,7 +122,7 @@ class Parser {
     return true;
   }
 
-  // From an opening parenthesis to behind the closing one.
+  // Parses from an opening parenthesis to the position behind the closing one.
   bool List(std::vector<StepValue>& values) {
     if (depth_ == kDeepestList) return false;
     ++depth_;
@@ -179,7 +179,7 @@ class Parser {
       ++at_;
       value.text = WordAt(text_, at_);
       at_ += value.text.size();
-      // Some writers put a typed value between stops; it is no enumerator then.
+      // Some writers put a typed value between full stops. It is no enumerator then.
       if (at_ >= text_.size() || text_[at_] != '.') return false;
       ++at_;
     } else if (std::isalpha(static_cast<unsigned char>(c))) {
@@ -200,7 +200,7 @@ class Parser {
     return true;
   }
 
-  // As deep as the scanner of files lets pass (step_text.cpp).
+  // The same limit as in the scanner of files (step_text.cpp).
   static constexpr int kDeepestList = 200;
 
   std::string_view text_;

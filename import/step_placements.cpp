@@ -5,7 +5,7 @@
 namespace facetless {
 
 LinearMap StandIn(std::size_t index) {
-  // An axis that lies along nothing that a file has, and angles between half a radian and two and a half.
+  // The axis has a direction that occurs in no real file. The angles lie between 0.5 and 2.5 radians.
   constexpr double kAxis[3] = {0.36, 0.48, 0.8};
   const double angle = 0.5 + 2.0 * static_cast<double>(index) / static_cast<double>(kMostLinearMaps);
   const double c = std::cos(angle), s = std::sin(angle);
@@ -34,7 +34,7 @@ std::array<double, 3> Apply(const LinearMap& a, const std::array<double, 3>& v) 
 }
 
 bool IsRotation(const LinearMap& a) {
-  // Directions in files have ten digits or more.
+  // Directions in files have at least ten digits.
   constexpr double kRounding = 1e-9;
   const double determinant = a[0] * (a[4] * a[8] - a[5] * a[7]) - a[1] * (a[3] * a[8] - a[5] * a[6]) +
                              a[2] * (a[3] * a[7] - a[4] * a[6]);

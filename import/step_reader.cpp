@@ -65,10 +65,10 @@
 namespace facetless {
 namespace {
 
-// What a file may say of its precision, in mm: as much as OpenCASCADE's reader allows.
+// The largest precision in mm that is accepted from a file. OpenCASCADE's reader has the same limit.
 constexpr double kMostUncertainty = 1;
 
-// Bounds with edges, and their different edges, that the file gives a face.
+// Counts the bounds with edges, and the different edges, that the file gives to a face.
 void CountBounds(const Handle(StepShape_FaceSurface) & face, FaceOrigin& origin) {
   std::set<const void*> edges;
   for (int i = 1; i <= face->NbBounds(); ++i) {
@@ -97,17 +97,17 @@ std::string FirstMessage(const Handle(Interface_Check) & check) {
   return {};
 }
 
-// OpenCASCADE's messages begin with blanks and end in stops, now and then.
+// OpenCASCADE's messages may begin with blanks and end in a full stop.
 std::string Tidied(const std::string& message) {
   const std::size_t first = message.find_first_not_of(" .");
   return first == std::string::npos ? message
                                     : message.substr(first, message.find_last_not_of(" .") - first + 1);
 }
 
-// OpenCASCADE's checks of a file as it is read, without that of edge curves: it walks all of an edge's
-// sharers for a message that nobody reads, and takes a fifth of a large file's time.
+// OpenCASCADE's checks of a file, without the check of edge curves. That check visits all entities that share
+// an edge, for a message that is not used, and takes a fifth of a large file's time.
 //
-// An entity on which the library fails is passed over and noted, where it would cost the whole file.
+// If the library fails on an entity, the entity is skipped and noted. Otherwise the whole file would be lost.
 class QuickChecks : public RWStepAP214_GeneralModule {
  public:
   QuickChecks(std::vector<Handle(Standard_Transient)>& failed, Handle(Standard_Transient) & last)
@@ -141,7 +141,7 @@ class QuickChecks : public RWStepAP214_GeneralModule {
   Handle(Standard_Transient) & last_;
 };
 
-// As long as this lives, transfers leave shapes as the file has them (readers.cpp has the sequences).
+// While this object lives, transfers leave shapes as the file has them (readers.cpp has the sequences).
 class UnhealedTransfer {
  public:
   UnhealedTransfer() : before_(Interface_Static::CVal(kParameter)) {
@@ -181,7 +181,7 @@ class StepReader {
   Result<void> Read() {
     try {
       OCC_CATCH_SIGNALS
-      // The reader's own set-up has registered the slow checks.
+      // The reader's own initialisation has registered the slow checks.
       Interface_GeneralLib::SetGlobal(new QuickChecks(failed_, last_), StepAP214::Protocol());
       reader_.SetColorMode(true);
       reader_.SetNameMode(true);
@@ -204,7 +204,7 @@ class StepReader {
     }
   }
 
-  // Entities that the library failed on, each once.
+  // Reports each entity on which the library failed, once.
   void NoteFailures() {
     std::set<std::string> named;
     const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
@@ -220,14 +220,14 @@ class StepReader {
   Handle(TransferNotes) Notes() {
     const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
     return new TransferNotes(Session(), [model](const Handle(Standard_Transient) & entity) {
-      // What the library makes up by itself has no number.
+      // Entities that the library creates itself have no number.
       if (const int number = model->IdentLabel(entity); number > 0)
         NoteEntity(Label(static_cast<std::uint64_t>(number)));
     });
   }
 
-  // The length unit of the first context that has one. Files that mix units are read correctly, part by part;
-  // they are only reported.
+  // Reads the length unit of the first context that has one. Files that mix units are read correctly, part by
+  // part; the mixture is only reported.
   void ReadUnit() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -253,14 +253,14 @@ class StepReader {
       if (!uncertainty.IsNull() && unit.ComputeTolerance(uncertainty) == 0 && unit.HasUncertainty())
         document_.unhealed_mm =
             std::clamp(unit.Uncertainty() * unit.LengthFactor(), *document_.unhealed_mm, kMostUncertainty);
-      // Where some body has no unit the report names none.
+      // If a body has no unit, the report names none.
       if (!source_.step_repair.unit_missing) document_.info.unit = UnitName(document_.info.unit_mm, "");
       return;
     }
   }
 
   void Transfer() {
-    // The way that knows assemblies, names and colours.
+    // Try the transfer with assemblies, names and colours.
     try {
       OCC_CATCH_SIGNALS
       xcaf_ = NewXcafDocument();
@@ -284,8 +284,8 @@ class StepReader {
     NoteExternalFiles();
   }
 
-  // What CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEMs say: the colour of one occurrence, where the part has
-  // another.
+  // Reads the CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEMs: the colour of one occurrence that differs from the
+  // colour of its part.
   std::vector<OccurrenceColor> OccurrenceColors() {
     std::vector<OccurrenceColor> colors;
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
@@ -328,7 +328,7 @@ class StepReader {
     document_.occurrences.clear();
   }
 
-  // The way that knows only shapes.
+  // Transfers shapes alone, without names and colours.
   void TransferShapes() {
     try {
       OCC_CATCH_SIGNALS
@@ -347,7 +347,7 @@ class StepReader {
     }
   }
 
-  // The last way: each body for itself, and each face that comes with none of them.
+  // Transfers each body separately, and each face that belongs to none of them. This is the last attempt.
   void TransferPieces() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     BRep_Builder builder;
@@ -365,7 +365,7 @@ class StepReader {
             Handle(StepData_StepModel)::DownCast(Session()->Model())->IdentLabel(entity))));
         TopoDS_Shape shape = TransferPiece(entity);
         if (shape.IsNull()) continue;
-        // The transfer's results are forgotten at the next one: note now what became of each face.
+        // The next transfer discards the results of this one, so note now what became of each face.
         NoteOrigins();
         if (document_.info.unit_mm != 1 && KeptFileUnits(entity, shape)) shape = InMillimetres(shape);
         builder.Add(pieces, shape);
@@ -388,8 +388,9 @@ class StepReader {
     }
   }
 
-  // Outside of its representation OpenCASCADE may or may not find a piece's unit. Tell by its vertices: true
-  // if their numbers are nearer to the file's than to the file's in millimetres.
+  // Outside of its representation, OpenCASCADE may or may not find the unit of a shape. Compares the shape's
+  // vertices with the numbers in the file: returns true if they are nearer to the numbers than to the numbers
+  // in millimetres.
   bool KeptFileUnits(const Handle(Standard_Transient) & entity, const TopoDS_Shape& shape) {
     double in_file = 0, in_shape = 0;
     std::set<const void*> seen;
@@ -429,7 +430,7 @@ class StepReader {
         Handle(StepData_StepModel)::DownCast(Session()->Model())->IdentLabel(face)));
   }
 
-  // Surfaces that stand for themselves in a GEOMETRIC_SET.
+  // Notes the surfaces in a GEOMETRIC_SET, which represent themselves.
   void NoteSurfaces() {
     const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
@@ -461,7 +462,7 @@ class StepReader {
     return origin;
   }
 
-  // Finds the entity of each face, and what the file says of it.
+  // Finds the entity of each face, and what the file declares about it.
   void NoteOrigins() {
     const Handle(Interface_InterfaceModel) model = Session()->Model();
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
@@ -478,7 +479,7 @@ class StepReader {
     NoteSurfaces();
   }
 
-  // What the text declares and did not arrive is lost.
+  // Lists what the text declares and OpenCASCADE did not transfer.
   void NoteLosses() {
     const StepRepair& repair = source_.step_repair;
     for (const StepFace& face : source_.step.faces) {
@@ -494,7 +495,7 @@ class StepReader {
       document_.info.faces_lost.push_back({kNoIndex, item.name, item.entity, item.reason});
   }
 
-  // Occurrences that have a placement, but whose shape OpenCASCADE did not place.
+  // Lists occurrences that have a placement but whose shape OpenCASCADE did not place.
   void NoteOccurrences() {
     const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(Session()->Model());
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
@@ -506,7 +507,7 @@ class StepReader {
       const auto usage = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(
           shape->Definition().ProductDefinitionRelationship());
       if (usage.IsNull() || !TransferBRep::ShapeResult(process, usage).IsNull()) continue;
-      // A part without a shape has none to place.
+      // A part without a shape has no occurrence to place.
       const Handle(StepBasic_ProductDefinition) part = usage->RelatedProductDefinition();
       if (part.IsNull() || TransferBRep::ShapeResult(process, part).IsNull()) continue;
       const Handle(TCollection_HAsciiString) name = usage->Name();
@@ -517,8 +518,8 @@ class StepReader {
     }
   }
 
-  // Parts whose shape is in another file are lost: what comes to us is one file, and the sandbox opens no
-  // other.
+  // Lists parts whose shape is in another file as lost. The importer receives one file, and its sandbox does
+  // not allow it to open others.
   void NoteExternalFiles() {
     STEPConstruct_ExternRefs references(Session());
     references.LoadExternRefs();
@@ -528,7 +529,7 @@ class StepReader {
       if (file == nullptr || *file == '\0') continue;
       Handle(STEPCAFControl_ExternFile) read;
       if (reader_.ExternFile(file, read) && read->GetTransferStatus()) continue;
-      // The same file may be named by several documents.
+      // Several documents may refer to the same file.
       if (!missing.insert(file).second) continue;
       const Handle(StepBasic_ProductDefinition) part = references.ProdDef(i);
       const std::string entity =
@@ -550,7 +551,7 @@ class StepReader {
     if (number == 0) return "OpenCASCADE could not parse its entity";
     const Handle(StepShape_FaceSurface) face = Handle(StepShape_FaceSurface)::DownCast(model->Value(number));
     if (face.IsNull()) return ReasonOf(model->Value(number));
-    // The surface's own message says more than the face's.
+    // The surface's own message is more precise than the face's.
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
     std::string reason;
     if (face->FaceGeometry().IsNull()) return "its surface is missing";
@@ -563,7 +564,8 @@ class StepReader {
     return reason.empty() ? "OpenCASCADE made no face of it and gave no reason" : reason;
   }
 
-  // Of a surface that stands for itself, or of what is no face to OpenCASCADE.
+  // Returns the reason for the loss of a surface that represents itself, or of an entity that OpenCASCADE
+  // does not treat as a face.
   std::string ReasonOf(const Handle(Standard_Transient) & entity) {
     if (!entity->IsKind(STANDARD_TYPE(StepGeom_Surface))) return "OpenCASCADE could not parse its entity";
     const Handle(Transfer_TransientProcess) process = Session()->TransferReader()->TransientProcess();
@@ -577,21 +579,21 @@ class StepReader {
 
   const SourceFile source_;
   StageProgress progress_;
-  std::vector<Handle(Standard_Transient)> failed_;  // entities that OpenCASCADE fails on
-  Handle(Standard_Transient) last_;                 // that it looked at
+  std::vector<Handle(Standard_Transient)> failed_;  // entities on which OpenCASCADE fails
+  Handle(Standard_Transient) last_;                 // the entity that it looked at last
   STEPCAFControl_Reader reader_;
   Handle(TDocStd_Document) xcaf_;
   CadDocument document_;
-  bool whole_ = false;                                  // read with its product structure
-  std::unordered_map<std::string, std::string> names_;  // of faces, by entity
+  bool whole_ = false;                                  // the file was read with its product structure
+  std::unordered_map<std::string, std::string> names_;  // names of faces, by entity
   std::set<std::string> arrived_;                       // entities of faces that OpenCASCADE made shapes of
 };
 
 }  // namespace
 
 Result<CadDocument> ReadStep(const SourceFile& source, StageProgress progress) {
-  // The reader lives as long as the process: taking its hundred thousand entities down again would cost a
-  // second, for nothing.
+  // The reader lives as long as the process. Destroying its hundred thousand entities would take a second
+  // without any use.
   static auto& readers = *new std::vector<std::unique_ptr<StepReader>>;
   readers.push_back(std::make_unique<StepReader>(source, progress));
   return readers.back()->Run();

@@ -8,8 +8,8 @@ namespace facetless::step_repair {
 
 namespace {
 
-// OpenCASCADE's scanner holds texts of up to 16,383 bytes; the standard allows 32,769 characters. Only names
-// are so long.
+// OpenCASCADE's scanner holds texts of up to 16,383 bytes; the standard allows 32,769 characters. Texts of
+// this length are always names.
 constexpr std::size_t kLongestText = 16350;
 
 constexpr std::array<std::string_view, 22> kSurfaces{"PLANE",
@@ -57,7 +57,7 @@ StepRepair Repairer::Run() {
 }
 
 void Repairer::Warn(std::string sentence) {
-  // A file may have the same fault in every entity: a report of a hundred says it.
+  // The same fault may occur in every entity of a file. A hundred reports are enough.
   constexpr std::size_t kMostWarnings = 100;
   ++warned_;
   if (warned_ < kMostWarnings) repair_.warnings.push_back(std::move(sentence));
@@ -86,7 +86,7 @@ void Repairer::AppendShortened(std::string_view text, std::uint64_t id, std::str
       const bool comment = at + 1 < text.size() && text[at + 1] == '*';
       const std::size_t end = comment ? text.find("*/", at + 2) : at;
       const std::size_t behind = !comment ? at + 1 : end == std::string_view::npos ? text.size() : end + 2;
-      // The reader has no room for a long comment, either; nobody misses it.
+      // The reader has no room for a long comment, either. The comment is not needed.
       if (behind - at <= kLongestText) out.append(text.substr(at, behind - at));
       at = behind;
       continue;
@@ -100,8 +100,7 @@ void Repairer::AppendShortened(std::string_view text, std::uint64_t id, std::str
       out.append(text.substr(at, end - at));
     } else {
       std::size_t kept = at + 1 + kLongestText;
-      // Neither half of a doubled apostrophe, nor of a directive, nor of a character of several bytes stays
-      // behind.
+      // Do not cut within a doubled apostrophe, a directive or a character of several bytes.
       const std::size_t directive = text.substr(0, kept).rfind("\\X");
       if (directive != std::string_view::npos && directive > at &&
           text.substr(directive, kept - directive).find("\\X0\\") == std::string_view::npos &&
@@ -135,7 +134,7 @@ std::string Repairer::WithAliases(const std::string& body) const {
       std::size_t end = at + 1;
       while (end < body.size() && body[end] >= '0' && body[end] <= '9')
         id = id * 10 + static_cast<std::uint64_t>(body[end++] - '0');
-      // An alias of an alias; a circle of them is left to whoever reads it.
+      // An alias may refer to another alias. A cycle of aliases is followed only a limited number of times.
       for (std::size_t steps = 0; steps <= aliases_.size(); ++steps) {
         const auto alias = aliases_.find(id);
         if (alias == aliases_.end()) break;
@@ -163,7 +162,7 @@ void Repairer::Write() {
   const std::size_t stop = entities_.structures() > 1 ? entities_.first_structure_end() : bytes.size();
   std::size_t at = 0;
   const auto copy = [&](std::size_t end) {
-    // What is new goes to the end of the data.
+    // New entities go to the end of the data section.
     if (!added_.empty() && at <= entities_.data_end() && entities_.data_end() < end &&
         entities_.data_end() != 0) {
       AppendShortened(bytes.substr(at, entities_.data_end() - at), 0, out);
@@ -203,7 +202,7 @@ bool Repairer::HasLongText() const {
     if (end == std::string_view::npos) return bytes.size() - at > kLongestText;
     if (end - at > kLongestText) return true;
     at = end + 1;
-    // Halves of a text with doubled apostrophes are as good as their sum: look at what follows together.
+    // A doubled apostrophe splits a text into halves here, but the length of the whole text counts.
     std::size_t begin = end;
     while (at < bytes.size() && bytes[at] == '\'') {
       const std::size_t next = bytes.find('\'', at + 1);
@@ -246,7 +245,7 @@ std::size_t FlattenScopes(std::string& bytes) {
       ++scopes;
     } else if (rest.starts_with(kEnd) && !open.empty()) {
       at += kEnd.size();
-      // The list of what is seen from outside.
+      // Skip the list of exported entities.
       const std::size_t list = rest.find_first_not_of(" \t\n", kEnd.size());
       if (list != std::string_view::npos && rest[list] == '/') {
         const std::size_t end = rest.find('/', list + 1);
@@ -273,7 +272,7 @@ std::vector<StepFace> DeclaredFaces(std::string_view bytes) {
       const auto record = entities.Record(entity);
       faces.push_back({entity.id, record ? NameIn(*record) : "", false});
     } else if (entity.keyword.empty()) {
-      // A face as an entity of several parts.
+      // The face is an entity of several parts.
       const std::string_view body = entity.Body(bytes);
       if (body.find("FACE_SURFACE") == std::string_view::npos) continue;
       const auto record = entities.Record(entity);
@@ -292,7 +291,7 @@ std::vector<StepFace> DeclaredFaces(std::string_view bytes) {
       }
     }
   }
-  // A surface that two sets hold is one.
+  // A surface in two sets counts once.
   std::unordered_set<std::uint64_t> seen;
   std::erase_if(faces, [&](const StepFace& face) { return !seen.insert(face.id).second; });
   return faces;

@@ -1,5 +1,5 @@
-// Empty lists, senses, spurs of loops, second entities of one id: what is mended, and what goes with what is
-// taken out.
+// Mends empty lists, senses, spurs of loops and entities with the same id, and removes what cannot be mended
+// together with everything that depends on it.
 #include "import/step_repairer.h"
 
 #include <map>
@@ -26,8 +26,8 @@ constexpr std::array kSenses{Sense{"EDGE_CURVE", 4, "the sense of edge curve"},
 
 namespace {
 
-// A list that needs at least one element: which attribute of which entity (with its name counted), and what
-// it lacks without.
+// A list that needs at least one element: the keyword of its entity, the index of the attribute (the name
+// counts as one), and the predicate of the report if the list is empty.
 struct Needed {
   std::string_view keyword;
   std::size_t attribute;
@@ -74,7 +74,7 @@ constexpr std::array kNeeded{
     Needed{"B_SPLINE_SURFACE_WITH_KNOTS", 10, "has no knots"},
     Needed{"B_SPLINE_SURFACE_WITH_KNOTS", 11, "has no knots"},
 };
-// The same within an entity of several parts, which have no name of their own.
+// The same for the parts of a complex entity, which have no name attribute.
 constexpr std::array kNeededInParts{
     Needed{"B_SPLINE_CURVE", 1, "has no control points"},
     Needed{"B_SPLINE_CURVE_WITH_KNOTS", 0, "has no multiplicities"},
@@ -91,7 +91,7 @@ constexpr std::array kNeededInParts{
     Needed{"PATH", 0, "has no edges"},
 };
 
-// Lists that cannot do without an element: a loop without one of its edges is another loop.
+// Lists from which no element can be removed: a loop without one of its edges is another loop.
 constexpr std::array<std::string_view, 22> kWhole{"EDGE_LOOP",
                                                   "POLY_LOOP",
                                                   "PATH",
@@ -122,7 +122,7 @@ std::string Lower(std::string_view keyword) {
   return text;
 }
 
-// Surfaces around an axis, which their placement is.
+// Surfaces of revolution. Their placement gives the axis.
 constexpr std::array<std::string_view, 4> kTurned{"CYLINDRICAL_SURFACE", "CONICAL_SURFACE",
                                                   "SPHERICAL_SURFACE", "TOROIDAL_SURFACE"};
 
@@ -239,7 +239,7 @@ void Repairer::CheckParts(const StepEntity& entity, StepRecord& record) {
     if (part != nullptr && rule.attribute < part->values.size() && IsEmpty(&part->values[rule.attribute]))
       return Remove(entity, rule.what);
   }
-  // The standard wants the parts in the order of the alphabet; OpenCASCADE knows no other.
+  // The standard requires the parts to be in alphabetical order, and OpenCASCADE accepts no other order.
   const auto before = [](const StepPart& a, const StepPart& b) { return a.keyword < b.keyword; };
   if (std::is_sorted(record.parts.begin(), record.parts.end(), before)) return;
   std::stable_sort(record.parts.begin(), record.parts.end(), before);
@@ -251,8 +251,8 @@ void Repairer::CheckSense(const StepEntity& entity, StepRecord& record, const Se
   if (rule.attribute >= record.parts.front().values.size()) return;
   StepValue& value = record.parts.front().values[rule.attribute];
   if (value.kind == Kind::kEnum && (value.text == "T" || value.text == "F")) return;
-  // Closed shells and faces with an orientation derive nothing here; a reference means that attributes are
-  // missing.
+  // The orientation of an oriented shell or face is not a derived attribute. A reference or a list in its
+  // place means that other attributes are missing.
   if (value.IsReference() || value.IsList()) return;
   const std::string written = ToText(value);
   value = {};
@@ -312,7 +312,7 @@ bool Repairer::EndsOnAxis(const Use& use, const StepEntity& surface) const {
   const Vector axis{frame.linear[2], frame.linear[5], frame.linear[8]},
       offset = Minus(*point, frame.origin, 1);
   const Vector across = Minus(offset, axis, Dot(offset, axis));
-  // Coordinates in files have six digits or more.
+  // Coordinates in files have at least six digits.
   constexpr double kRounding = 1e-5;
   return !(Dot(across, across) > kRounding * kRounding * Dot(offset, offset));
 }
@@ -330,7 +330,7 @@ void Repairer::LeaveOutSpurs(const StepEntity& loop, const StepEntity& surface) 
     edges.insert(edge.back());
   }
   if (edges.size() == uses.size()) return;
-  // Reduce the word of uses, then its two ends against each other.
+  // Remove pairs of opposite uses from the sequence, then compare its two ends.
   const auto opposite = [&](const Use& a, const Use& b) {
     return a.edge == b.edge && a.forward != b.forward && !EndsOnAxis(a, surface);
   };
@@ -380,7 +380,7 @@ void Repairer::TakeOut() {
     });
   }
   while (!open_.empty()) {
-    // What refers to anything of this wave, in the order of the file.
+    // Collect the entities that refer to any entity of this wave, in the order of the file.
     std::map<const StepEntity*, std::vector<std::uint64_t>> touched;
     for (const std::uint64_t id : open_) {
       for (const StepEntity* user : users[id]) {
@@ -402,7 +402,7 @@ void Repairer::RemoveReferences(const StepEntity& user, const std::unordered_set
   for (StepPart& part : record->parts) needed = WithoutReferences(part.values, ids, whole) || needed;
   if (needed) return Out(user, reason);
   Edit(user, *record);
-  // A list that is empty now may be one too many.
+  // The list may be empty now although it needs an element.
   for (const Needed& rule : kNeeded) {
     if (rule.keyword == user.keyword && IsEmpty(Value(*record, rule.attribute))) return Out(user, reason);
   }

@@ -1,4 +1,4 @@
-// Placements that OpenCASCADE gets wrong, as frames of their own.
+// Rewrites placements that OpenCASCADE evaluates wrongly as frames of their own.
 #include "import/step_repairer.h"
 
 #include <cstdio>
@@ -106,7 +106,7 @@ std::optional<Similarity> Repairer::OperatorOf(std::uint64_t id) const {
   const auto record = Record(id);
   if (!record || record->parts.front().keyword != "CARTESIAN_TRANSFORMATION_OPERATOR_3D") return {};
   const std::vector<StepValue>& values = record->parts.front().values;
-  // Some schemas count the name of the item and that of the transformation, some only one.
+  // Some schemas count the names of both the item and the transformation, some count only one.
   if (values.size() < 7 || values.size() > 8) return {};
   const std::size_t first = values.size() - 5;
   const auto axis1 = Coordinates(&values[first]), axis2 = Coordinates(&values[first + 1]);
@@ -115,7 +115,7 @@ std::optional<Similarity> Repairer::OperatorOf(std::uint64_t id) const {
   if (!origin || !(scale > 0) || !std::isfinite(scale)) return {};
   const auto z = axis3 ? Unit(*axis3) : Vector{0, 0, 1};
   if (!z) return {};
-  // The x axis lies across z, the y axis across both, on the side that the file says.
+  // The x axis is perpendicular to z, and the y axis to both, on the side that the file gives.
   Vector wish = axis1 ? *axis1 : std::fabs((*z)[0]) < 0.9 ? Vector{1, 0, 0} : Vector{0, 1, 0};
   const auto x = Unit(Minus(wish, *z, Dot(wish, *z)));
   if (!x) return {};
@@ -227,7 +227,8 @@ void Repairer::MapItem(const StepEntity& entity) {
   const bool is_operator = Is(values[2].reference, "CARTESIAN_TRANSFORMATION_OPERATOR_3D");
   const std::optional<Similarity> target = TargetOf(values[2].reference);
   if (!target && is_operator) return LosePlacement(entity, NameIn(*record));
-  // A replica's own map, made by us, is seen from the origin; so is one whose origin is of another kind.
+  // The map that MapReplicas writes for a replica is relative to the origin. So is a map whose origin is of
+  // another kind.
   const auto map = Record(values[1].reference);
   const std::uint64_t from = map ? ReferenceIn(*map, 0) : 0;
   const bool framed = Is(from, "AXIS2_PLACEMENT_3D");
@@ -289,7 +290,7 @@ std::optional<Similarity> Repairer::PlacedByItems(std::uint64_t id, const StepRe
                        *to = FindRepresentation(part->values[3].reference);
   if (from == nullptr || to == nullptr || from->context != to->context) return {};
   if (!Is(first, "AXIS2_PLACEMENT_3D") || !Is(second, "AXIS2_PLACEMENT_3D")) return {};
-  // Some writers name the two the other way around.
+  // Some writers name the two frames in the opposite order.
   const auto holds = [](const Representation* representation, std::uint64_t item) {
     return std::find(representation->items.begin(), representation->items.end(), item) !=
            representation->items.end();

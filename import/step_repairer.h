@@ -1,8 +1,8 @@
-// The parts of RepairStep, and what they share: one pass over the entities of a STEP file.
+// The parts of RepairStep and the data that they share: one pass over the entities of a STEP file.
 //
-//  1. step_repair.cpp runs the passes and writes the repaired copy; step_repair_lists.cpp mends entities, or
-//     takes them out; step_repair_placements.cpp rewrites placements; step_repair_ledger.cpp names what
-//     nobody reads or places.
+//  1. step_repair.cpp runs the passes and writes the repaired copy; step_repair_lists.cpp mends or removes
+//     entities; step_repair_placements.cpp rewrites placements; step_repair_ledger.cpp lists entities that
+//     the importer does not read or that no placement places.
 //  2. Only those four files include this header.
 #pragma once
 
@@ -44,7 +44,7 @@ inline const StepValue* Value(const StepRecord& record, std::size_t index) {
              : nullptr;
 }
 
-// The name of a representation item, its first attribute.
+// Returns the name of a representation item, which is its first attribute.
 inline std::string NameIn(const StepRecord& record) {
   const StepPart* part = record.complex ? record.Find("REPRESENTATION_ITEM") : &record.parts.front();
   if (part == nullptr || part->values.empty() || part->values.front().kind != Kind::kString) return {};
@@ -57,14 +57,14 @@ inline std::string NameIn(const StepRecord& record) {
   return DecodeStepText(text);
 }
 
-// A representation: the attributes that all kinds share.
+// The attributes that all kinds of representations share.
 struct Representation {
   std::uint64_t id = 0;
   std::vector<std::uint64_t> items;
   std::uint64_t context = 0;
 };
 
-// Adds the references of a list to `out`. False if the value is no list.
+// Adds the references in a list to `out`. Returns false if the value is no list.
 inline bool ReferencesOf(const StepValue& value, std::vector<std::uint64_t>& out) {
   if (!value.IsList()) return false;
   for (const StepValue& item : value.items) {
@@ -73,7 +73,7 @@ inline bool ReferencesOf(const StepValue& value, std::vector<std::uint64_t>& out
   return true;
 }
 
-// A frame, or what an operator does: x → linear · x + origin.
+// A frame, or the map of a transformation operator: x → linear · x + origin.
 struct Similarity {
   LinearMap linear{1, 0, 0, 0, 1, 0, 0, 0, 1};
   std::array<double, 3> origin{};
@@ -90,7 +90,7 @@ inline double Dot(const Vector& a, const Vector& b) {
 inline Vector Cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-// Of length 1; nothing if it has none.
+// Returns the vector scaled to length 1; nothing if its length is zero or not finite.
 inline std::optional<Vector> Unit(const Vector& v) {
   const double length = std::sqrt(Dot(v, v));
   if (!(length > 0) || !std::isfinite(length)) return {};
@@ -108,55 +108,58 @@ class Repairer {
   // step_repair.cpp
   void Warn(std::string sentence);
   std::optional<StepRecord> Record(std::uint64_t id) const;
-  // As it is by now.
+  // Returns the entity's record with all edits so far.
   std::optional<StepRecord> FindStepRecord(const StepEntity& entity) const;
   void Edit(const StepEntity& entity, const StepRecord& record) { edits_[&entity] = ToText(record); }
-  // Texts are cut where the reader's room for them ends.
+  // Appends the text. Strings that are too long for the reader are cut.
   void AppendShortened(std::string_view text, std::uint64_t id, std::string& out);
-  // References to what is known under another number now.
+  // Replaces references to entities that now have another number.
   std::string WithAliases(const std::string& body) const;
   void Write();
   bool HasLongText() const;
 
   // step_repair_lists.cpp
-  // A second file behind the first one.
+  // Removes further STEP files that follow the first one.
   void DropOtherStructures();
-  // Of two entities of one id the first counts; a second one that says something else is lost.
+  // If two entities have the same id, the first is used. A second one with other contents is lost.
   void DropDuplicates();
-  // An opening parenthesis and, but for blanks, the closing one: what needs a closer look.
+  // Returns whether an opening parenthesis is followed by the closing one, apart from blanks. Such a body
+  // needs a closer look.
   static bool MayHoldEmptyList(std::string_view body);
   static bool EndsInSense(std::string_view body);
-  // Looks at the text first: most entities of a file are points and edges, which are sound.
+  // Looks at the text first, because most entities of a file are points and edges, which are sound.
   void Check(const StepEntity& entity);
-  // Points have at most three coordinates. More of them, none with a point, are numbers with decimal commas.
+  // A point has at most three coordinates. If it has more and none contains a point, they are numbers with
+  // decimal commas.
   void CheckCoordinates(const StepEntity& entity);
   static bool IsSurfaceCurve(std::string_view keyword);
-  // An empty list, or a list with an empty list in it.
+  // Returns whether the value is an empty list, or a list that contains an empty list.
   static bool IsEmpty(const StepValue* value);
   void CheckParts(const StepEntity& entity, StepRecord& record);
   void CheckSense(const StepEntity& entity, StepRecord& record, const Sense& rule);
   void CheckCurve(const StepEntity& entity, const StepRecord& record);
   static std::vector<std::uint64_t> ReferencesIn(std::string_view body);
-  // On a surface that goes around an axis an edge that is followed by itself in the other sense encloses
-  // nothing; OpenCASCADE takes it for the seam. It is one where it turns back on the axis: at the apex of a
-  // cone, at the pole of a sphere.
+  // Removes spurs: edges that are immediately followed by themselves in the opposite sense. On a surface
+  // around an axis, such a pair encloses nothing, but OpenCASCADE treats it as the seam. It really is the
+  // seam if it turns back on the axis: at the apex of a cone or the pole of a sphere.
   void LeaveOutSpurs();
   // One use of an edge in a loop.
   struct Use {
     std::uint64_t oriented = 0, edge = 0;
     bool forward = true;
   };
-  // True if the use ends on the axis of the surface, or nobody knows where.
+  // Returns whether the use ends on the axis of the surface. Returns true if the place is unknown.
   bool EndsOnAxis(const Use& use, const StepEntity& surface) const;
   void LeaveOutSpurs(const StepEntity& loop, const StepEntity& surface);
   void Remove(const StepEntity& entity, const char* what);
   void Out(const StepEntity& entity, const std::string& reason);
-  // Takes out what cannot be without what is out, step by step.
+  // Removes the entities that cannot exist without removed ones, step by step.
   void TakeOut();
-  // Takes what is out out of an entity's lists, or the entity itself out.
+  // Removes the references `ids` from an entity's lists, or removes the entity itself.
   void RemoveReferences(const StepEntity& user, const std::unordered_set<std::uint64_t>& ids,
                         const std::string& reason);
-  // Takes the reference out of lists; true if an attribute itself, or a list that must be whole, holds it.
+  // Removes the references from lists. Returns true if an attribute itself holds one of them, or a list that
+  // must stay whole.
   static bool WithoutReferences(std::vector<StepValue>& values, const std::unordered_set<std::uint64_t>& ids,
                                 bool whole);
 
@@ -164,58 +167,61 @@ class Repairer {
   std::uint64_t NewEntity(const std::string& body);
   std::uint64_t NewFrame(const Similarity& frame);
   void FindRepresentations();
-  // A replica of a solid is a mapped item of a representation of its own.
+  // Turns each replica of a solid into a mapped item of a representation of its own.
   void MapReplicas();
   std::optional<Vector> Coordinates(const StepValue* reference) const;
-  // CARTESIAN_TRANSFORMATION_OPERATOR_3D, by ISO 10303-42: base_axis(3, axis1, axis2, axis3).
+  // Evaluates a CARTESIAN_TRANSFORMATION_OPERATOR_3D as ISO 10303-42 defines it: base_axis(3, axis1, axis2,
+  // axis3).
   std::optional<Similarity> OperatorOf(std::uint64_t id) const;
-  // AXIS2_PLACEMENT_3D; the identity where there is none.
+  // Evaluates an AXIS2_PLACEMENT_3D. Returns the identity if there is none.
   Similarity FrameOf(std::uint64_t id) const;
-  // The rotation that is written for a map: itself if it is one. Nothing if there are too many.
+  // Returns the rotation to write for a map: the map itself if it is a rotation, else its stand-in. Returns
+  // nothing if there are too many maps.
   std::optional<LinearMap> RotationFor(const LinearMap& map);
-  // Placements that OpenCASCADE 7.6 gets wrong become a frame each, seen from the origin: operators, which it
-  // takes for rotations; and pairs of frames A and B, of which it makes A⁻¹ · B where B · A⁻¹ is meant. The
-  // two agree where one of the frames is the origin, as it mostly is.
+  // Rewrites placements that OpenCASCADE 7.6 evaluates wrongly. Each becomes one frame relative to the
+  // origin. OpenCASCADE treats operators as rotations. For a pair of frames A and B it computes A⁻¹ · B
+  // instead of B · A⁻¹; the two agree if one of the frames is the origin, which is the usual case.
   void MapOperators();
   bool Is(std::uint64_t id, std::string_view keyword) const;
-  // What the target of a placement does; nothing if it is no kind that is known here.
+  // Returns the map of a placement's target; nothing if the target is of an unknown kind.
   std::optional<Similarity> TargetOf(std::uint64_t id) const;
-  // target · origin⁻¹.
+  // Returns target · origin⁻¹.
   static Similarity Placed(const Similarity& target, const Similarity& origin);
-  // True if OpenCASCADE's origin⁻¹ · target is the same.
+  // Returns whether origin⁻¹ · target, which OpenCASCADE computes, is the same as Placed().
   static bool Commutes(const Similarity& target, const Similarity& origin);
-  // The frame that is written for the placement: itself, or its stand-in.
+  // Writes the frame for the placement, or for its stand-in, and returns its id.
   std::optional<std::uint64_t> FrameFor(Similarity placed);
   void MapItem(const StepEntity& entity);
   const Representation* FindRepresentation(std::uint64_t id);
   void MapRelationship(const StepEntity& entity);
-  // Nothing where OpenCASCADE gets it right, or the two representations have contexts, and may have units, of
-  // their own.
+  // Returns the placement to write. Returns nothing if OpenCASCADE evaluates it correctly, or if the two
+  // representations have different contexts, whose units may differ.
   std::optional<Similarity> PlacedByItems(std::uint64_t id, const StepRecord& relationship);
   void LosePlacement(const StepEntity& entity, const std::string& name);
 
   // step_repair_ledger.cpp
-  // Items of shapes that are no bodies: curves, which are not drawn, and kinds that are not known here.
+  // Reports an item of a shape that is no body: a curve, which is not drawn, or an item of an unknown kind.
   void NoteOtherItem(const StepEntity& item);
-  // Bodies of kinds that nobody reads, as items of representations.
+  // Lists items of representations that are bodies of kinds that OpenCASCADE does not read.
   void FindUnread();
   std::uint64_t ReferenceIn(const StepRecord& record, std::size_t index) const;
-  // Occurrences that nothing places, and products that have no shape.
+  // Lists occurrences that no placement places, and products that have no shape.
   void FindUnplaced();
-  // A length unit whose length in metres can be read: an SI unit, or a multiple of one.
+  // Returns whether the length of a unit in metres can be read: it is an SI unit or a multiple of one.
   bool IsReadable(const StepRecord& unit, int depth = 0) const;
-  // True if the context assigns a length unit that can be read. One that cannot is made millimetres.
+  // Returns whether the context assigns a readable length unit. An unreadable one is replaced by millimetres.
   bool HasLengthUnit(std::uint64_t context);
   void CheckUnits();
 
   const StepEntities entities_;
   StepRepair repair_;
-  std::unordered_map<const StepEntity*, std::string> edits_;  // new bodies
-  std::unordered_set<const StepEntity*> gone_, dropped_;      // taken out; second ones of their id
-  std::unordered_map<std::uint64_t, std::string>
-      removed_;  // what is taken out, and the reason for whatever needs it
+  std::unordered_map<const StepEntity*, std::string> edits_;  // new bodies of entities
+  std::unordered_set<const StepEntity*> gone_;                // removed entities
+  std::unordered_set<const StepEntity*> dropped_;             // second entities with the same id
+  // Removed entities, with the reason that is given for the entities that need them.
+  std::unordered_map<std::uint64_t, std::string> removed_;
   std::unordered_map<std::uint64_t, std::uint64_t> aliases_;
-  std::vector<std::uint64_t> open_;  // taken out, but not yet looked after
+  std::vector<std::uint64_t> open_;  // removed entities whose users have not been examined yet
   std::vector<const StepEntity*> replicas_;
   std::vector<Representation> representations_;
   std::unordered_map<std::uint64_t, std::size_t> representation_of_;  // by id

@@ -27,10 +27,10 @@ std::u32string FromCodePage(Resource_FormatType page, std::string_view text) {
   return codes;
 }
 
-// What double-byte texts show of the code page they are in.
+// Guesses the code page from texts with double-byte characters.
 class PageGuess {
  public:
-  // A text that is no UTF-8.
+  // Adds a text that is not UTF-8.
   void Add(std::string_view text) {
     ++texts_;
     std::size_t kana = 0, run = 0, longest = 0;
@@ -61,14 +61,14 @@ class PageGuess {
 
   std::size_t texts() const { return texts_; }
   bool IsShiftJis() const { return texts_ > 0 && shift_jis_ == texts_ && kana_ > 0; }
-  // Two letters of ISO 8859-1 that are not ASCII may stand side by side, four hardly.
+  // In ISO 8859-1, two non-ASCII letters may stand side by side, but hardly four.
   bool IsGbk() const { return texts_ > 0 && gbk_ == texts_ && longest_ >= 2; }
 
  private:
   std::size_t texts_ = 0, shift_jis_ = 0, gbk_ = 0, kana_ = 0, longest_ = 0;
 };
 
-// The number that `digits` hexadecimal digits at `at` write; none if they don't.
+// Parses `digits` hexadecimal digits at `at`; returns nothing if there are none.
 std::optional<std::uint32_t> Hex(std::u32string_view text, std::size_t at, std::size_t digits) {
   if (at + digits > text.size()) return std::nullopt;
   std::uint32_t value = 0;
@@ -80,14 +80,14 @@ std::optional<std::uint32_t> Hex(std::u32string_view text, std::size_t at, std::
   return value;
 }
 
-// A text with its directives decoded, and what was wrong with it.
+// A text with its directives decoded, and the problems that were found in it.
 struct Decoded {
   std::u32string codes;
   bool broken = false;
 };
 
-// Decodes the codes of \X2\ or \X4\, `digits` wide, that begin at `at`; false, and nothing taken, unless
-// \X0\ ends them.
+// Decodes the codes of \X2\ or \X4\, each `digits` wide, that begin at `at`. If \X0\ does not end them, it
+// returns false and consumes nothing.
 bool TakeCodes(std::u32string_view raw, std::size_t* at, std::size_t digits, std::u32string& out) {
   std::u32string taken;
   std::size_t next = *at;
@@ -156,11 +156,11 @@ std::u32string WithoutLineEnds(std::u32string text) {
   return text;
 }
 
-// The inside of a text as ISO 10303-21 writes it.
+// Encodes the inside of a text as ISO 10303-21 defines it.
 std::string Encode(const std::u32string& codes) {
   std::string out;
   char digits[16];
-  int width = 0;  // of the codes in the directive that is open
+  int width = 0;  // width of the codes in the open directive
   const auto close = [&] {
     if (width != 0) out += "\\X0\\";
     width = 0;
@@ -185,7 +185,7 @@ std::string Encode(const std::u32string& codes) {
   return out;
 }
 
-// Calls visit(begin, end) with the inside of each text, outside comments; stops at one without an end.
+// Calls visit(begin, end) with the inside of each text outside comments. It stops at a text without an end.
 template <typename Visit>
 void ForEachText(std::string_view bytes, const Visit& visit) {
   std::size_t at = 0;
@@ -214,7 +214,7 @@ std::string Unquoted(std::string_view raw) {
   std::string text;
   for (std::size_t i = 0; i < raw.size(); ++i) {
     text += raw[i];
-    if (raw[i] == '\'') ++i;  // the second of two
+    if (raw[i] == '\'') ++i;  // the second apostrophe of two
   }
   return text;
 }
@@ -226,7 +226,7 @@ bool IsPlain(std::string_view text) {
   });
 }
 
-// "#12" of the entity that a place of the file belongs to, or "the header".
+// Returns "#12" for the entity that contains a position of the file, or "the header".
 std::string EntityAt(std::string_view bytes, std::size_t at) {
   std::size_t begin = bytes.rfind(';', at);
   begin = begin == std::string_view::npos ? 0 : begin + 1;
@@ -237,7 +237,7 @@ std::string EntityAt(std::string_view bytes, std::size_t at) {
                                                 : "the header";
 }
 
-// A kind of finding: how many, and where the first one is.
+// A kind of finding: the number of texts, and where the first one is.
 struct Finding {
   std::size_t count = 0;
   std::string first;
@@ -253,14 +253,14 @@ struct Finding {
 }  // namespace
 
 bool NormaliseStepTexts(std::string& bytes, std::vector<std::string>* warnings) {
-  // Find out which code page the texts are in that are no UTF-8.
+  // Determine the code page of the texts that are not UTF-8.
   PageGuess guess;
   ForEachText(bytes, [&](std::size_t begin, std::size_t end) {
     const std::string_view raw(bytes.data() + begin, end - begin);
     if (!IsPlain(raw) && !DecodeUtf8(raw)) guess.Add(raw);
   });
 
-  // Write them anew.
+  // Write the texts again.
   std::string out;
   std::size_t copied = 0;
   bool changed = false;

@@ -14,7 +14,7 @@ bool IsWord(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
 }
 
-// Tokens that printf and its relatives write for what is no number.
+// Returns whether the word is one of those that printf and similar functions write for NaN and infinity.
 bool IsNotFinite(std::string_view word) {
   std::string upper;
   for (char c : word) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -22,16 +22,17 @@ bool IsNotFinite(std::string_view word) {
   return std::find(kNames.begin(), kNames.end(), upper) != kNames.end();
 }
 
-// The largest power of ten that a number may have: its square is no double. OpenCASCADE can run for good on
-// what is larger.
+// The largest power of ten that a number may have. The square of a larger number overflows, and OpenCASCADE
+// may run forever on it.
 constexpr int kGreatestExponent = 150;
 
-// Lists within lists: no entity of the standard needs ten, and OpenCASCADE's parser calls itself for each.
+// The deepest nesting of lists. No entity of the standard needs ten levels, and OpenCASCADE's parser recurses
+// for each.
 constexpr int kDeepestList = 200;
-// Oriented edges of oriented edges of … an edge.
+// The largest number of oriented edges that refer to each other in a chain.
 constexpr int kMostOrientations = 16;
 
-// Walks over the text once, outside strings and comments.
+// Scans the text once, outside strings and comments.
 class Scanner {
  public:
   Scanner(const std::string& name, std::string_view text) : name_(name), text_(text) {}
@@ -50,7 +51,7 @@ class Scanner {
         TakeReference();
       } else if (c == '.' && at_ > 0 && !IsNumeral(text_[at_ - 1]) && at_ + 1 < text_.size() &&
                  std::isalpha(static_cast<unsigned char>(text_[at_ + 1]))) {
-        // An enumerator: .NAME.
+        // Skip an enumerator: .NAME.
         ++at_;
         TakeWord();
         if (at_ < text_.size() && text_[at_] == '.') ++at_;
@@ -96,7 +97,7 @@ class Scanner {
   }
 
  private:
-  // True if a new entity begins after the semicolon at `at`: no text goes on like that.
+  // Returns whether a new entity begins after the semicolon at `at`. No text continues like that.
   bool EntityFollows(std::size_t at) const {
     ++at;
     while (at < text_.size() && std::isspace(static_cast<unsigned char>(text_[at]))) ++at;
@@ -133,7 +134,7 @@ class Scanner {
     return text_.substr(begin, at_ - begin);
   }
 
-  // #12 = … begins an entity; #12 elsewhere is a reference to one.
+  // "#12 =" begins an entity; "#12" elsewhere is a reference to one.
   void TakeReference() {
     ++at_;
     std::uint64_t id = 0;
@@ -150,12 +151,12 @@ class Scanner {
     at_ = next + 1;
   }
 
-  // An oriented edge whose edge is, by whatever detour, itself; 0 if there is none. OpenCASCADE would follow
-  // it until its stack ends.
+  // Returns an oriented edge that refers to itself, directly or indirectly; 0 if there is none. OpenCASCADE
+  // would follow such a cycle until its stack overflows.
   std::uint64_t EdgeOfItself() const {
     for (const auto& [id, edge] : edge_of_) {
       auto at = edge_of_.find(edge);
-      // The standard allows none; more than these are a circle, or as good as one.
+      // The standard allows no chain at all. A longer chain than this is treated as a cycle.
       for (int steps = 0; at != edge_of_.end(); ++steps) {
         if (steps == kMostOrientations) return id;
         at = edge_of_.find(at->second);
@@ -166,7 +167,7 @@ class Scanner {
 
   static bool IsNumeral(char c) { return c == '.' || std::isdigit(static_cast<unsigned char>(c)); }
 
-  // Of a number whose E is next; 9999 stands for all that are larger.
+  // Reads the exponent of a number whose E is next. 9999 stands for all larger exponents.
   int TakeExponent() {
     ++at_;
     const bool negative = at_ < text_.size() && text_[at_] == '-';
@@ -190,8 +191,9 @@ class Scanner {
   std::string_view text_;
   std::size_t at_ = 0;
   std::uint64_t id_ = 0;
-  int depth_ = 0;                                             // of lists
-  std::unordered_map<std::uint64_t, std::uint64_t> edge_of_;  // oriented edges → what they refer to last
+  int depth_ = 0;  // nesting depth of lists
+  // Oriented edges → the last entity that they refer to.
+  std::unordered_map<std::uint64_t, std::uint64_t> edge_of_;
   bool in_oriented_edge_ = false;
   bool in_data_ = false, expects_schema_ = false, ended_ = false;
   StepFacts facts_;

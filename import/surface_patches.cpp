@@ -24,23 +24,23 @@
 namespace facetless {
 namespace {
 
-// Where the surface continues, the grid reaches beyond the loops by this share of their extent: room for
-// Newton's iterates and for hits at the very border.
+// Where the surface continues, the grid extends beyond the loops by this share of their range. This leaves
+// room for Newton's iterates and for hits at the border.
 constexpr double kMargin = 1.0 / 64;
-// Arcs of surfaces are at most a quarter turn wide: the weights then stay above 0.7.
+// Arcs of surfaces are at most a quarter turn wide, so that the weights stay above 0.7.
 constexpr double kMaxArc = std::numbers::pi / 2;
-// An approximation's aim, relative to the surface's size.
+// The accuracy that an approximation aims at, relative to the surface's size.
 constexpr double kRelativeTolerance = 1e-10;
-// More turns than any thread has; a damaged loop must not fill the memory.
+// No thread has more turns. The limit prevents a damaged loop from filling the memory.
 constexpr double kMaxTurns = 4096;
-// The lattice that a grid is checked on: at most this many points a side.
+// The lattice at which a grid is checked has at most this many points per direction.
 constexpr int kMaxChecks = 48;
 
-// How far a surface goes in one direction.
+// The range of a surface in one direction.
 struct Extent {
   double low = -INFINITY, high = INFINITY;
   double period = 0;
-  bool pole = false;  // its ends may be single points, beyond which the surface would fold back
+  bool pole = false;  // the ends may be poles, beyond which the surface would fold back
 };
 
 struct Reach {
@@ -53,8 +53,8 @@ Reach Widened(double low, double high, const Extent& extent, bool whole) {
   if (whole) return {low, high, extent.period > 0};
   const double margin = kMargin * (high - low);
   double begin = std::max(extent.low, low - margin), end = std::min(extent.high, high + margin);
-  // Loops that leave the surface a little, as files have them, are followed: the end spans' polynomials go
-  // on.
+  // Loops in files may leave the surface slightly. The grid follows them, since the polynomials of the end
+  // spans continue.
   if (!extent.pole) {
     begin = std::max(std::min(begin, low), extent.low - margin);
     end = std::min(std::max(end, high), extent.high + margin);
@@ -93,12 +93,12 @@ void FillProduct(PatchGrid& grid, std::vector<CurvePiece> along_u, std::vector<C
   }
 }
 
-// A line's parameter as a piece: points (t, 0, 0, 1).
+// The parameter of a line as a piece, with points (t, 0, 0, 1).
 std::vector<CurvePiece> ParameterPiece(const Reach& reach) {
   return {{reach.low, reach.high, SpanMap::kLinear, {{reach.low, 0, 0, 1}, {reach.high, 0, 0, 1}}}};
 }
 
-// Angles as arcs of the unit circle: points (cos, sin, 0, 1) in homogeneous form.
+// Angles as arcs of the unit circle, with points (cos, sin, 0, 1) in homogeneous form.
 std::vector<CurvePiece> AnglePieces(const Reach& reach) {
   return ArcPieces({}, {1, 0, 0}, {0, 1, 0}, reach.low, reach.high, kMaxArc);
 }
@@ -115,7 +115,8 @@ Vec4 Homogeneous(Vec3 weighted, double weight) {
   return {weighted.x, weighted.y, weighted.z, weight};
 }
 
-// Turns a profile (r, h, ·, w) in the half-plane of X and Z: r outwards, h along the axis.
+// Rotates a profile (r, h, ·, w) in the half-plane of X and Z about the axis: r points outwards, h along the
+// axis.
 void FillTurned(PatchGrid& grid, const Frame& frame, std::vector<CurvePiece> angles,
                 std::vector<CurvePiece> profile) {
   FillProduct(grid, std::move(angles), std::move(profile), [&](const Vec4& arc, const Vec4& p) {
@@ -165,7 +166,7 @@ PatchGrid ConePatches(SurfaceKind kind, const gp_Ax3& axes, double radius, doubl
   return grid;
 }
 
-// True if the circle of a torus's profile meets its axis at the angle v.
+// Returns whether the circle that is a torus's profile meets the axis at the angle v.
 bool IsTorusPole(double v, double major, double minor) {
   constexpr double kRounding = 1e-12;
   return minor > major && std::fabs(major + minor * std::cos(v)) <= kRounding * minor;
@@ -182,8 +183,8 @@ PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, doubl
     extent = {-0.5 * std::numbers::pi, 0.5 * std::numbers::pi, 0, true};
   } else {
     extent.period = grid.period_v = 2 * std::numbers::pi;
-    // A torus that meets its axis is a lemon in an apple: a face of one of them ends where the two meet, in
-    // poles.
+    // A torus that meets its axis consists of a lemon inside an apple. A face on one of them ends at the
+    // poles where the two meet.
     const bool low = IsTorusPole(box.v0, major, minor), high = IsTorusPole(box.v1, major, minor);
     if (low || high) {
       extent = {low ? box.v0 : -INFINITY, high ? box.v1 : INFINITY, 0, true};
@@ -196,7 +197,7 @@ PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, doubl
   grid.extendable_v = v.extendable;
   std::vector<CurvePiece> profile =
       ArcPieces({major, 0, 0}, {minor, 0, 0}, {0, minor, 0}, v.low, v.high, kMaxArc);
-  // At a pole the radius is zero, where the cosine of a rounded right angle is not.
+  // At a pole the radius is zero, but the cosine of a rounded right angle is not.
   if (extent.pole) {
     if (v.low == extent.low) profile.front().points.front().x = 0;
     if (v.high == extent.high) profile.back().points.back().x = 0;
@@ -205,7 +206,7 @@ PatchGrid TorusPatches(SurfaceKind kind, const gp_Ax3& axes, double major, doubl
   return grid;
 }
 
-// Parameters that a basis curve goes on to.
+// Returns the parameter range to which a basis curve continues.
 Extent ExtentOf(const Handle(Geom_Curve) & curve) {
   if (curve->IsPeriodic()) return {-INFINITY, INFINITY, curve->Period()};
   Extent extent;
@@ -250,7 +251,7 @@ Result<PatchGrid> RevolutionPatches(const Geom_SurfaceOfRevolution& surface, con
   };
   const Reach u = Widened(box.u0, box.u1, {-INFINITY, INFINITY, grid.period_u}, whole);
   Reach v = Widened(box.v0, box.v1, extent, whole);
-  // Do not let the margin cross the axis: beyond it the surface folds over itself.
+  // The margin must not cross the axis, because the surface folds over itself beyond it.
   const Vec3 inside = radial(0.5 * (box.v0 + box.v1));
   if (!(Dot(radial(v.low), inside) > 0)) v = {box.v0, v.high, false};
   if (!(Dot(radial(v.high), inside) > 0)) v = {v.low, box.v1, false};
@@ -260,7 +261,8 @@ Result<PatchGrid> RevolutionPatches(const Geom_SurfaceOfRevolution& surface, con
   if (!profile.ok()) return profile.error();
   grid.approximated = profile.value().approximated;
   FillProduct(grid, AnglePieces(u), std::move(profile.value().pieces), [&](const Vec4& arc, const Vec4& p) {
-    // Split the profile's point into its part along the axis, which stays, and its radial part, which turns.
+    // Split the profile's point into its part along the axis, which is constant, and its radial part, which
+    // rotates.
     const Vec3 q = Vec3{p.x, p.y, p.z} - p.w * origin;
     const Vec3 along = Dot(q, axis) * axis, out = q - along;
     return Homogeneous((arc.w * p.w) * origin + arc.w * along + arc.x * out + arc.y * Cross(axis, out),
@@ -269,7 +271,7 @@ Result<PatchGrid> RevolutionPatches(const Geom_SurfaceOfRevolution& surface, con
   return grid;
 }
 
-// Poles and flat knots of a non-periodic B-spline surface; u runs slowest.
+// The poles and flat knots of a non-periodic B-spline surface. The index of u varies slowest.
 struct PoleNet {
   int degree_u, degree_v, count_u, count_v;
   std::vector<double> u_knots, v_knots;
@@ -292,8 +294,8 @@ void ReadPoles(const Surface& surface, PoleNet& net) {
   }
 }
 
-// One pass of knot insertion along a direction of the net: for each stretch, for each row across, degree + 1
-// points. out[stretch][k][row].
+// Inserts knots along one direction of the net. For each stretch and each row across it, the result has
+// degree + 1 points: out[stretch][k][row].
 std::vector<std::vector<std::vector<Vec4>>> ExtractAlong(const std::vector<double>& knots, int degree,
                                                          const std::vector<KnotStretch>& stretches,
                                                          const std::vector<std::vector<Vec4>>& rows) {
@@ -304,15 +306,14 @@ std::vector<std::vector<std::vector<Vec4>>> ExtractAlong(const std::vector<doubl
       std::vector<Vec4> points =
           BsplineSpanPoints(knots, degree, rows[r], stretches[s].span, stretches[s].begin, stretches[s].end);
       for (int k = 0; k <= degree; ++k) out[s][k][r] = points[k];
-      // Neighbouring patches share their border bit by bit, if they are neighbours and not the two ends of a
-      // turn.
+      // Neighbouring patches share their border bit by bit, unless they are the two ends of a turn.
       if (s > 0) out[s][0][r] = out[s - 1][degree][r];
     }
   }
   return out;
 }
 
-// A stretch of knots with the shift by whole periods that puts it where the loops are.
+// A stretch of knots, with the shift by whole periods that moves it to the loops.
 struct TurnStretch {
   KnotStretch stretch;
   double shift;
@@ -360,7 +361,7 @@ void FillBspline(PatchGrid& grid, const PoleNet& net, const Reach& u, const Reac
   const auto v_stretches = TurnStretches(net.v_knots, net.degree_v, v.low, v.high, grid.period_v);
   grid.u_spans = SpansOf(u_stretches);
   grid.v_spans = SpansOf(v_stretches);
-  // Insert knots along v for every row of poles that the u-stretches touch, then along u.
+  // Insert knots along v for every row of poles that the u-stretches use, then along u.
   std::vector<std::vector<Vec4>> rows(net.count_u);
   for (int i = 0; i < net.count_u; ++i) {
     rows[i].assign(net.poles.begin() + std::ptrdiff_t{i} * net.count_v,
@@ -385,7 +386,7 @@ PatchGrid BsplinePatches(Handle(Geom_BSplineSurface) surface, const ParameterBox
   double u0, u1, v0, v1;
   surface->Bounds(u0, u1, v0, v1);
   Extent u_extent{u0, u1, 0}, v_extent{v0, v1, 0};
-  // Clamp periodic directions at their origin; that inserts knots and moves no point.
+  // Clamp periodic directions at their origin. This inserts knots and moves no point.
   if (surface->IsUPeriodic() || surface->IsVPeriodic()) {
     surface = Handle(Geom_BSplineSurface)::DownCast(surface->Copy());
     if (surface->IsUPeriodic()) u_extent = {-INFINITY, INFINITY, grid.period_u = u1 - u0};
@@ -430,8 +431,8 @@ std::vector<double> Breaks(const TColStd_Array1OfReal& intervals, double low, do
   return breaks;
 }
 
-// Anything else, in the first place offset surfaces: polynomial patches between the lines where the surface
-// is not smooth.
+// All other surfaces, above all offset surfaces: polynomial patches between the lines at which the surface is
+// not smooth.
 PatchGrid ApproximatedPatches(const Handle(Geom_Surface) & surface, const ParameterBox& box, bool whole) {
   PatchGrid grid;
   grid.kind = surface->IsKind(STANDARD_TYPE(Geom_OffsetSurface)) ? SurfaceKind::kOffset : SurfaceKind::kOther;
@@ -488,14 +489,14 @@ Result<PatchGrid> Unplaced(const Handle(Geom_Surface) & surface, const Parameter
   return ApproximatedPatches(surface, box, whole);
 }
 
-// The span of `native`; the first or last one for what lies beyond.
+// Returns the span of `native`; for parameters beyond the range, the first or last span.
 std::size_t FindSpan(const std::vector<Span>& spans, double native) {
   std::size_t i = 0;
   while (i + 1 < spans.size() && native > spans[i].end) ++i;
   return i;
 }
 
-// Lattice parameters: inside every span, thinned to kMaxChecks.
+// Returns lattice parameters: several in each span, thinned out to kMaxChecks.
 std::vector<double> CheckParameters(const std::vector<Span>& spans) {
   std::vector<double> all;
   for (const Span& span : spans) {

@@ -16,7 +16,7 @@ void TransferNotes::Show(const Message_ProgressScope&, const Standard_Boolean) {
 void TransferNotes::CollectNewNotes() {
   const Handle(Transfer_TransientProcess) process = session_->TransferReader()->TransientProcess();
   if (process.IsNull() || process->NbMapped() == known_) return;
-  // A transfer begins anew with an empty map.
+  // A new transfer begins with an empty map.
   known_ = process->NbMapped();
   if (known_ > 0) note_(process->Mapped(known_));
 }

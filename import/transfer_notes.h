@@ -1,5 +1,6 @@
-// What OpenCASCADE has translated last, told whenever it reports progress: its transfers tell nobody what
-// they are at, and this is as near as their bookkeeping comes. It costs a look at a counter per report.
+// Reports the entity that OpenCASCADE has translated last, whenever OpenCASCADE reports progress. A transfer
+// does not say which entity it is working on; the entities in its map are the closest information. Each
+// report costs one look at a counter.
 #pragma once
 
 #include <Message_ProgressIndicator.hxx>
@@ -12,7 +13,8 @@ namespace facetless {
 
 class TransferNotes : public Message_ProgressIndicator {
  public:
-  // `note` gets each entity of the file that is new; `session` is that of the reader that transfers.
+  // `note` receives each entity of the file that is new. `session` is the session of the reader that
+  // transfers.
   TransferNotes(Handle(XSControl_WorkSession) session,
                 std::function<void(const Handle(Standard_Transient) &)> note)
       : session_(std::move(session)), note_(std::move(note)) {}
