@@ -7,27 +7,27 @@ namespace facetless {
 namespace {
 
 constexpr char kHelp[] =
-    "Usage: facetless-import INPUT --model OUT.flm [--mesh OUT.glb [mesh options]]... [--deadline-s N]\n"
-    "\n"
-    "Reads a STEP, IGES or BREP file, whatever its extension, and writes its exact surfaces as a model "
-    "file.\n"
-    "\n"
-    "  --model OUT.flm      the model file\n"
-    "  --mesh OUT.glb       also a tessellation, as glTF binary; may be given many times, each followed by\n"
-    "    --deflection REL     distance of facets to the surface, relative to the model's diagonal (default "
-    "0.001)\n"
-    "    --deflection-mm MM   the same in millimetres\n"
-    "    --angular DEG        turn of the normal from facet to facet (default 20)\n"
-    "  --rays IN --depths OUT\n"
-    "                       also ask OpenCASCADE's exact intersector: six doubles for each ray in (origin, "
-    "direction),\n"
-    "                       one out (depth in directions, infinite for a miss)\n"
-    "    --rays-seconds S     answer as many as S seconds allow (default 10)\n"
-    "    --rays-near D        only hits at a depth of at least D count\n"
-    "  --unit-mm MM         one unit of the file in millimetres, whatever the file says\n"
-    "  --deadline-s N       give up after N seconds\n"
-    "\n"
-    "Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.\n";
+    R"(Usage: facetless-import INPUT --model OUT.flm [--mesh OUT.glb [mesh options]]... [--deadline-s N]
+
+Reads a STEP, IGES or BREP file, whatever its extension, and writes its exact surfaces as a model file.
+
+  --model OUT.flm      the model file
+  --mesh OUT.glb       also write a tessellation as glTF binary; may be given several times, each with options:
+    --deflection REL     largest distance of facets to the surface, divided by the model's diagonal
+                         (default 0.001)
+    --deflection-mm MM   the same in millimetres
+    --angular DEG        largest angle between the normals of neighbouring facets (default 20)
+  --rays IN --depths OUT
+                       also trace rays with OpenCASCADE's exact intersector: IN has six doubles per ray
+                       (origin, direction), OUT receives one (depth in units of the direction's length,
+                       infinite for a miss)
+    --rays-seconds S     trace as many rays as S seconds allow (default 10)
+    --rays-near D        ignore hits at a depth below D
+  --unit-mm MM         length of the file's unit in millimetres, whatever the file says
+  --deadline-s N       give up after N seconds
+
+Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.
+)";
 
 Error Usage(const std::string& what) {
   return {ErrorCode::kBadUsage, what + " See facetless-import --help."};

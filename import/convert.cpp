@@ -65,7 +65,7 @@ void Balance(const std::vector<DeclaredFace>& declared, const Model& model, Impo
   }
   for (const DeclaredFace& face : declared) {
     if (shown.contains(face.entity) || !lost.insert(face.entity).second) continue;
-    info.faces_lost.push_back({kNoIndex, face.name, face.entity, "no shape that is shown holds it"});
+    info.faces_lost.push_back({kNoIndex, face.name, face.entity, "no visible shape contains it"});
   }
   info.faces_imported = shown.size() + unnamed;
   info.faces_declared = info.faces_imported + info.faces_lost.size();

@@ -178,7 +178,7 @@ class IgesReader {
     if (!any) return;
     AddShape(faces, source_.name, document_);
     document_.info.warnings.push_back(
-        "The file's shapes could not be read as a whole: its faces were, each for itself.");
+        "The file's shapes could not be read as a whole; its faces were read one by one.");
   }
 
   TopoDS_Shape TransferFace(const Handle(IGESData_IGESEntity) & entity) {
@@ -270,10 +270,10 @@ class IgesReader {
   static std::string ReasonFor(const Handle(Transfer_TransientProcess) & process,
                                const Handle(IGESData_IGESEntity) & entity) {
     if (entity->TypeNumber() == kPlane && entity->FormNumber() == 0)
-      return "a plane without bounds has no face";
+      return "a plane without bounds is no face";
     const Handle(Interface_Check) check = process->Check(entity);
     if (!check.IsNull() && check->NbFails() > 0) return std::string("OpenCASCADE: ") + check->CFail(1);
-    return "OpenCASCADE made no face of it and gave no reason";
+    return "OpenCASCADE did not convert it to a face and gave no reason";
   }
 
   const SourceFile& source_;

@@ -396,11 +396,12 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
              std::to_string(entity.type) + ")";
     };
     if (ClaimsMoreThan(text->second.size(), entity.type, tokens))
-      return Error{ErrorCode::kFormatBroken, entity_name() + " claims more values than the file holds."};
+      return Error{ErrorCode::kFormatBroken,
+                   entity_name() + " claims more values than the file contains; export the model again."};
     if (const std::string* bad = NotFinite(tokens))
       return Error{ErrorCode::kNotFinite,
                    entity_name() + " holds \"" + *bad +
-                       "\", beyond what can be computed with; export the model again."};
+                       "\", which is no finite number or too large to compute with; export the model again."};
     for (const auto& [first, last] : MadeOf(entity.type, tokens)) {
       for (std::size_t t = first; t < std::min(last, tokens.size()); ++t)
         made_of[entity.directory].push_back(static_cast<int>(std::clamp(NumberIn(tokens, t), -1.0, 1e7)));
@@ -408,7 +409,7 @@ Result<IgesFacts> ScanIges(const std::string& name, std::string_view bytes) {
   }
   if (const int cycle = MadeOfItself(made_of); cycle != 0)
     return Error{ErrorCode::kFormatBroken,
-                 name + ": entity D" + std::to_string(cycle) + " is made of itself; export the model again."};
+                 name + ": entity D" + std::to_string(cycle) + " contains itself; export the model again."};
   return facts;
 }
 

@@ -206,7 +206,7 @@ int Import(const CommandLine& options, const Answer& answer) {
   Stages::Report("convert", 1);
   Model& model = conversion.value().model;
   if (!options.meshes.empty() && !(model.Diagonal() > 0))
-    return Fail({ErrorCode::kNothingUsable, source.value().name + ": all that it holds lies in one point."},
+    return Fail({ErrorCode::kNothingUsable, source.value().name + ": all of its geometry lies in one point."},
                 answer);
   // Write the model before steps that may take long, so that the caller can use it if the mesher fails.
   model.info.read_ms = Stages::read_ms;
@@ -262,7 +262,7 @@ int Run(int argc, char** argv) {
   } catch (const Standard_OutOfMemory&) {
     return OutOfMemory(options.value().input, answer);
   } catch (const Standard_Failure& failure) {
-    return Fail({ErrorCode::kFormatBroken, options.value().input + " makes OpenCASCADE fail (" +
+    return Fail({ErrorCode::kFormatBroken, "OpenCASCADE failed on " + options.value().input + " (" +
                                                failure.DynamicType()->Name() + "); export the model again."},
                 answer);
   }

@@ -173,7 +173,7 @@ void PartConverter::AddFace(std::size_t index) {
     if (!mended.IsNull() && TryFace(member, mended).empty()) {
       const FaceOrigin* origin = OriginOf(member.face);
       Warn("Face " + FaceName(first_face_ + static_cast<std::uint32_t>(face_groups_.size()) - 1) +
-           ": edges along which it runs there and back were left out.");
+           ": its loops follow edges forwards and backwards; those edges were removed.");
       for (std::size_t i = 0; i < members_.size(); ++i)
         stored_[i] = stored_[i] || i == index || (origin != nullptr && SameOrigin(members_[i].face, *origin));
       return;

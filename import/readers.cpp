@@ -65,8 +65,8 @@ void SettleUnit(double unit_mm, CadDocument& document) {
     info.unit_mm = unit_mm;
   } else if (info.unit.empty()) {
     info.warnings.push_back(
-        "The file has no length unit that can be read, so that millimetres are assumed; --unit sets "
-        "another unit.");
+        "The file has no length unit that can be read, so millimetres are assumed; set another unit with "
+        "--unit.");
   }
 }
 

@@ -198,7 +198,7 @@ class StepReader {
       const std::string where =
           last_.IsNull() ? std::string()
                          : ", at or after an entity of type " + std::string(last_->DynamicType()->Name());
-      return Error{ErrorCode::kFormatBroken, "OpenCASCADE fails while it reads " + source_.name + where +
+      return Error{ErrorCode::kFormatBroken, "OpenCASCADE failed while it read " + source_.name + where +
                                                  " (" + failure.DynamicType()->Name() +
                                                  "); export the model again, or as another version of STEP."};
     }
@@ -212,8 +212,8 @@ class StepReader {
       std::string type = entity->DynamicType()->Name();
       const std::string label = Label(static_cast<std::uint64_t>(model->IdentLabel(entity)));
       if (named.insert(label).second)
-        document_.info.warnings.push_back("OpenCASCADE fails on entity " + label + " (" + type +
-                                          "), and what depends on it may be missing.");
+        document_.info.warnings.push_back("OpenCASCADE failed on entity " + label + " (" + type +
+                                          "); everything that depends on it may be missing.");
     }
   }
 
@@ -340,7 +340,8 @@ class StepReader {
       }
       if (!document_.prototypes.empty()) {
         document_.info.warnings.push_back(
-            "The file's product structure could not be read: its shapes were, without names and colours.");
+            "The file's product structure could not be read; its shapes were read without names and "
+            "colours.");
       }
     } catch (const Standard_Failure&) {
       Discard();
@@ -375,7 +376,7 @@ class StepReader {
     if (!any) return;
     AddShape(pieces, source_.name, document_);
     document_.info.warnings.push_back(
-        "The file's shapes could not be read as a whole: its bodies and faces were, each for itself.");
+        "The file's shapes could not be read as a whole; its bodies and faces were read one by one.");
   }
 
   TopoDS_Shape TransferPiece(const Handle(Standard_Transient) & entity) {
@@ -560,8 +561,8 @@ class StepReader {
     if (reason.empty()) reason = FirstMessage(process->Check(face->FaceGeometry()));
     if (reason.empty()) reason = FirstMessage(process->Check(face));
     if (!reason.empty()) reason = "OpenCASCADE: " + Tidied(reason);
-    if (reason.empty() && !Session()->Graph().Sharings(face).More()) return "nothing in the file holds it";
-    return reason.empty() ? "OpenCASCADE made no face of it and gave no reason" : reason;
+    if (reason.empty() && !Session()->Graph().Sharings(face).More()) return "no entity of the file uses it";
+    return reason.empty() ? "OpenCASCADE did not convert it to a face and gave no reason" : reason;
   }
 
   // Returns the reason for the loss of a surface that represents itself, or of an entity that OpenCASCADE
@@ -573,7 +574,7 @@ class StepReader {
     if (const Handle(Transfer_Binder) binder = process->Find(entity); !binder.IsNull())
       reason = FirstMessage(binder->CCheck());
     if (reason.empty()) reason = FirstMessage(process->Check(entity));
-    return reason.empty() ? "OpenCASCADE made no face of this surface and gave no reason"
+    return reason.empty() ? "OpenCASCADE did not convert this surface to a face and gave no reason"
                           : "OpenCASCADE: " + Tidied(reason);
   }
 

@@ -131,17 +131,17 @@ constexpr std::array<std::string_view, 4> kTurned{"CYLINDRICAL_SURFACE", "CONICA
 void Repairer::DropOtherStructures() {
   if (entities_.structures() == 1) return;
   Warn(std::to_string(entities_.structures()) +
-       " STEP files stand one after the other in this file, and only the first is read; split the file to "
-       "read the others.");
+       " STEP files follow each other in this file, and only the first is read; split the file to read the "
+       "others.");
   for (const StepEntity& entity : entities_.all()) {
     if (entity.structure == 0) continue;
     if (IsFaceKeyword(entity.keyword)) {
       const auto record = entities_.Record(entity);
       repair_.lost.push_back({Label(entity.id) + " of file " + std::to_string(entity.structure + 1),
                               record ? NameIn(*record) : "",
-                              "it stands in file " + std::to_string(entity.structure + 1) + " of " +
+                              "it is in file " + std::to_string(entity.structure + 1) + " of " +
                                   std::to_string(entities_.structures()) +
-                                  " that stand one after the other, of which only the first is read"});
+                                  " that follow each other, of which only the first is read"});
     }
   }
 }
@@ -259,8 +259,8 @@ void Repairer::CheckSense(const StepEntity& entity, StepRecord& record, const Se
   value.kind = Kind::kEnum;
   value.text = written == ".FALSE." ? "F" : "T";
   Edit(entity, record);
-  Warn("For " + std::string(rule.what) + " " + Label(entity.id) + " the file says " + written +
-       ", neither true nor false; " + (value.text == "F" ? "false" : "true") + " was taken for it.");
+  Warn("The file gives " + written + " for " + std::string(rule.what) + " " + Label(entity.id) +
+       ", which is neither true nor false; " + (value.text == "F" ? "false" : "true") + " was assumed.");
 }
 
 void Repairer::CheckCurve(const StepEntity& entity, const StepRecord& record) {
@@ -348,7 +348,8 @@ void Repairer::LeaveOutSpurs(const StepEntity& loop, const StepEntity& surface) 
               kept.end() - static_cast<std::ptrdiff_t>(ends));
   if (kept.empty()) return;
   if (kept.size() == uses.size()) return;
-  Warn("The edge loop " + Label(loop.id) + " runs along edges there and back; those edges were left out.");
+  Warn("The edge loop " + Label(loop.id) +
+       " follows edges forwards and backwards; those edges were removed.");
   std::string body = "EDGE_LOOP('',(";
   for (std::size_t i = 0; i < kept.size(); ++i) body += (i == 0 ? "" : ",") + Label(kept[i].oriented);
   edits_[&loop] = body + "))";

@@ -60,7 +60,7 @@ class Scanner {
           return Error{ErrorCode::kNotFinite,
                        name_ + ": entity #" + std::to_string(id_) + " holds a number of 1e" +
                            std::to_string(exponent) +
-                           ", beyond what can be computed with; export the model again."};
+                           ", which is too large to compute with; export the model again."};
         }
       } else if (std::isalpha(static_cast<unsigned char>(c))) {
         const std::string_view word = TakeWord();
@@ -73,9 +73,10 @@ class Scanner {
       } else {
         ++at_;
         if (c == '(' && ++depth_ > kDeepestList) {
-          return Error{ErrorCode::kFormatBroken,
-                       name_ + ": entity #" + std::to_string(id_) + " holds lists within more than " +
-                           std::to_string(kDeepestList) + " others; export the model again."};
+          return Error{ErrorCode::kFormatBroken, name_ + ": entity #" + std::to_string(id_) +
+                                                     " holds lists that are nested more than " +
+                                                     std::to_string(kDeepestList) +
+                                                     " deep; export the model again."};
         }
         if (c == ')') --depth_;
         if (c == ';') {
@@ -88,7 +89,7 @@ class Scanner {
     }
     if (const std::uint64_t id = EdgeOfItself(); id != 0)
       return Error{ErrorCode::kFormatBroken, name_ + ": oriented edge #" + std::to_string(id) +
-                                                 " is made of itself; export the model again."};
+                                                 " refers to itself; export the model again."};
     if (!in_data_)
       return Error{ErrorCode::kFormatBroken,
                    name_ + " is a STEP file without a DATA section; it may have been cut off."};

@@ -128,13 +128,13 @@ INSTANTIATE_TEST_SUITE_P(
         // Occurrences, and files one after the other.
         Case{"asm_two.stp", 6, 6, 12, 0, "", Bounds{0, 0, 0, 6, 6, 1}, 12, 1},
         Case{"asm_second_no_transform.stp", 7, 6, 6, 0, "#9301 right", Bounds{5, 0, 0, 6, 1, 1}, 6, 1},
-        Case{"concat.stp", 12, 6, 6, 0, "stand one after the other", kCube, 6, 1},
+        Case{"concat.stp", 12, 6, 6, 0, "follow each other", kCube, 6, 1},
         // Edges that are walked there and back.
-        Case{"sphere_great_circle_twice.step", 1, 1, 1, 0, "there and back", {}, 100 * kPi},
-        Case{"sphere_offaxis_halfcircle_twice.step", 1, 1, 1, 0, "there and back", {}, 100 * kPi},
+        Case{"sphere_great_circle_twice.step", 1, 1, 1, 0, "forwards and backwards", {}, 100 * kPi},
+        Case{"sphere_offaxis_halfcircle_twice.step", 1, 1, 1, 0, "forwards and backwards", {}, 100 * kPi},
         Case{"cyl_plain.step", 3, 3, 3, 0, "", {}, 600 * kPi, 1},
-        Case{"cyl_spur_one.step", 3, 3, 3, 0, "there and back", {}, 600 * kPi, 1},
-        Case{"cyl_spur_both.step", 3, 3, 3, 0, "there and back", {}, 600 * kPi, 1},
+        Case{"cyl_spur_one.step", 3, 3, 3, 0, "forwards and backwards", {}, 600 * kPi, 1},
+        Case{"cyl_spur_both.step", 3, 3, 3, 0, "forwards and backwards", {}, 600 * kPi, 1},
         Case{"parabola_groove.step", 2, 2, 2, 0, "", {}, 0, 1},
         Case{"parabola_bowl_noseam.step", 2, 1, 1, 0, "#33"},
         Case{"degenerate_torus_T_vertex_loop.step", 1, 1, 1, 0, "", {}, 2404.23},

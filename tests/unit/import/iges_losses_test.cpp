@@ -120,7 +120,7 @@ TEST(IgesLosses, AnEntityThatPointsToItselfIsNamed) {
     const auto conversion = Converted({entity, {128, 0, kSheet}});
     ASSERT_FALSE(conversion.ok()) << entity.type;
     EXPECT_EQ(conversion.error().code, ErrorCode::kFormatBroken) << entity.type;
-    EXPECT_NE(conversion.error().message.find("D1 is made of itself"), std::string::npos)
+    EXPECT_NE(conversion.error().message.find("D1 contains itself"), std::string::npos)
         << conversion.error().message;
   }
 }

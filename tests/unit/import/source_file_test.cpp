@@ -201,7 +201,7 @@ TEST(SourceFile, AnIgesEntityThatIsMadeOfItselfIsRefused) {
     const Result<SourceFile> source = OpenEntity(folder, type, parameters);
     ASSERT_FALSE(source.ok()) << parameters;
     EXPECT_EQ(source.error().code, ErrorCode::kFormatBroken);
-    EXPECT_NE(source.error().message.find("D1 is made of itself"), std::string::npos);
+    EXPECT_NE(source.error().message.find("D1 contains itself"), std::string::npos);
   }
 }
 
