@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A slope is known to about this much: times of a few ms differ by a few per cent from run to run.
+// The error of a measured exponent. Times of a few milliseconds differ by a few per cent from run to run.
 constexpr double kSlopeError = 0.05;
 
 std::string ValueText(double value, ValueUnit unit) {
@@ -199,7 +199,9 @@ Table ValueTable(const std::vector<BenchValue>& values) {
                             std::to_string(value.repetitions)});
     }
   }
-  if (limited) table.notes.push_back("\">\": stopped at the time limit, and counted at it.");
+  if (limited)
+    table.notes.push_back(
+        "\">\": the mesher was stopped at the time limit, and the mesh counts at that limit.");
   return table;
 }
 

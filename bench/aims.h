@@ -1,11 +1,11 @@
-// The aims of the performance table, and what was measured against them.
+// The aims of the performance table, and the values that were measured for them.
 //
-//  1. A value compares the direct renderer with something else, on one file and view, at one number of
-//     threads. Its `ratio` is how many times better the direct renderer is, except where an aim is an upper
-//     bound (memory, the next view, growth): there it is the direct renderer's share.
-//  2. A row is met if the geometric mean over its values meets the aim for the mean, and every value the aim
-//     for each.
-//  3. A competitor that did not finish counts at the limit; the value says so.
+//  1. A value compares the direct renderer with a competitor, on one file and view, with one number of
+//     threads. Its `ratio` says how many times better the direct renderer is. For aims that are upper bounds
+//     (memory, the next view, growth), it is the direct renderer's value divided by the competitor's.
+//  2. A row is met if the geometric mean of its values meets the aim for the mean, and every value meets the
+//     aim for single values.
+//  3. A competitor that did not finish counts with the time limit, and the value says so.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ enum class AimKind : std::uint8_t { kAtLeast, kAtMost };
 
 struct Aim {
   const char* id;       // "first_image_default_mesh"
-  const char* number;   // of the row: "1", "4 fast"
+  const char* number;   // number of the row: "1", "4 fast"
   const char* what;     // "first exact image"
   const char* against;  // "default mesh (1e-3): meshing, tree, trace, shade"
   const char* text;     // "2× on average, never below 0.67×"
@@ -30,9 +30,9 @@ struct Aim {
   std::optional<double> mean, each;
 };
 
-// All rows, in the order of the table.
+// Returns all rows, in the order of the table.
 const std::vector<Aim>& Aims();
-// Requires an id of Aims().
+// Returns the aim with this id. Requires an id of Aims().
 const Aim& FindAim(const std::string& id);
 
 enum class ValueUnit : std::uint8_t { kMilliseconds, kRaysPerSecond, kBytes, kNone };
@@ -45,8 +45,8 @@ struct BenchValue {
   double ratio = 0;
   ValueUnit unit = ValueUnit::kMilliseconds;
   int repetitions = 1;
-  bool at_limit = false;  // the other side was stopped at the time limit
-  std::string skipped;    // instead of numbers: why there are none
+  bool at_limit = false;  // the competitor was stopped at the time limit
+  std::string skipped;    // if there are no numbers: the reason
 };
 
 struct AimSummary {
@@ -58,10 +58,10 @@ struct AimSummary {
   bool met = false;
 };
 
-// One summary for each aim and number of threads that has values.
+// Returns one summary for each aim and number of threads that has values.
 std::vector<AimSummary> Summarise(const std::vector<BenchValue>& values);
 
-// The rows with their aims; and every value of every file.
+// AimTable lists the rows with their aims, ValueTable every value of every file.
 Table AimTable(const std::vector<BenchValue>& values);
 Table ValueTable(const std::vector<BenchValue>& values);
 

@@ -1,8 +1,7 @@
-// A tensor-product Bézier patch of any number of components: value and first derivatives, from the Bernstein
-// basis.
+// Evaluates a tensor-product Bézier patch with any number of components: value and first derivatives, from
+// the Bernstein basis.
 //
-// Both methods that are compared evaluate with this, so that they differ in what they solve and not in how
-// well it is coded.
+// Both methods in the comparison use this code, so that they differ only in the equations that they solve.
 #pragma once
 
 #include <array>
@@ -14,7 +13,7 @@ inline constexpr int kMaxSceneDegree = 5;
 struct BernsteinBasis {
   std::array<double, kMaxSceneDegree + 1> value, slope;
 
-  // Values by the triangle of de Casteljau's coefficients, slopes from those of one degree less.
+  // Computes the values by de Casteljau's triangle, and the slopes from the values of the next lower degree.
   BernsteinBasis(int degree, double t) {
     value.fill(0);
     slope.fill(0);

@@ -9,7 +9,7 @@ namespace {
 
 const Vec3 kEye{kSceneSize / 2.0, kSceneSize / 2.0, -kEyeDistance};
 
-// Of an object on the screen.
+// The range of pixels that an object covers on the screen.
 struct PixelRange {
   double low = INFINITY, high = -INFINITY;
   void Add(double x) { low = std::min(low, x), high = std::max(high, x); }
@@ -25,7 +25,7 @@ std::vector<SceneBox> RandomBoxes(int objects, int size, bool perspective, std::
                  y = static_cast<double>(engine() % kSceneSize) - size / 2,
                  z = static_cast<double>(engine() % kSceneSize);
     const Vec3 low{x, y, 0}, high{x + size, y + size, 0};
-    // Moved away from the eye, along the rays through the corners of its front.
+    // Move the box away from the eye, along the rays through the corners of its front face.
     const double scale = perspective ? 1 + z / kEyeDistance : 1;
     SceneBox box{kEye + scale * (low - kEye), kEye + scale * (high - kEye)};
     box.low.z = z;
@@ -52,8 +52,8 @@ bool BoxScan::MeetsBox(const SceneBox& box, const SceneRay& ray) {
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   };
-  // No direction is parallel to the image plane, and a division by zero gives the infinities that the rest
-  // wants.
+  // No direction is parallel to the image plane. In x and y, a division by zero gives the infinities that the
+  // following code expects.
   cut(box.low.z, box.high.z, kEye.z, ray.direction.z);
   cut(box.low.x, box.high.x, kEye.x, ray.direction.x);
   cut(box.low.y, box.high.y, kEye.y, ray.direction.y);
@@ -61,7 +61,7 @@ bool BoxScan::MeetsBox(const SceneBox& box, const SceneRay& ray) {
 }
 
 SphereScan::SphereScan(const std::vector<SceneBox>& boxes, bool perspective) : perspective_(perspective) {
-  // Rounding must not lose what touches the sphere.
+  // The slack keeps a ray that touches the sphere despite rounding.
   constexpr double kSlack = 1e-9;
   for (const SceneBox& box : boxes) {
     const Vec3 middle = 0.5 * (box.low + box.high);
@@ -78,7 +78,7 @@ SphereScan::SphereScan(const std::vector<SceneBox>& boxes, bool perspective) : p
 
 RowColumnBitmaps::RowColumnBitmaps(const std::vector<SceneBox>& boxes, bool perspective)
     : words_((boxes.size() + 63) / 64), bits_(2 * kSceneSize * words_, 0) {
-  // Rounding must not lose what touches a plane.
+  // The slack keeps a box that touches a plane despite rounding.
   constexpr double kSlack = 1e-9;
   for (std::size_t k = 0; k < boxes.size(); ++k) {
     PixelRange x, y;

@@ -1,17 +1,17 @@
-// Scenes of many small boxes, and three ways to find those that a primary ray may hit, as V. Skala compares
-// them ("Memory saving technique for space subdivision technique", sections 2 to 4): a scan over min-max
-// boxes, a scan over bounding circles or spheres, and bitmaps per pixel row and column (BMSSM) over the whole
+// Scenes of many small boxes, and three ways to find the boxes that a primary ray may hit. V. Skala compares
+// them in "Memory saving technique for space subdivision technique", sections 2 to 4: a scan over min-max
+// boxes, a scan over bounding circles or spheres, and bitmaps per pixel row and column (BMSSM) for the whole
 // image.
 //
-//  1. Object k covers size + 1 pixels on a side, its middle lies on a random pixel of the image, and what
-//     reaches beyond the image is cut off: the paper's numbers of intersections per ray (its table 6) follow
-//     from this.
-//  2. Perspective scenes have the same boxes as seen from the eye, in front: at a random depth, and as much
-//     larger.
-//  3. Visit() calls back for each candidate in the order of objects. A scan of boxes gives exactly the
-//     objects whose box the ray meets, and in parallel views so do the bitmaps; the others give a few more,
-//     never fewer.
-//  4. A scene follows from its seed on every machine.
+//  1. Object k covers size + 1 pixels per side, and its centre lies on a random pixel of the image. Parts
+//     beyond the image are cut off. The paper's numbers of intersections per ray (its table 6) follow from
+//     this rule.
+//  2. Perspective scenes have boxes that look the same from the eye: each is at a random depth and scaled
+//     accordingly.
+//  3. Visit() calls back for each candidate, in the order of objects. A scan of boxes finds exactly the
+//     objects whose box the ray meets; so do the bitmaps in parallel views. The other methods find a few
+//     more, never fewer.
+//  4. A seed gives the same scene on every machine.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@
 
 namespace facetless {
 
-inline constexpr int kSceneSize = 256;  // pixels on a side
-inline constexpr double kEyeDistance =
-    kSceneSize;  // of the eye from the image plane z = 0, at the image's middle
+inline constexpr int kSceneSize = 256;  // pixels per side
+// Distance of the eye from the image plane z = 0. The eye is in front of the image's centre.
+inline constexpr double kEyeDistance = kSceneSize;
 
 struct SceneBox {
   Vec3 low, high;
@@ -31,14 +31,15 @@ struct SceneBox {
 
 std::vector<SceneBox> RandomBoxes(int objects, int size, bool perspective, std::uint64_t seed);
 
-// The ray through pixel (x, y): from the eye through (x, y, 0), or along z.
+// The ray through pixel (x, y): from the eye through (x, y, 0) in perspective views, along z in parallel
+// views.
 struct SceneRay {
   double x, y;
-  Vec3 direction;  // of unit length; perspective only
+  Vec3 direction;  // unit length; perspective only
 };
 SceneRay ScenePixelRay(int x, int y, bool perspective);
 
-// Min-max boxes, one after the other.
+// Scans all min-max boxes in order.
 class BoxScan {
  public:
   BoxScan(const std::vector<SceneBox>& boxes, bool perspective);
@@ -50,7 +51,7 @@ class BoxScan {
       VisitParallel(ray, visit);
   }
   std::size_t bytes() const { return boxes_.size() * (perspective_ ? sizeof(SceneBox) : sizeof(Rectangle)); }
-  // Whether the ray meets box k.
+  // Returns whether the ray meets box k.
   bool Meets(const SceneRay& ray, std::uint32_t k) const {
     return perspective_ ? MeetsBox(boxes_[k], ray) : MeetsRectangle(rectangles_[k], ray);
   }
@@ -59,7 +60,7 @@ class BoxScan {
   struct Rectangle {
     double x_low, x_high, y_low, y_high;
   };
-  // Without a jump in between: four that nobody can foretell take longer than four comparisons.
+  // Evaluates all comparisons without branches: four mispredicted branches cost more than four comparisons.
   static bool MeetsRectangle(const Rectangle& r, const SceneRay& ray) {
     return (r.x_low <= ray.x) & (ray.x <= r.x_high) & (r.y_low <= ray.y) & (ray.y <= r.y_high);
   }
@@ -80,8 +81,8 @@ class BoxScan {
   std::vector<Rectangle> rectangles_;
 };
 
-// Bounding circles, or spheres with the test of section 4: (s1·s2)² − q >= 0, q = s1·s1 − r² computed
-// beforehand.
+// Scans bounding circles, or spheres with the test of section 4: (s1·s2)² − q >= 0, where q = s1·s1 − r² is
+// precomputed.
 class SphereScan {
  public:
   SphereScan(const std::vector<SceneBox>& boxes, bool perspective);
@@ -114,8 +115,8 @@ class SphereScan {
   std::vector<Sphere> spheres_;
 };
 
-// BMSSM: bit k of row i is set if the plane of row i meets object k, of column j likewise; the candidates are
-// R_i & S_j.
+// BMSSM: bit k of row i is set if the plane of row i meets object k; the same holds for columns. The
+// candidates of pixel (j, i) are R_i & S_j.
 class RowColumnBitmaps {
  public:
   RowColumnBitmaps(const std::vector<SceneBox>& boxes, bool perspective);

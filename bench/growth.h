@@ -1,11 +1,11 @@
-// How the cost of a picture grows with its work: row 9 of the aims.
+// Measures how the time of a picture grows with the amount of work: row 9 of the aims.
 //
-//  1. Pictures grow from 256² to 4096² pixels, of one model; scenes from 10² to 10⁵ faces, generated, all in
-//     view, on one size of picture.
-//  2. Times are of trimming structures, preparation and tracing together, in standard precision, on one
-//     thread; the median of the runs.
-//  3. The figure is the power with which the time grows, by least squares: with the number of rays of the
-//     pictures, and of the scenes with the number of leaves seen. 1 is linear.
+//  1. One series has pictures of one model, from 256² to 4096² pixels. The other has generated scenes of 10²
+//     to 10⁵ faces, all in view, on one picture size.
+//  2. A time is the sum of trimming structures, preparation and tracing, in standard precision, on one
+//     thread. The median of the runs counts.
+//  3. The figure is the exponent of the growth of the time, fitted by least squares: for pictures, over the
+//     number of rays; for scenes, over the number of leaves seen. 1 is linear.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ namespace facetless {
 
 struct GrowthStep {
   std::string label;
-  int size = 0;  // of the picture
+  int size = 0;  // pixels per side of the picture
   std::size_t faces = 0;
   double scene_ms = 0, prepare_ms = 0, trace_ms = 0;
   DirectStats stats;
@@ -42,7 +42,7 @@ struct GrowthRange {
   int repeats = 3;
 };
 
-// `camera` sees `model`; its size is replaced. Errors: those of TraceDirect.
+// `camera` must see `model`; the camera's size is replaced. Errors: those of TraceDirect.
 Result<Growth> MeasureGrowth(const std::string& file, const Model& model, const Camera& camera,
                              const GrowthRange& range);
 

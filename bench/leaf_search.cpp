@@ -21,23 +21,23 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Scans are asked so many boxes at most.
+// A scan tests at most this many boxes.
 constexpr double kMostScanTests = 4e8;
 
 struct Pixel {
   int column, row;
 };
 
-// What is known of a ray beforehand, when the search alone is measured.
+// The known result of a ray. It is used when the search alone is measured.
 struct Winner {
   std::uint32_t leaf = kNoIndex;
   double depth = INFINITY;
 };
 
-// One ray's search: the nearest root so far.
+// The search of one ray. It keeps the nearest root so far.
 class Query {
  public:
-  // Asks the solver, or, with a `winner`, knows the answer.
+  // Without a `winner`, the query calls the solver. With one, it uses the known result.
   Query(std::span<const CertifiedLeaf> leaves, const Camera& camera, Pixel pixel, const Winner* winner)
       : leaves_(leaves),
         x_(pixel.column + 0.5 - 0.5 * camera.width_px),
@@ -77,17 +77,17 @@ class Comparison {
   }
 
   Result<void> Run(LeafSearches& searches) {
-    // The bitmaps.
+    // Add the bitmaps.
     ChooseRays();
     Add("bitmaps (BMSSM)", build_bitmaps_ms_, BitmapBytes(), 1, &Comparison::TraceBitmaps);
-    // A plain scan, which may rely on the order of leaves as the bitmaps do.
+    // Add the plain scans. They may rely on the order of leaves, as the bitmaps do.
     const std::size_t stride = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::ceil(static_cast<double>(rays_.size()) *
                                               static_cast<double>(leaves().size()) / kMostScanTests)));
     Add("scan of boxes", 0, leaves().size() * sizeof(ScreenBox), stride, &Comparison::TraceScan);
     circles_ms_ = MeasureMilliseconds([&] { MakeCircles(); });
     Add("scan of circles", circles_ms_, circles_.size() * sizeof(Circle), stride, &Comparison::TraceCircles);
-    // Trees.
+    // Add the trees.
     const double tree_ms = MeasureMilliseconds([&] { tree_.emplace(leaves()); });
     Add("bounding volume hierarchy", tree_ms, tree_->bytes(), 1, &Comparison::TraceTree);
     std::vector<ScreenBox> boxes;
@@ -110,7 +110,7 @@ class Comparison {
   struct Tally {
     std::uint64_t candidates = 0;
   };
-  // With `known`, of the same rays, the solver is not asked.
+  // If `known` is not null, it has the results of the same rays, and the solver is not called.
   using Tracer = void (Comparison::*)(std::size_t stride, const Winner* known, std::vector<Winner>& found,
                                       Tally& tally) const;
 
@@ -154,7 +154,7 @@ class Comparison {
         (this->*competitor.tracer)(competitor.stride, nullptr, competitor.found, competitor.tally);
       });
     const auto runs = TakeTurns(repeats_, turns);
-    // The search alone.
+    // Measure the search alone.
     const std::vector<Winner>& bitmaps = competitors_.front().found;
     turns.clear();
     for (Competitor& competitor : competitors_)
@@ -223,7 +223,7 @@ class Comparison {
   }
 
   void MakeCircles() {
-    // A circle around the box's pixel centres: half a pixel more covers the rounding many times over.
+    // The circle encloses the box's pixel centres. Half a pixel more covers the rounding many times over.
     for (const CertifiedLeaf& leaf : leaves()) {
       const SampleBox box = leaf.box;
       const double half_width = 0.5 * (box.col_end() - box.col_begin()),
@@ -275,7 +275,7 @@ class Comparison {
   const int repeats_;
   double build_bitmaps_ms_ = 0, circles_ms_ = 0;
   std::unique_ptr<TileLeaves> tiles_;
-  std::vector<int> chosen_;  // tiles
+  std::vector<int> chosen_;  // chosen tiles
   std::vector<Pixel> rays_;
   std::vector<Circle> circles_;
   std::optional<LeafTree> tree_;
@@ -290,7 +290,7 @@ Result<LeafSearches> MeasureLeafSearches(const std::string& file, const Model& m
   const Scene scene(model);
   const Result<CameraFrame> frame = MakeFrame(camera, model.Diagonal());
   if (!frame) return frame.error();
-  // The view owns the coefficients that the leaves point to.
+  // The view owns the coefficients to which the leaves point.
   const Result<PreparedView> view = PrepareView(scene.data(), camera, frame.value(), {});
   if (!view) return view.error();
   LeafSearches searches;
@@ -326,11 +326,14 @@ Table LeafSearchTable(const LeafSearches& searches) {
          ThreeDigits(search.candidates_per_ray), TimesText(search.search_ns_per_ray / bitmaps_ns),
          std::to_string(search.rays), std::to_string(search.unlike)});
   table.notes = {
-      std::to_string(searches.leaves) + " leaves with a certificate; " + std::to_string(searches.left_out) +
-          " without one are left out. \"Search alone\" knows each ray's answer and asks no solver.",
-      "Bitmaps: build is sorting and listing per tile, and a ray's time includes its share of the tile's "
-      "bitmaps; their memory is "
-      "that of the lists and of all tiles' bitmaps at once, of which the renderer holds one per thread."};
+      "The structures hold " + std::to_string(searches.leaves) + " leaves with a certificate; " +
+          std::to_string(searches.left_out) +
+          " leaves without one are left out. \"Search alone\" knows the answer of each ray and asks no "
+          "solver.",
+      "For the bitmaps, the build is sorting and listing per tile, and the time of a ray includes its share "
+      "of "
+      "making the bitmaps of its tile. Their memory is that of the lists and of the bitmaps of all tiles at "
+      "once; the renderer holds those of one tile per thread."};
   return table;
 }
 

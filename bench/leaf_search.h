@@ -1,13 +1,13 @@
-// Structures that find the leaves of a view for a ray, over the leaves of a real model: bitmaps per tile
-// (BMSSM, render/accel), a plain scan of boxes, bounding circles, a bounding volume hierarchy, and Embree's
-// tree of user geometry.
+// Compares structures that find the leaves of a view that a ray may hit, over the leaves of a real model:
+// bitmaps per tile (BMSSM, render/accel), a scan of boxes, a scan of bounding circles, a bounding volume
+// hierarchy, and Embree's tree of user geometry.
 //
-//  1. All hold the same leaves, those with a certificate, and ask the same solver: a structure has no other
-//     way to a hit. Trimming is not asked.
-//  2. The same rays one by one, on one thread: those of every kTileStep-th tile. Scans are asked fewer of
-//     them where they are slow.
-//  3. All see the same depth along every ray, to the bit, or the comparison says nothing: `unlike` counts
-//     rays that differ.
+//  1. All structures contain the same leaves, those with a certificate, and use the same solver to compute
+//     hits. Trimming is ignored.
+//  2. The same rays are traced one by one, on one thread: those of every kTileStep-th tile. Slow scans trace
+//     fewer of them.
+//  3. All structures must find bitwise equal depths along every ray; otherwise the comparison is meaningless.
+//     `unlike` counts the rays that differ.
 #pragma once
 
 #include <cstdint>
@@ -28,17 +28,17 @@ struct LeafSearch {
   std::string name;
   double build_ms = 0;
   std::size_t bytes = 0;
-  std::uint64_t rays = 0;         // asked
-  double ns_per_ray = 0;          // bitmaps: making those of the tile included
-  double search_ns_per_ray = 0;   // without the solver
-  double candidates_per_ray = 0;  // leaves whose solver was asked
+  std::uint64_t rays = 0;         // rays that were traced
+  double ns_per_ray = 0;          // for the bitmaps, includes making the bitmaps of the tile
+  double search_ns_per_ray = 0;   // without the time of the solver
+  double candidates_per_ray = 0;  // leaves for which the solver was called
   std::uint64_t hits = 0, unlike = 0;
 };
 
 struct LeafSearches {
   std::string file, view;
-  std::uint64_t leaves = 0, left_out = 0;  // left out: without a certificate
-  std::vector<LeafSearch> methods;         // the bitmaps first
+  std::uint64_t leaves = 0, left_out = 0;  // left_out: leaves without a certificate
+  std::vector<LeafSearch> methods;         // the bitmaps come first
 };
 
 // Errors: those of TraceDirect; kNothingUsable (no leaf in view); those of BoxTree.

@@ -1,5 +1,5 @@
-// A bounding volume hierarchy over the screen boxes of leaves: rectangles of pixels with the depth from which
-// on something lies in them, halved at the median of the longer side. A competitor of the bitmaps.
+// A bounding volume hierarchy over the screen boxes of leaves: rectangles of pixels with the depth at which
+// their content begins. Nodes are halved at the median of the longer side. It competes with the bitmaps.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ class LeafTree {
  public:
   explicit LeafTree(std::span<const CertifiedLeaf> leaves);
 
-  // Calls meet(leaf) for the leaves whose boxes hold the pixel, roughly front to back; meet returns the
-  // nearest depth so far, and what begins behind it is left out.
+  // Calls meet(leaf) for the leaves whose boxes contain the pixel, roughly front to back. meet returns the
+  // nearest depth so far; boxes that begin behind it are skipped.
   template <typename Meet>
   void Visit(int column, int row, Meet&& meet) const {
     std::array<std::uint32_t, kMostWaiting> waiting;
@@ -34,7 +34,7 @@ class LeafTree {
             nearest = meet(boxes_[i].first);
         continue;
       }
-      // The nearer child on top.
+      // Put the nearer child on top of the stack.
       std::uint32_t near = node.first, far = node.first + 1;
       if (nodes_[far].near_depth < nodes_[near].near_depth) std::swap(near, far);
       if (Holds(nodes_[far], column, row)) waiting[count++] = far;
@@ -45,13 +45,15 @@ class LeafTree {
 
  private:
   static constexpr std::uint32_t kLeavesPerNode = 4;
-  static constexpr int kMostWaiting =
-      64;  // the tree is balanced: its depth is the logarithm of the number of leaves
+  // The tree is balanced, so its depth is the logarithm of the number of leaves.
+  static constexpr int kMostWaiting = 64;
 
   struct Node {
     std::int32_t col_begin = INT32_MAX, col_end = INT32_MIN, row_begin = INT32_MAX, row_end = INT32_MIN;
     double near_depth = INFINITY;
-    std::uint32_t first = 0, count = 0;  // inner: the left child; else boxes; of a box: its leaf
+    // An inner node has the index of its left child in `first`. A leaf node has a range of boxes, and a box
+    // has its leaf.
+    std::uint32_t first = 0, count = 0;
   };
   static bool Holds(const Node& node, int column, int row) {
     return (node.col_begin <= column) & (column < node.col_end) & (node.row_begin <= row) &

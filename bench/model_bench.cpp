@@ -21,12 +21,13 @@ using Json = nlohmann::json;
 
 // A mesh that takes longer than this is made once.
 constexpr double kCheapMs = 1000;
-// So is one whose importer takes longer than this, reading the file included.
+// A mesh is also made once if its importer takes longer than this, including the time of reading the file.
 constexpr double kCheapImportMs = 4000;
-// The view after the first: turned by this much about the target.
+// The angle by which the next view is turned about the target.
 constexpr double kNextViewDeg = 5;
-// Two depths of one ray agree if they differ by no more than this share of the diagonal: what an exact
-// intersector with the usual tolerance of 1e-7 mm gives on parts of a metre, and far below any facet.
+// Two depths of one ray agree if they differ by at most this share of the diagonal. An exact intersector with
+// the usual tolerance of 1e-7 mm reaches this accuracy on parts of a metre; the error of any facet is much
+// larger.
 constexpr double kAgreeing = 1e-6;
 
 struct FirstImage {
@@ -43,7 +44,7 @@ struct MeshImage {
   double total() const { return mesh_ms + build_ms + trace_ms + shade_ms; }
 };
 
-// Of the runs, the one with the median total.
+// Returns the run with the median total.
 template <typename Image>
 Image MedianOf(std::vector<Image> runs) {
   std::sort(runs.begin(), runs.end(), [](const Image& a, const Image& b) { return a.total() < b.total(); });
@@ -75,7 +76,7 @@ Json ImageJson(const MeshImage& image) {
           {"at_limit", false}};
 }
 
-// The camera turned about its target.
+// Returns the camera turned about its target.
 Camera Turned(Camera camera) {
   const Vec3 axis = Normalized(camera.up), arm = camera.eye - camera.target;
   const double angle = kNextViewDeg * std::numbers::pi / 180;
@@ -128,7 +129,7 @@ class Measurement {
     return value;
   }
 
-  // `advantage`: the ratio is other / direct, for times; else direct / other.
+  // `advantage` is true for times: the ratio is other / direct. Otherwise it is direct / other.
   void Add(BenchValue value, double direct, double other, bool advantage, ValueUnit unit,
            std::size_t repetitions) {
     value.direct = direct;
@@ -139,7 +140,7 @@ class Measurement {
     costs_.values.push_back(std::move(value));
   }
 
-  // From the model in memory to a shaded picture.
+  // Renders from the model in memory to a shaded picture.
   Result<FirstImage> DirectImage(const Camera& camera, int threads) const {
     FirstImage image;
     std::optional<Scene> scene;
@@ -160,7 +161,7 @@ class Measurement {
     return image;
   }
 
-  // Meshes once, and makes an image of the mesh for each number of threads: the mesher has one.
+  // Meshes once, and makes an image of the mesh for each number of threads. The mesher always has one thread.
   Result<std::map<int, MeshImage>> ImagesOfMesh(double deflection, bool* once) {
     Result<BenchMesh> made = importer_.tessellate(deflection);
     if (!made) return made.error();
@@ -197,13 +198,13 @@ class Measurement {
     return {};
   }
 
-  // Rows 1, 2 and 7.
+  // Measures rows 1, 2 and 7.
   Result<void> MeasureImages() {
     std::map<int, std::vector<FirstImage>> direct;
     std::map<double, std::map<int, std::vector<MeshImage>>> meshes;
     std::map<double, bool> once;
     for (int round = 0; round <= options_.repeats; ++round) {
-      // The first round is the warm-up; of a mesh that is made once, it is all there is.
+      // The first round is the warm-up. A mesh that is made only once is measured in this round.
       for (const int threads : ThreadCounts()) {
         Result<FirstImage> image = DirectImage(case_.camera, threads);
         if (!image) return image.error();
@@ -265,7 +266,7 @@ class Measurement {
     Add(std::move(value), exact.total(), mesh.total(), true, ValueUnit::kMilliseconds, runs);
   }
 
-  // Rows 3 and 4: the same rays through leaves and through triangles, both prepared.
+  // Measures rows 3 and 4: the same rays through leaves and through triangles, both prepared.
   Result<void> MeasureTracing(int threads) {
     const Scene scene(*case_.model);
     std::map<double, BaselineScene> trees;
@@ -313,7 +314,8 @@ class Measurement {
 
   static double Rate(std::uint64_t rays, double ms) { return 1000 * static_cast<double>(rays) / ms; }
 
-  // Row 6: the same view as the first and as the next one of a model that has been seen already.
+  // Measures row 6: the same view as the first view, and as the next view of a model that has already been
+  // rendered.
   Result<void> MeasureNextView(int threads) {
     const Scene seen(*case_.model);
     if (Result<FirstImage> before = DirectImage(seen, case_.camera, threads, {}); !before)
@@ -334,7 +336,7 @@ class Measurement {
     return {};
   }
 
-  // Row 8.
+  // Measures row 8.
   Result<void> MeasureCores() {
     if (std::thread::hardware_concurrency() < 2) {
       Skip("two_cores", 2, "the machine has one core");
@@ -352,7 +354,7 @@ class Measurement {
     return {};
   }
 
-  // Row 5, and whether both sides see the same.
+  // Measures row 5, and counts the rays on which both sides agree.
   Result<void> MeasureExact() {
     if (!importer_.intersect) return {};
     const Result<CameraFrame> frame = MakeFrame(case_.camera, case_.model->Diagonal());
@@ -399,8 +401,8 @@ class Measurement {
   const BenchOptions& options_;
   int all_threads_ = 1;
   ModelCosts costs_;
-  std::map<double, std::shared_ptr<const Mesh>> meshes_;  // by deflection, the last one made
-  std::map<double, std::string> stopped_;                 // by deflection, why there is none
+  std::map<double, std::shared_ptr<const Mesh>> meshes_;  // by deflection, the last mesh that was made
+  std::map<double, std::string> stopped_;                 // by deflection, the reason why there is no mesh
   double one_thread_rate_ = 0;
   SampleBuffer one_thread_samples_;
 };

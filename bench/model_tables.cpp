@@ -29,8 +29,8 @@ Table CostTable(const std::vector<Json>& details) {
                           ms(fine, "mesh_ms"), ms(fine, "build_ms"), ms(fine, "trace_ms")});
   }
   table.notes = {
-      "Conversion, from CAD faces to Bézier patches in the importer's process, is in no row; reading the "
-      "file is neither side's."};
+      "The column \"conversion\" is the time from CAD faces to Bézier patches in the importer's process. No "
+      "row includes it, and neither side pays for reading the file."};
   return table;
 }
 

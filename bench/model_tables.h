@@ -1,4 +1,5 @@
-// What was measured on files, beyond the rows: tables of ModelCosts::details, and the counters in them.
+// Tables of what was measured on files beyond the rows. They are made from ModelCosts::details and its
+// counters.
 #pragma once
 
 #include <vector>
@@ -10,12 +11,12 @@
 
 namespace facetless {
 
-// Where the time of one thread went on each file, and what the direct renderer counted there: of
-// ModelCosts::details.
+// CostTable shows where the time of one thread went on each file. CounterTable shows what the direct renderer
+// counted there. Both read ModelCosts::details.
 Table CostTable(const std::vector<nlohmann::json>& details);
 Table CounterTable(const std::vector<nlohmann::json>& details);
 
-// The counters of a trace, and what follows from them.
+// Returns the counters of a trace, and the ratios between them.
 nlohmann::json CountersJson(const DirectStats& stats);
 
 }  // namespace facetless

@@ -25,17 +25,17 @@ std::vector<Span> UnitSpans(int count) {
   return spans;
 }
 
-// The model of what was added, placed once. Our own scenes are valid.
+// Returns the built model with one placement. Our own scenes are valid, so Finish() cannot fail.
 Model Placed(ModelBuilder builder) {
   builder.AddInstance({});
   return std::move(builder).Finish().value();
 }
 
-// A uniform bicubic B-spline whose control point (i, j), i < columns + 3, j < rows + 3, is net(i, j), cut
-// into its columns × rows Bézier patches.
+// Adds a uniform bicubic B-spline, split into its columns × rows Bézier patches. Its control points are
+// net(i, j) with i < columns + 3 and j < rows + 3.
 void AddUniformBspline(ModelBuilder& builder, int columns, int rows,
                        const std::function<Vec4(int, int)>& net) {
-  // The control points of one span from its four B-spline ones, times 6.
+  // This matrix converts the four B-spline control points of a span to its Bézier points, times 6.
   constexpr double kToBezier[4][4] = {{1, 4, 1, 0}, {0, 4, 2, 0}, {0, 2, 4, 0}, {0, 1, 4, 1}};
   std::vector<Vec4> points;
   for (int i = 0; i < columns; ++i)
@@ -54,8 +54,8 @@ void AddUniformBspline(ModelBuilder& builder, int columns, int rows,
   builder.AddFace({SurfaceKind::kBspline, 3, 3, UnitSpans(columns), UnitSpans(rows), points});
 }
 
-// A closed tube around z whose radius and middle follow from (angle, share of the height), with weights that
-// differ.
+// Adds a closed tube around z. Its radius and centre depend on the angle and on the share of the height; its
+// weights differ.
 void AddTube(ModelBuilder& builder, int around, int along, double height,
              const std::function<Vec3(double, double)>& at, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
@@ -68,7 +68,7 @@ void AddTube(ModelBuilder& builder, int around, int along, double height,
   });
 }
 
-// One free-form body, about 60 mm high.
+// Returns one free-form body, about 60 mm high.
 ModelBuilder Bird() {
   ModelBuilder builder;
   builder.AddPart("bird");
@@ -81,7 +81,7 @@ ModelBuilder Bird() {
                     0};
       },
       1);
-  // A beak.
+  // Add a beak.
   AddTube(
       builder, 8, 3, 22,
       [](double angle, double share) {
@@ -105,7 +105,7 @@ Model Birds() {
   return std::move(builder).Finish().value();
 }
 
-// A dome over a square of the plane y = middle.y, towards −y.
+// Adds a dome over a square of the plane y = middle.y, towards −y.
 void AddDome(ModelBuilder& builder, Vec3 middle, double half, double rise, int degree) {
   std::vector<Vec4> points;
   for (int i = 0; i <= degree; ++i)
@@ -124,20 +124,20 @@ Model Handset() {
   AddTube(
       builder, 16, 4, 110,
       [](double angle, double) {
-        // A rounded rectangle.
+        // The cross-section is a rounded rectangle.
         const double c = std::cos(angle), s = std::sin(angle);
         const auto rounded = [](double x) { return std::copysign(std::sqrt(std::fabs(x)), x); };
         return Vec3{24 * rounded(c), 7 * rounded(s), 0};
       },
       3);
-  // Keys on its front.
+  // Add keys on the front.
   for (int row = 0; row < 5; ++row)
     for (int column = 0; column < 3; ++column)
       AddDome(builder, {14.0 * (column - 1), -8, 14 + 12.0 * row}, 4.5, 5, row % 2 == 0 ? 3 : 2);
   return Placed(std::move(builder));
 }
 
-// Profile points (radius, height, weight) turned about z; u is the angle, in four exact arcs.
+// Rotates profile points (radius, height, weight) about z. u is the angle, in four exact arcs.
 void AddRevolution(ModelBuilder& builder, SurfaceKind kind, Vec3 base,
                    const std::vector<std::vector<Vec3>>& profile) {
   const double half = kPi / 4, weight = std::cos(half);
@@ -149,7 +149,8 @@ void AddRevolution(ModelBuilder& builder, SurfaceKind kind, Vec3 base,
   for (int i = 0; i < 4; ++i)
     for (const std::vector<Vec3>& piece : profile)
       for (int k = 0; k < 3; ++k) {
-        // Of a quarter of a circle: the ends, and where its tangents meet, with the weight cos 45°.
+        // Each quarter of the circle has its two ends, and between them the intersection of the tangents,
+        // with the weight cos 45°.
         const double angle = kPi / 2 * i + half * k, w = k == 1 ? weight : 1, reach = k == 1 ? 1 / weight : 1;
         for (const Vec3& p : piece)
           points.push_back(Weighted(
@@ -159,7 +160,7 @@ void AddRevolution(ModelBuilder& builder, SurfaceKind kind, Vec3 base,
   builder.AddFace({kind, 2, degree_v, u_spans, UnitSpans(static_cast<int>(profile.size())), points});
 }
 
-// A quarter of the tube of a torus: radius, height, weight.
+// Returns a quarter of the circle of a torus's tube: radius, height, weight.
 std::vector<Vec3> ArcPiece(double major, double minor, int quarter) {
   std::vector<Vec3> piece;
   const double weight = std::cos(kPi / 4);
@@ -199,7 +200,8 @@ std::vector<NamedScene> PatchScenes() {
 
 Model FieldOfFaces(int faces) {
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(faces)))));
-  // Flat enough that no face of its own hides another: outlines are those of the ground.
+  // The pillows are so flat that no face hides another by its own bulge; only the ground's waves produce
+  // outlines.
   constexpr double kSize = 1000, kWave = 40, kRise = 0.1;
   const auto ground = [](double x, double y) {
     return kWave * std::sin(2 * kPi * x / kSize) * std::cos(3 * kPi * y / kSize);
@@ -209,7 +211,7 @@ Model FieldOfFaces(int faces) {
   const double step = kSize / side;
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) {
-      // A pillow on the ground: as curved for its size whatever its size.
+      // Each face is a pillow on the ground, whose bulge is proportional to its size.
       std::vector<Vec4> points;
       for (int k = 0; k < 4; ++k)
         for (int l = 0; l < 4; ++l) {

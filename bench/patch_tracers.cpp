@@ -13,7 +13,7 @@ namespace facetless {
 namespace {
 
 constexpr double kInfinity = INFINITY;
-// A determinant this small compared with the product of its columns has no digits left.
+// A determinant that is so small relative to the product of its columns has no correct digits.
 constexpr double kSingular = 0x1p-48;
 
 struct Step {
@@ -21,7 +21,7 @@ struct Step {
   bool singular = false;
 };
 
-// Rules for stopping, and the walk through the tree. Method has
+// Implements the stopping rules and the walk through the tree. Method has
 //   void SetRay(int x, int y);
 //   double Enter(const Box3&) const;           depth at which the ray enters, infinite for a miss
 //   Step StepAt(std::uint32_t patch, double u, double v) const;
@@ -65,7 +65,7 @@ class Walk {
         best = std::min(best, Solve(tree_.pieces[node.first], image));
         continue;
       }
-      // The nearer child on top.
+      // Put the nearer child on top of the stack.
       image.box_tests += 2;
       Waiting near{method_.Enter(tree_.nodes[node.first].box), node.first},
           far{method_.Enter(tree_.nodes[node.first + 1].box), node.first + 1};
@@ -103,11 +103,11 @@ class Walk {
     return kInfinity;
   }
 
-  // How far an iterate may leave the patch: as far as its neighbours reach. In the paper it moves on the
-  // whole surface.
+  // An iterate may leave the patch by this many times the patch's length, which is the range of its
+  // neighbours. In the paper it may move over the whole surface.
   static constexpr double kRoam = 1;
-  // The residual's tolerance lets a root on the border lie outside by as much, in parameters of a patch of
-  // many pixels.
+  // The tolerance of the residual lets a root on the border lie outside by this much, in parameters of a
+  // patch that covers many pixels.
   static constexpr double kBorder = 1e-8;
   static bool Within(double t, double beyond) { return t >= -beyond && t <= 1 + beyond; }
 
@@ -130,8 +130,8 @@ class MartinMethod {
     ray_ = PixelRay(frame_, x + 0.5, y + 0.5);
     const Vec3 d = Normalized(ray_.direction);
     inverse_ = {1 / ray_.direction.x, 1 / ray_.direction.y, 1 / ray_.direction.z};
-    // Two planes through the ray, the first along the axis that the direction is farthest from having as its
-    // largest.
+    // Choose two planes through the ray. The first normal contains the direction's largest component, so that
+    // it does not vanish.
     const bool x_largest = std::fabs(d.x) > std::fabs(d.y) && std::fabs(d.x) > std::fabs(d.z);
     normal1_ = Normalized(x_largest ? Vec3{d.y, -d.x, 0} : Vec3{0, d.z, -d.y});
     normal2_ = Cross(normal1_, d);
@@ -150,7 +150,7 @@ class MartinMethod {
   Step StepAt(std::uint32_t index, double u, double v) const {
     const ScenePatch& patch = patches_[index];
     const PatchJet<4> jet = EvaluatePatch<4>(patch.points.data(), patch.degree_u, patch.degree_v, u, v);
-    // The quotient rule.
+    // Apply the quotient rule.
     const double inverse = 1 / jet.value[3];
     const Vec3 s = inverse * Vec3{jet.value[0], jet.value[1], jet.value[2]};
     const Vec3 su = inverse * (Vec3{jet.du[0], jet.du[1], jet.du[2]} - jet.du[3] * s),
@@ -194,7 +194,7 @@ class NewtonCramerMethod {
  public:
   NewtonCramerMethod(const std::vector<ScenePatch>& projected, const CameraFrame& frame)
       : center_x_(frame.center_x), center_y_(frame.center_y) {
-    // What the iteration reads lies together, and the depth apart.
+    // The components that the iteration reads are stored together, and the depths separately.
     for (const ScenePatch& patch : projected) {
       Projected out{patch.degree_u, patch.degree_v, planar_.size(), depth_.size()};
       for (const std::array<double, 4>& p : patch.points) {
@@ -218,7 +218,7 @@ class NewtonCramerMethod {
     const Projected& patch = patches_[index];
     const PatchJet<3> jet =
         EvaluatePatch<3>(planar_.data() + patch.planar, patch.degree_u, patch.degree_v, u, v);
-    // Equations 12 and 13: three determinants, which share the minors of S and Sv, and of S and Su.
+    // Equations 12 and 13 need three determinants. They share the minors of S and Sv, and of S and Su.
     const auto& [sx, sy, sw] = jet.value;
     const auto& [ux, uy, uw] = jet.du;
     const auto& [vx, vy, vw] = jet.dv;
@@ -253,7 +253,7 @@ class NewtonCramerMethod {
  private:
   struct Projected {
     int degree_u, degree_v;
-    std::size_t planar, depth;  // first of each
+    std::size_t planar, depth;  // index of the first element of each
   };
   const double center_x_, center_y_;
   std::vector<Projected> patches_;
@@ -262,7 +262,7 @@ class NewtonCramerMethod {
   double x_ = 0, y_ = 0;
 };
 
-// The patches in a view's (X, Y, Q, W): columns, rows and depths times the weight.
+// Projects the patches to a view's (X, Y, Q, W): columns, rows and depths times the weight.
 std::vector<ScenePatch> Project(const std::vector<ScenePatch>& patches, const CameraFrame& frame) {
   const ViewProjection projection(frame, Placement{});
   std::vector<ScenePatch> projected = patches;

@@ -1,19 +1,18 @@
-// Two ways to intersect a ray with rational patches by Newton's iteration, with everything else alike: the
-// flattening, the tree, the order of visits, the evaluation of patches, the tolerance and the rules for
-// stopping.
+// Two ways to intersect a ray with rational patches by Newton's iteration. All other parts are the same: the
+// flattening, the tree, the order of visits, the evaluation of patches, the tolerance and the stopping rules.
 //
-//  1. W. Martin et al. (2000): the ray is the intersection of two planes with unit normals N1, N2; the
-//     iteration drives the distances N·S(u,v) + d to zero, with S and its derivatives in R³ by the quotient
-//     rule. Boxes are boxes in space.
-//  2. A. Sisojevs (2011), eq. 10 to 13: patches are projected once for the view; the iteration is the step
-//     w/M·(M_U, M_V) of Cramer's rule on the homogeneous projection (x*, y*, w). Boxes are boxes on the
-//     screen, with a depth.
-//  3. An iteration starts in the middle of a piece, and ends: at a root, when the residual is below the
-//     tolerance; at a failure, when the residual grows, (u,v) strays from the patch by its length, a root
-//     lies outside the patch, or after kMostSteps. A singular Jacobian moves (u,v) by a tenth of a random
-//     part of the way back to the start, as Martin et al. do. What fails counts as a miss: both methods may
-//     lose hits, and Differences counts them.
-//  4. Orthographic views only. One ray through each pixel centre, on one thread.
+//  1. W. Martin et al. (2000): the ray is the intersection of two planes with unit normals N1, N2. The
+//     iteration finds the zero of the distances N·S(u,v) + d. S and its derivatives are in R³, by the
+//     quotient rule. Boxes are in space.
+//  2. A. Sisojevs (2011), eq. 10 to 13: patches are projected once per view. An iteration is the step
+//     w/M·(M_U, M_V) of Cramer's rule on the homogeneous projection (x*, y*, w). Boxes are on the screen,
+//     with a depth.
+//  3. An iteration starts in the middle of a piece. It ends with a root if the residual is below the
+//     tolerance. It fails if the residual grows, if (u,v) leaves the patch by more than the patch's own
+//     length, if a root lies outside the patch, or after kMostSteps steps. At a singular Jacobian, (u,v)
+//     moves by a tenth of a random fraction of the way back to the start, as Martin et al. do. A failure
+//     counts as a miss: both methods may lose hits, and Differences counts them.
+//  4. Only orthographic views are supported. There is one ray through each pixel centre, on one thread.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +25,7 @@
 
 namespace facetless {
 
-// A residual that ends the iteration, in pixels: what both solve for is then known to far less than any
+// The iteration ends if the residual is below this many pixels. The root is then far more accurate than any
 // picture shows.
 inline constexpr double kSceneTolerancePx = 1e-8;
 inline constexpr int kMostSteps = 7;
@@ -35,7 +34,7 @@ struct PatchImage {
   std::vector<double> depth;  // infinite for a miss
   double prepare_ms = 0, trace_ms = 0;
   std::uint64_t box_tests = 0, solves = 0, iterations = 0, roots = 0, hits = 0;
-  std::size_t bytes = 0;  // of what tracing holds
+  std::size_t bytes = 0;  // memory that tracing needs
 };
 
 PatchImage TraceMartin(const std::vector<ScenePatch>& patches, const CameraFrame& frame, int width,
@@ -43,11 +42,12 @@ PatchImage TraceMartin(const std::vector<ScenePatch>& patches, const CameraFrame
 PatchImage TraceNewtonCramer(const std::vector<ScenePatch>& patches, const CameraFrame& frame, int width,
                              int height);
 
-// How two depth images differ.
+// Counts the differences between two depth images.
 struct DepthDifferences {
   std::uint64_t both_hit = 0, only_first = 0, only_second = 0,
-                apart = 0;  // apart: both hit, farther than the tolerance
-  double largest_mm = 0;    // of those that are not apart
+                // apart: both rays hit, but the depths differ by more than the tolerance.
+      apart = 0;
+  double largest_mm = 0;  // largest difference among rays that are not apart
 };
 DepthDifferences CompareDepths(std::span<const double> first, std::span<const double> second,
                                double tolerance_mm);

@@ -13,19 +13,19 @@ Vec3 Euclidean(const Point& p) {
   return {p[0] / p[3], p[1] / p[3], p[2] / p[3]};
 }
 
-// The number of pieces that a row of control points asks for.
+// Returns the number of pieces that a row of control points requires.
 double PiecesOf(const std::vector<Vec3>& row, double flattening) {
   const double degree = static_cast<double>(row.size() - 1);
   double speed = 0, bend = 0;
   for (std::size_t i = 0; i + 1 < row.size(); ++i) speed += Length(row[i + 1] - row[i]);
   for (std::size_t i = 0; i + 2 < row.size(); ++i)
     bend = std::max(bend, degree * (degree - 1) * Length(row[i + 2] - row[i + 1] - (row[i + 1] - row[i])));
-  // degree · mean of the differences: the mean of |c'| over the control polygon. A row that is a point asks
-  // for nothing.
+  // degree · (mean of the differences) is the mean of |c'| over the control polygon. A row that is a single
+  // point requires no pieces.
   return speed > 0 ? flattening * bend / std::sqrt(speed) : 0;
 }
 
-// Along u (or v): the largest number over all rows, at least one.
+// Returns the number of pieces along u (or v): the maximum over all rows, at least one.
 int PiecesAlong(const ScenePatch& patch, bool along_u, double flattening) {
   const std::size_t points_v = static_cast<std::size_t>(patch.degree_v) + 1,
                     points_u = static_cast<std::size_t>(patch.degree_u) + 1;
@@ -41,7 +41,7 @@ int PiecesAlong(const ScenePatch& patch, bool along_u, double flattening) {
   return static_cast<int>(std::ceil(std::min(most, kMostPieces)));
 }
 
-// The control points over [low, high] of a curve's, by de Casteljau's algorithm at both ends.
+// Replaces a curve's control points by those over [low, high], by de Casteljau's algorithm at both ends.
 void Restrict(std::vector<Point>& curve, double low, double high) {
   const std::size_t n = curve.size();
   const auto mix = [](const Point& a, const Point& b, double t) {
@@ -49,10 +49,10 @@ void Restrict(std::vector<Point>& curve, double low, double high) {
     for (int c = 0; c < 4; ++c) p[c] = (1 - t) * a[c] + t * b[c];
     return p;
   };
-  // Keep [0, high], …
+  // Keep the part [0, high], …
   for (std::size_t d = 1; d < n; ++d)
     for (std::size_t i = n - 1; i >= d; --i) curve[i] = mix(curve[i - 1], curve[i], high);
-  // … and of that [low / high, 1].
+  // … and of this part, keep [low / high, 1].
   const double t = low / high;
   for (std::size_t d = 1; d < n; ++d)
     for (std::size_t i = 0; i + d < n; ++i) curve[i] = mix(curve[i], curve[i + 1], t);
@@ -73,7 +73,7 @@ Box3 BoxOf(const ScenePatch& patch, const PatchPiece& piece) {
     Restrict(line, piece.u_low, piece.u_high);
     for (const Point& p : line) box.Add(Euclidean(p));
   }
-  // Rounding must not lose what touches the box: a few units in the last place of its coordinates.
+  // The slack, a few units in the last place of the coordinates, keeps what touches the box despite rounding.
   constexpr double kRounding = 0x1p-44;
   const double slack = kRounding * (Length(box.low) + Length(box.high));
   box.low = box.low - Vec3{slack, slack, slack};
@@ -105,8 +105,8 @@ class Builder {
 
  private:
   struct Grid {
-    std::uint32_t first;  // piece
-    int columns, rows;    // along u, v
+    std::uint32_t first;  // index of the first piece
+    int columns, rows;    // numbers of pieces along u and v
     Box3 box;
   };
 
@@ -131,7 +131,7 @@ class Builder {
     grids_.push_back(grid);
   }
 
-  // Two children of node `at`, side by side.
+  // Allocates the two children of node `at`, side by side.
   std::uint32_t Split(std::uint32_t at) {
     const auto first = static_cast<std::uint32_t>(tree_.nodes.size());
     tree_.nodes[at].first = first;
@@ -201,7 +201,7 @@ PatchTree BuildPatchTree(const std::vector<ScenePatch>& patches, double flatteni
 
 void ReplaceBoxes(PatchTree& tree, const std::vector<ScenePatch>& projected) {
   for (PatchPiece& piece : tree.pieces) piece.box = BoxOf(projected[piece.patch], piece);
-  // Children come after their parents.
+  // Children come after their parents, so the boxes are computed from the end.
   for (std::size_t i = tree.nodes.size(); i-- > 0;) {
     PatchTreeNode& node = tree.nodes[i];
     node.box = node.leaf ? tree.pieces[node.first].box

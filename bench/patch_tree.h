@@ -1,12 +1,12 @@
 // The flattening and the bounding volume hierarchy of W. Martin, E. Cohen, R. Fish and P. Shirley, "Practical
-// Ray Tracing of Trimmed NURBS Surfaces" (2000), over the patches of a scene.
+// Ray Tracing of Trimmed NURBS Surfaces" (2000), for the patches of a scene.
 //
-//  1. Each patch is cut into so many pieces along u and v that each is nearly flat: n = C·max|c''|·(Δt)^(3/2)
-//     / avg|c'|^(1/2) over the rows of its control net, which bounds curvature times arc length to the power
-//     3/2. A piece is a parameter rectangle, whose middle starts Newton's iteration, and the box of its own
-//     control net, which holds it.
-//  2. The pieces of a patch form a binary tree, halved along u and v by turns; patches are joined above by
-//     halving along the longest side of their boxes' centres.
+//  1. Each patch is divided along u and v until each piece is nearly flat: n = C·max|c''|·(Δt)^(3/2) /
+//     avg|c'|^(1/2) pieces, the maximum over the rows of its control net. This bounds the curvature times the
+//     arc length to the power 3/2. A piece has a parameter rectangle, in whose middle Newton's iteration
+//     starts, and the box of its own control net, which contains it.
+//  2. The pieces of a patch form a binary tree, halved alternately along u and v. Above, patches are grouped
+//     by halving along the longest side of the box around their boxes' centres.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@
 
 namespace facetless {
 
-// The paper's C, for lengths in millimetres: pieces on which Newton needs two or three steps, as it did
-// there.
+// The paper's constant C, for lengths in millimetres. Newton's iteration needs two or three steps on such
+// pieces, as in the paper.
 inline constexpr double kFlattening = 1;
 
 struct PatchPiece {
@@ -29,7 +29,7 @@ struct PatchPiece {
 
 struct PatchTreeNode {
   Box3 box;
-  std::uint32_t first = 0;  // inner: the left child, the right one follows it; leaf: the piece
+  std::uint32_t first = 0;  // inner node: the left child, which the right one follows; leaf node: the piece
   bool leaf = false;
 };
 
@@ -43,7 +43,8 @@ struct PatchTree {
 
 PatchTree BuildPatchTree(const std::vector<ScenePatch>& patches, double flattening);
 
-// The same tree with boxes of the same pieces of other patches: the first ones, projected.
+// Replaces the boxes of the tree by those of the same pieces of other patches, for example the projected
+// ones.
 void ReplaceBoxes(PatchTree& tree, const std::vector<ScenePatch>& projected);
 
 }  // namespace facetless

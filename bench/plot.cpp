@@ -16,7 +16,7 @@ constexpr const char* kNames[] = {"direct, exact", "mesh at 1e-3", "mesh at 1e-5
 struct Bars {
   std::string name;
   double ms[3] = {0, 0, 0};  // 0: not measured
-  bool at_limit = false;     // the last
+  bool at_limit = false;     // the mesher of the last bar was stopped at the time limit
 };
 
 std::string Escaped(const std::string& text) {

@@ -1,5 +1,5 @@
-// The first image of each file as a picture: bars of the direct renderer and of both meshes, on a logarithmic
-// scale, as SVG.
+// Draws the times of the first images of each file: bars for the direct renderer and for both meshes, on a
+// logarithmic scale, as SVG.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace facetless {
 
-// Of the values of rows 1 and 2 on `threads` threads; the same values give the same bytes. Without any: a
-// picture that says so.
+// Plots the values of rows 1 and 2 for `threads` threads. The same values give the same bytes. Without
+// values, the picture says so.
 std::string FirstImagePlot(const std::vector<BenchValue>& values, int threads);
 
 }  // namespace facetless

@@ -11,12 +11,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The thesis's share of Martin's time, by its scenes "Duck", "27 ducks", "Mobile phone" and "Machine
-// element".
+// The published shares: the thesis's time divided by the time of Martin's method, for its scenes "Duck", "27
+// ducks", "Mobile phone" and "Machine element".
 constexpr double kPublishedShare[] = {0.8666, 0.7589, 0.7925, 0.8579};
 
-// Depths that differ by more than this are of different roots: the tolerance of a pixel's residual, magnified
-// by grazing incidence.
+// Depths that differ by more than this belong to different roots. It is the tolerance of a pixel's residual,
+// magnified by grazing incidence.
 double DepthTolerance(const CameraFrame& frame) {
   constexpr double kGrazing = 1e3;
   return kGrazing * kSceneTolerancePx * std::max(frame.pixel_x, frame.pixel_y);
@@ -113,13 +113,13 @@ std::vector<Table> ThesisTables(const std::vector<ThesisScene>& scenes) {
                           MillisecondsText(scene.direct_ms), Percent(scene.direct_ms / scene.martin_ms)});
   }
   times.notes = {
-      "Both methods share pieces, tree, evaluation, tolerance and rules for stopping, so that the share is "
-      "what projecting first saves: a "
-      "component and the quotient rule in each step, and box tests with four comparisons. The thesis's "
-      "starts came from a rasterised map "
-      "of parameters instead of a tree, on other scenes and another machine.",
-      "\"direct\" is this program's renderer, standard precision: leaves with a proof, bitmaps, eight rays "
-      "at a time."};
+      "Both methods share pieces, tree, evaluation, tolerance and rules for stopping. So the share shows "
+      "what "
+      "projecting first saves: a component and the quotient rule in each step, and box tests with four "
+      "comparisons. In the thesis the starts came from a rasterised map of parameters instead of a tree, on "
+      "other scenes and another machine.",
+      "The column \"direct\" is this program's renderer in standard precision: leaves with a proof, bitmaps, "
+      "and eight rays at a time."};
   Table counts;
   counts.title = "Newton–Cramer: what the time was spent on";
   counts.columns = {"scene",           "method",
@@ -145,9 +145,10 @@ std::vector<Table> ThesisTables(const std::vector<ThesisScene>& scenes) {
   }
   counts.notes = {
       "Martin et al. report that 8 to 31 % of the solves become hits, and 2 to 3 steps per solve.",
-      "Rays that differ from the direct image, of " +
-          std::to_string(scenes.empty() ? 0 : scenes[0].direct.rays) +
-          ": their stopping rules give up some roots near silhouettes and borders of patches, by design."};
+      "The last column counts the rays, of " + std::to_string(scenes.empty() ? 0 : scenes[0].direct.rays) +
+          ", whose answer differs from the direct image. The stopping rules of both methods give up some "
+          "roots "
+          "near silhouettes and borders of patches, by design."};
   return {times, counts};
 }
 

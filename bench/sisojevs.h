@@ -1,5 +1,5 @@
-// Table 5 of A. Sisojevs, "3D scene rendering": Newton–Cramer on projected patches against the method of
-// Martin et al., on scenes of our own, and the direct renderer on the same rays.
+// Table 5 of A. Sisojevs, "3D scene rendering": compares Newton–Cramer on projected patches with the method
+// of Martin et al., on scenes of our own, and with the direct renderer on the same rays.
 #pragma once
 
 #include <string>
@@ -21,10 +21,10 @@ struct ThesisScene {
   std::size_t patches = 0, pieces = 0;
   double martin_ms = 0, newton_cramer_ms = 0, direct_ms = 0;  // preparation and tracing, one thread
   double martin_trace_ms = 0, newton_cramer_trace_ms = 0, direct_trace_ms = 0;  // tracing alone
-  PatchImage martin, newton_cramer;                                             // of the last run
+  PatchImage martin, newton_cramer;                                             // images of the last run
   DirectStats direct;
   std::size_t direct_bytes = 0;
-  // Against the direct image.
+  // Differences from the direct image.
   DepthDifferences martin_differences, newton_cramer_differences;
 };
 

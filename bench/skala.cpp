@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 constexpr std::uint64_t kSeed = 1996;
 
-// The paper's figures, rows by objects, columns by size; 0 where it has none.
+// The paper's figures: rows by number of objects, columns by size; 0 where the paper has none.
 using Published = std::array<std::array<double, kSkalaSizes.size()>, kSkalaObjects.size()>;
 constexpr Published kTable2 = {{{10.38, 9.52, 8.04, 6.13, 4.74, 4.10},
                                 {11.39, 10.31, 8.55, 6.44, 4.90, 4.22},
@@ -59,7 +59,8 @@ constexpr Published kTable7 = {{{6, 8, 12, 21, 38, 80},
                                 {19, 36, 67, 141, 306, 689},
                                 {27, 49, 98, 206, 450, 1054}}};
 
-// Visits every candidate of the rays of every `step`-th row. The sum keeps the work from being left out.
+// Visits every candidate of the rays of every `step`-th row. Returning the sum keeps the compiler from
+// removing the work.
 template <typename Method>
 std::uint64_t VisitImage(const Method& method, bool perspective, int step) {
   std::uint64_t sum = 0;
@@ -69,7 +70,7 @@ std::uint64_t VisitImage(const Method& method, bool perspective, int step) {
   return sum;
 }
 
-// Counts have no decimals.
+// Counts are printed without decimals.
 std::string FigureText(double value, bool count) {
   return count ? std::to_string(static_cast<long>(value)) : ThreeDigits(value);
 }
@@ -107,7 +108,7 @@ Table MemoryTable(const std::vector<SkalaCell>& cells) {
                    "bitmaps", "(n + m)·p bits", "space subdivision, 2N³(q + 2)"};
   for (const SkalaCell& cell : cells) {
     if (cell.size != kSkalaSizes.front() || cell.perspective) continue;
-    // The average number of objects in a supervoxel, with one slice for each pixel: p·r³/N³.
+    // The average number of objects per supervoxel, with one slice per pixel, is p·r³/N³.
     const double n = kSceneSize, q = cell.objects * (cell.size / n) * (cell.size / n) * (cell.size / n);
     table.rows.push_back({std::to_string(cell.objects), BytesText(static_cast<double>(cell.boxes_bytes)),
                           BytesText(static_cast<double>(cell.spheres_bytes)),
@@ -116,8 +117,9 @@ Table MemoryTable(const std::vector<SkalaCell>& cells) {
                           BytesText(2 * n * n * n * (q + 2))});
   }
   table.notes.push_back(
-      "The last column is the paper's formula for lists of objects in N³ supervoxels, N = 256; not built "
-      "here.");
+      "The last column is the paper's formula for lists of objects in N³ supervoxels, with N = 256. Such "
+      "lists "
+      "are not built here.");
   return table;
 }
 
@@ -147,7 +149,7 @@ SkalaCell MeasureSkalaCell(int objects, int size, bool perspective, int repeats)
   cell.boxes_bytes = scan.bytes();
   cell.spheres_bytes = spheres.bytes();
   cell.bitmaps_bytes = bitmaps->bytes();
-  // Tables 6 and 7.
+  // Count the hits for tables 6 and 7.
   std::uint64_t all = 0;
   for (int y = 0; y < kSceneSize; ++y)
     for (int x = 0; x < kSceneSize; ++x) {
@@ -188,20 +190,22 @@ std::vector<Table> SkalaTables(const std::vector<SkalaCell>& cells) {
           [](const SkalaCell& cell) { return static_cast<double>(cell.max_hits); }, true),
       MemoryTable(cells)};
   tables[0].notes.push_back(
-      "Here and below: measured here, in parentheses as published (on a processor of 1989 with 32-bit words, "
-      "whose floating-point "
-      "comparison cost 10 integer operations).");
+      "Here and below, the first number was measured here, and the number in parentheses is the published "
+      "one. "
+      "That was measured on a processor of 1989 with 32-bit words, whose floating-point comparison cost 10 "
+      "integer operations.");
   tables[0].notes.push_back(
-      "Words have 64 bits now and their next bit is one instruction, so that many objects with few "
-      "candidates gain more than the "
-      "paper's did; visiting candidates one by one is what both methods share, so that many candidates gain "
-      "less.");
+      "Words have 64 bits now, and finding the next bit of a word is one instruction, so many objects with "
+      "few "
+      "candidates gain more than they did in the paper. Both methods visit candidates one by one, so many "
+      "candidates gain less.");
   tables[2].notes.push_back(
       "The published ratios are those of a processor on which the six divisions of a box test in space cost "
-      "hundreds of cycles; they "
-      "are a few here, and overlap.");
+      "hundreds of cycles. Here they cost a few cycles, and they overlap.");
   tables[5].notes.push_back(
-      "The scenes are our own, random and seeded: maxima differ by what chance does to the densest pixel.");
+      "The scenes are our own, random and seeded. Maxima differ from the published ones because of the "
+      "random "
+      "content of the densest pixel.");
   return tables;
 }
 

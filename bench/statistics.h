@@ -1,7 +1,8 @@
-// Numbers from repeated runs, and the order in which competitors run.
+// Statistics of repeated runs, and the order in which competitors run.
 //
-//  1. Competitors take turns, A B A B …, so that what else the machine does meets both.
-//  2. The median stands for a series of runs: of an even number, the mean of the two in the middle.
+//  1. Competitors take turns, A B A B …, so that other work on the machine affects all of them.
+//  2. The median represents a series of runs. For an even number of runs, it is the mean of the two in the
+//     middle.
 #pragma once
 
 #include <functional>
@@ -15,17 +16,17 @@ namespace facetless {
 // Requires at least one value.
 double Median(std::vector<double> values);
 
-// Of positive values; 0 if there is none.
+// Returns the geometric mean of positive values; 0 if there are none.
 double GeometricMean(std::span<const double> values);
 
-// The slope of the line through (log x, log y) that least squares give: the power with which y grows with x.
-// Requires two different x, all positive.
+// Returns the exponent with which y grows with x: the slope of the least-squares line through (log x, log y).
+// Requires two different x; all values must be positive.
 double GrowthExponent(std::span<const double> x, std::span<const double> y);
 
 // Calls every competitor in turn, `rounds` times, and returns the times of each in ms.
 std::vector<std::vector<double>> TakeTurns(int rounds, const std::vector<std::function<void()>>& competitors);
 
-// The time of `work` in ms, by a steady clock.
+// Returns the time of `work` in ms, measured with a steady clock.
 double MeasureMilliseconds(const std::function<void()>& work);
 
 }  // namespace facetless

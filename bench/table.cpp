@@ -7,7 +7,7 @@
 namespace facetless {
 namespace {
 
-// Columns on a screen: code points, not bytes.
+// Returns the number of columns on a screen. It counts code points, not bytes.
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));

@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"len_16384.stp", 6, 6, 6, 0, "16384 bytes in entity #300", kCube, 6, 1},
         Case{"noend.stp", 6, 6, 6, 0, "END-ISO-10303-21", kCube, 6, 1},
         Case{"noend2.stp", 6, 6, 6, 0, "cut off", kCube, 6, 1},
-        Case{"bad_same_sense.stp", 6, 6, 6, 0, "edge curve #5760 the file says .U.", kCube, 6, 1},
+        Case{"bad_same_sense.stp", 6, 6, 6, 0, ".U. for the sense of edge curve #5760", kCube, 6, 1},
         // Units.
         Case{"u_inch.stp", 6, 6, 6, 0, "#10", Bounds{0, 0, 0, 25.4, 25.4, 25.4}, 6 * 645.16, 1},
         Case{"u_inch_canon.stp", 6, 6, 6, 0, "", Bounds{0, 0, 0, 25.4, 25.4, 25.4}, 6 * 645.16, 1},

@@ -97,7 +97,7 @@ TEST(StepRepair, SortsPartsAndSettlesSenses) {
   EXPECT_TRUE(Has(repair.bytes, "#1=(CONVERSION_BASED_UNIT('INCH',#2)LENGTH_UNIT()NAMED_UNIT(*));"));
   EXPECT_TRUE(Has(repair.bytes, "#3=ORIENTED_EDGE('',*,*,#4,.T.);"));
   EXPECT_TRUE(Warns(repair, "#1"));
-  EXPECT_TRUE(Warns(repair, "oriented edge #3 the file says .U."));
+  EXPECT_TRUE(Warns(repair, ".U. for the orientation of oriented edge #3"));
 }
 
 TEST(StepRepair, CutsTextsThatAreTooLongForTheReader) {
