@@ -1,8 +1,9 @@
 // The aims of the performance table, and the values that were measured for them.
 //
 //  1. A value compares the direct renderer with a competitor, on one file and view, with one number of
-//     threads. Its `ratio` says how many times better the direct renderer is. For aims that are upper bounds
-//     (memory, the next view, growth), it is the direct renderer's value divided by the competitor's.
+//     threads. Its `ratio` says how many times better the direct renderer is. Memory and the next view
+//     have aims that are upper bounds: there it is the direct renderer's value divided by the competitor's.
+//     For growth it is the exponent.
 //  2. A row is met if the geometric mean of its values meets the aim for the mean, and every value meets the
 //     aim for single values.
 //  3. A competitor that did not finish counts with the time limit, and the value says so.
