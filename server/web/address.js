@@ -1,5 +1,5 @@
-// The state that an address carries, after its #: whoever opens the address sees the same. Numbers are shortened; what has its
-// default is left out.
+// The state of the page, stored in the address after its #. Another person who opens the address sees the same state.
+// Numbers are shortened, and values equal to their default are omitted.
 
 export class Address {
   constructor() {
@@ -17,7 +17,7 @@ export class Address {
     const value = Number.parseFloat(this.values.get(name));
     return Number.isFinite(value) ? value : otherwise;
   }
-  // null takes a value away. `step`: the browser's way back leads to what was before.
+  // null removes a value. With `step`, the browser's back button returns to the previous state.
   set(changes, step = false) {
     const before = this.values.toString();
     for (const [name, value] of Object.entries(changes)) {
@@ -26,12 +26,12 @@ export class Address {
     }
     if (this.values.toString() !== before) this.write(step);
   }
-  // These values and no others, at once.
+  // Replaces all values at once.
   only(values, step = true) {
     this.values = new URLSearchParams(Object.entries(values).filter(([, value]) => value !== null));
     this.write(step, true);
   }
-  // Writing is put off: a drag would write a hundred times a second, which browsers refuse.
+  // Writing is delayed, because a drag would write a hundred times a second, which browsers reject.
   write(step, atOnce = step) {
     clearTimeout(this.timer);
     this.step = this.step || step;
@@ -40,7 +40,7 @@ export class Address {
       try {
         if (this.step) history.pushState(null, "", there); else history.replaceState(null, "", there);
       } catch (error) {
-        location.hash = hash;  // a page with an origin of its own may not do the other
+        location.hash = hash;  // a page with an opaque origin may not use the history
       }
       this.step = false;
     };

@@ -1,6 +1,7 @@
-// The page of the service: takes a file, asks, follows the job, shows the answer. What it shows is in its address:
+// The page of the service: it takes a file, sends a request, follows the job and shows the answer. The address says
+// what the page shows:
 //   #job=ID        a job, followed to its end
-//   #answer=ID     an answer, with view, mode, split, range, zoom, face, … as a person set them
+//   #answer=ID     an answer, with view, mode, split, range, zoom, face, … as the user set them
 import { Address } from "./address.js";
 import { element } from "./dom.js";
 import { Form } from "./form.js";
@@ -27,7 +28,7 @@ const clear = () => {
 const begin = (kind) => {
   service?.stop();
   clear();
-  service = new Service((tries) => running?.say(tries === 0 ? "The service answers again." : `The service does not answer; trying again (${tries}). What was sent is not lost.`));
+  service = new Service((tries) => running?.say(tries === 0 ? "The service answers again." : `The service does not answer. The page tries again (attempt ${tries}); the data that were sent are not lost.`));
   running = new ProgressView(kind, () => stop());
   byId("progress").replaceChildren(running.root);
   document.body.dataset.state = "working";
@@ -54,7 +55,7 @@ const fail = (problem, again) => {
   if (problem.status === 401) byId("key").focus();
 };
 
-// Runs `work` with a service of its own, and shows what fails.
+// Runs `work` with a service of its own, and shows its errors.
 const guarded = async (kind, work, again) => {
   const own = begin(kind);
   try {
@@ -76,7 +77,7 @@ const save = async (own, link, name) => {
   setTimeout(() => URL.revokeObjectURL(anchor.href), 10000);
 };
 
-// Names of faces, from whichever view shows them.
+// Returns the names of faces, collected from all views.
 const faceNames = (answer) => {
   const names = new Map(answer.views.flatMap((view) => (view.difference?.faces || []).map((face) => [face.id, face.name])));
   return (id) => names.get(id) || `face ${id}`;
@@ -93,7 +94,7 @@ const show = (own, answer, focus) => {
   const tools = element("div", { class: "actions no-print" }, button("Save as one file", () => save(own, answer.links.page, `${stem}.html`)), button("Save the numbers", () => save(own, answer.links.report, `${stem}.json`)),
     answer.links.sheet ? button("Save the contact sheet", () => save(own, answer.links.sheet, `${stem}-sheet.png`)) : null,
     button("Copy the link", async () => {
-      try { await navigator.clipboard.writeText(location.href); copied.textContent = "Copied."; } catch (error) { copied.textContent = "The address bar has it."; }
+      try { await navigator.clipboard.writeText(location.href); copied.textContent = "Copied."; } catch (error) { copied.textContent = "Copy the link from the address bar."; }
     }), copied);
   shown = showReport(byId("report"), answer, sourceOf(own), address, tools, answer.trade ? null : meshSection(answer, own, address, faceNames(answer)));
   document.title = `${answer.model.file || "Report"} · Facetless`;
@@ -101,8 +102,8 @@ const show = (own, answer, focus) => {
   if (focus) byId("report").querySelector("h1").focus({ preventScroll: true });
 };
 
-// The first picture is rendered for itself, with one sample per pixel: it is there while the rest is computed. The model stays with
-// the service, so the file is read and sent once.
+// The first picture is a separate render with one sample per pixel, so it is there while the rest is computed. The
+// service keeps the model, so the file is sent and read once.
 const firstPicture = async (own, file, options) => {
   const body = new FormData();
   body.append("file", file, file.name);
@@ -119,7 +120,7 @@ const firstPicture = async (own, file, options) => {
 
 const ask = (form) => guarded(form.kind, async (own) => {
   const kind = form.kind, options = form.options();
-  if (form.needsMesh && !form.meshFile) throw new Problem({ type: "bad-usage", title: "There is no mesh to compare with", detail: "Under Options, “a file of mine” is chosen as the mesh." });
+  if (form.needsMesh && !form.meshFile) throw new Problem({ type: "bad-usage", title: "There is no mesh to compare with", detail: "Under Options, “my own file” is selected as the mesh, but no mesh file is chosen." });
   address.only({});
   const model = await firstPicture(own, form.file, options);
   let body = JSON.stringify({ ...options, model });
@@ -159,7 +160,7 @@ byId("key").value = key.get();
 byId("key-form").addEventListener("submit", (event) => {
   event.preventDefault();
   key.set(byId("key").value.trim());
-  byId("key-said").textContent = key.get() ? "The key is kept until this tab is closed." : "No key is sent any more.";
+  byId("key-said").textContent = key.get() ? "The key is kept until this tab is closed." : "The page no longer sends a key.";
   if (document.body.dataset.state !== "problem") return;
   if (form.file && !address.get("answer") && !address.get("job")) ask(form); else open();
 });

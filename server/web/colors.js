@@ -5,7 +5,7 @@ const encoded = (linear) => {
   return Math.round(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
 };
 
-// sRGB of −1 … 1: blue, near white, orange-red; even steps in Oklab (Ottosson 2020).
+// Returns the sRGB colour for −1 … 1: blue, near white, orange-red, in even steps in Oklab (Ottosson 2020).
 export const diverging = (t) => {
   const part = Math.min(Math.abs(t), 1), hue = t < 0 ? [-0.20, -0.98] : [0.80, 0.60];
   const lightness = 0.975 + (0.46 - 0.975) * part, a = 0.165 * part * hue[0], b = 0.165 * part * hue[1];
@@ -19,7 +19,7 @@ export const diverging = (t) => {
 export const css = (rgb) => `rgb(${rgb.join(" ")})`;
 export const paper = [222, 221, 217], onlySurface = [24, 24, 28], onlyMesh = [250, 200, 20], border = [150, 152, 158];
 
-// 1, 2 or 5 times a power of ten, not below `value`.
+// Rounds up to 1, 2 or 5 times a power of ten.
 export const roundUp = (value) => {
   if (!(value > 0)) return 1e-9;
   const power = 10 ** Math.floor(Math.log10(value));

@@ -1,4 +1,5 @@
-// Elements, and numbers as people read them. Every number on the page has its unit beside it or in the head of its column.
+// Creates elements, and formats numbers for readers. Every number on the page has its unit beside it or in the head of
+// its column.
 
 // element("a", { href: "…", on: { click: handler } }, "text", child, null)
 export const element = (tag, attributes = {}, ...children) => {
@@ -11,7 +12,7 @@ export const element = (tag, attributes = {}, ...children) => {
   return made;
 };
 
-// The same for drawings.
+// The same for SVG elements.
 export const drawn = (tag, attributes = {}, ...children) => {
   const made = document.createElementNS("http:" + "//www.w3.org/2000/svg", tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -22,7 +23,7 @@ export const drawn = (tag, attributes = {}, ...children) => {
   return made;
 };
 
-// Three significant digits, in powers of ten where zeros would hide them.
+// Returns three significant digits, as a power of ten if zeros would hide them.
 export const number = (value) => {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   if (typeof value !== "number") return String(value);
@@ -52,17 +53,17 @@ export const milliseconds = (value) => {
 export const count = (value, what) => `${number(value)} ${what}${value === 1 ? "" : "s"}`;
 export const share = (value) => (value === null || value === undefined ? "–" : `${number(value * 100)} %`);
 
-// A region that scrolls sideways by itself, where the page must not; reached by keyboard, too.
+// A region that scrolls horizontally, so that the page does not. The keyboard reaches it, too.
 export const scrolling = (label, ...children) => element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, ...children);
 
-// Rows of cells; the first of each is its head. `head` may be null.
+// A table of rows of cells; the first cell of each row is its heading. `head` may be null.
 export const table = (label, head, rows) =>
   scrolling(label, element("table", {},
     head && element("thead", {}, element("tr", {}, head.map((text, i) => (text === "" ? element("td", {}) : element("th", { class: i > 0 ? "n" : undefined, scope: "col" }, text))))),
     element("tbody", {}, rows.map((row) =>
       element("tr", {}, row.map((cell, i) => (i === 0 ? element("th", { scope: "row", class: head ? "name" : undefined }, cell) : element("td", { class: "n" }, cell))))))));
 
-// One of several: buttons that say which is pressed. choose(name) selects one without telling `changed`.
+// A choice between several buttons; the selected one is pressed. choose(name) selects one without calling `changed`.
 export const choice = (label, names, changed) => {
   const buttons = names.map((name) => element("button", { type: "button", on: { click: () => changed(name) } }, name));
   const choose = (name) => buttons.forEach((button) => button.setAttribute("aria-pressed", String(button.textContent === name)));

@@ -1,4 +1,4 @@
-// The faces of a view, worst first. A click chooses one; the row of the face under the pointer is marked.
+// The faces of a view, the worst first. A click selects a face, and the row of the face under the pointer is marked.
 import { count, element, number, scrolling } from "./dom.js";
 
 const shownAtFirst = 100;
@@ -8,7 +8,7 @@ export const faceTable = (difference, chosen, hovered) => {
   const body = element("tbody", {});
   let marked = null, pressed = null, filter = "", all = false;
   const more = element("button", { type: "button", class: "small", on: { click: () => { all = true; fill(); } } });
-  // What lies below the noise of the mesh's positions says nothing.
+  // Deviations below the noise of the mesh's positions are not significant.
   const length = (mm) => element("td", { class: mm <= difference.noise_mm ? "n below" : "n" }, number(mm));
   const row = (face, rank) => {
     const button = element("button", { type: "button", class: "face-name", "aria-pressed": "false", on: { click: () => chosen(face.id) } }, face.name || `face ${face.id}`);
@@ -34,7 +34,7 @@ export const faceTable = (difference, chosen, hovered) => {
     rows.get(pressed)?.made.classList.add("pressed");
     rows.get(pressed)?.button.setAttribute("aria-pressed", "true");
   };
-  // Scrolls the list, never the page.
+  // Scrolls the list, but never the page.
   const reveal = (id) => {
     const found = rows.get(id)?.made, holder = found?.closest(".scroll");
     if (!found || !holder) return;

@@ -1,4 +1,4 @@
-// The file, and what is asked about it. Defaults are those of the command line.
+// The form: a file, and the options of the request. Defaults are those of the command line.
 import { bytes } from "./dom.js";
 
 const byId = (id) => document.getElementById(id);
@@ -6,7 +6,7 @@ const text = (id) => byId(id).value.trim();
 const isMesh = (file) => /\.(glb|stl)$/i.test(file.name);
 
 export class Form {
-  // ready() is called with a file to compare at once.
+  // ready() is called with a file that is to be compared at once.
   constructor(ready) {
     this.file = null; this.meshFile = null;
     byId("file").addEventListener("change", (event) => this.take([...event.target.files], ready));
@@ -19,7 +19,7 @@ export class Form {
     addEventListener("drop", (event) => this.take([...event.dataTransfer.files], ready));
     this.adapt();
   }
-  // A CAD file is compared at once; a mesh beside it, or after it, is what it is compared with.
+  // A CAD file is compared at once. A mesh that is dropped with it or after it becomes the mesh of the comparison.
   take(files, ready) {
     const mesh = files.find(isMesh), model = files.find((file) => !isMesh(file));
     if (mesh) { this.meshFile = mesh; byId("deflection").value = "own"; }
@@ -34,11 +34,12 @@ export class Form {
     byId("go").disabled = !this.file;
     byId("go").textContent = trade ? "Measure" : "Compare";
     byId("chosen").textContent = this.file ? this.file.name : "Drop a STEP, IGES or BREP file here";
-    byId("hint").textContent = this.file ? [bytes(this.file.size), own && this.meshFile && `compared with ${this.meshFile.name}`, "drop another one to compare that"].filter(Boolean).join(" · ") : "or choose one. It stays on the machine that serves this page.";
+    byId("hint").textContent = this.file ? [bytes(this.file.size), own && this.meshFile && `compared with ${this.meshFile.name}`, "drop another file to compare that instead"].filter(Boolean).join(" · ") : "or choose one. The file is sent only to the machine that serves this page.";
     byId("drop").classList.toggle("taken", Boolean(this.file));
   }
   get kind() { return byId("kind").value; }
-  // The options of the interface; what has its default is left out, so that the same question is one question.
+  // Returns the options as the HTTP interface names them. Options with their default value are omitted, so that equal
+  // requests are equal JSON.
   options() {
     const options = {}, set = (name, value, usual) => { if (value !== "" && value !== usual) options[name] = value; };
     const views = [...document.querySelectorAll("input[name=view]:checked")].map((box) => box.value);

@@ -1,14 +1,14 @@
-// The difference as colours: the heat map in millimetres, its legend, and the range that its ends stand for.
+// Shows the difference as colours: the heat map in millimetres, its legend, and the range of the scale.
 import { element, number } from "./dom.js";
 import { border, css, diverging, onlyMesh, onlySurface, paper, roundUp } from "./colors.js";
 
 const steps = 512;
 const ramp = Array.from({ length: 2 * steps + 1 }, (_, i) => diverging((i - steps) / steps));
-// Where the direct image goes from one face to the next, faint lines: so that one sees what one looks at.
+// Borders between faces of the direct image are drawn as faint lines, for orientation.
 const lineLight = 0.8;
 const special = [paper, null, border, onlySurface, onlyMesh];
 
-// A canvas of the planes' size.
+// Returns a canvas of the planes' size.
 export const heatMap = (pixels, range) => {
   const canvas = new OffscreenCanvas(pixels.width, pixels.height), context = canvas.getContext("2d");
   const image = context.createImageData(pixels.width, pixels.height), { data } = image, { faces, width } = pixels;
@@ -22,17 +22,17 @@ export const heatMap = (pixels, range) => {
   return canvas;
 };
 
-// What the ends stand for unless somebody says otherwise.
+// Returns the default range of the scale.
 export const usualRange = (difference) => roundUp(Math.max(difference.deviation_mm.p99, difference.noise_mm, 1e-9));
 
-// The legend; the person's choice of a range, or null for the usual one, goes to `changed`.
-// `ends` are words for blue and red. `noun`: what the surfaces are compared with, whose pixels have colours of their own where only one of
-// the two is hit; null for a legend of no picture.
+// Returns the legend. `changed` receives the range that the user selects, or null for the default. `ends` are the words
+// for blue and red. `noun` names the representation with which the surfaces are compared; pixels at which only one of
+// the two is hit have colours of their own. It is null for a legend without a picture.
 export const heatLegend = (usual, changed, ends = ["mesh nearer", "mesh farther"], noun = "mesh") => {
   const ticks = element("div", { class: "ticks" });
   const input = element("input", { type: "number", min: "0", step: "any", inputmode: "decimal" });
   const slide = element("input", { type: "range", min: "-9", max: "3", step: "0.01", "aria-label": "Range of the colours, as a power of ten in mm" });
-  const usualButton = element("button", { type: "button", class: "small", on: { click: () => changed(null) } }, "usual");
+  const usualButton = element("button", { type: "button", class: "small", on: { click: () => changed(null) } }, "default");
   const show = (range) => {
     ticks.replaceChildren(...[-1, -0.5, 0, 0.5, 1].map((t) => element("span", {}, t === 0 ? "0" : `${t > 0 ? "+" : "−"}${number(Math.abs(t) * range).replace(/\.?0+·/, "·")}`)));
     if (document.activeElement !== input) input.value = Number(range.toPrecision(3));

@@ -1,16 +1,16 @@
-// What was measured beside the difference: cuts along section planes, breaks between faces, and the legend of an inspection.
+// Measurements beside the difference: cuts along section planes, breaks between faces, and the legend of an inspection.
 import { count, element, number, table } from "./dom.js";
 
 const shownRows = 20;
-const grades = { gap: "a gap", G0: "a corner (G0)", G1: "one tangent, two curvatures (G1)" };
+const grades = { gap: "a gap", G0: "a corner (G0)", G1: "equal tangents but different curvatures (G1)" };
 const triple = (values) => values.map(number).join(", ");
 const rest = (list) => (list.length > shownRows ? element("p", { class: "facts" }, `… and ${number(list.length - shownRows)} more in the JSON`) : null);
 
 export const sectionTables = (sections) =>
   !sections?.length ? null : element("section", { class: "truth" }, element("h2", {}, "Sections"),
-    table("Areas of the cuts", ["Plane, normal", "area, mm²", "known to, mm²", "the mesh's, mm²"], sections.map((cut) => [`${triple(cut.point)}; ${triple(cut.normal)}`, cut.area_mm2 === null ? "no closed solid" : number(cut.area_mm2), number(cut.area_error_mm2), number(cut.mesh_area_mm2)])),
+    table("Areas of the cuts", ["Plane, normal", "area, mm²", "error, mm²", "area of the mesh, mm²"], sections.map((cut) => [`${triple(cut.point)}; ${triple(cut.normal)}`, cut.area_mm2 === null ? "no closed solid" : number(cut.area_mm2), number(cut.area_error_mm2), number(cut.mesh_area_mm2)])),
     sections.some((cut) => cut.solids.length > 1) ? table("Areas by solid", ["Solid", "area, mm²"], sections.flatMap((cut) => cut.solids).slice(0, shownRows).map((solid) => [solid.name, number(solid.area_mm2)])) : null,
-    sections.some((cut) => cut.open_faces > 0) ? element("p", { class: "facts" }, "Faces of no closed solid are cut, and have no cap.") : null);
+    sections.some((cut) => cut.open_faces > 0) ? element("p", { class: "facts" }, "Faces that belong to no closed solid are cut, but have no cap.") : null);
 
 const sides = (edge) => edge.faces.map((face) => face.name || face.entity || `face ${face.id}`).join(" and ");
 
@@ -23,7 +23,7 @@ export const continuityTables = (continuity) => {
       table(`Edges: ${grade}`, ["Between", "gap, mm", "angle, °", "curvature jump, 1/mm"], edges.slice(0, shownRows).map((edge) => [sides(edge), number(edge.gap_mm), number(edge.angle_deg), number(edge.curvature_jump)])), rest(edges))));
 };
 
-// The picture of the scale, and the same in words.
+// The picture of the scale, and the same information as text.
 export const inspectionLegend = (view, source) => {
   const inspection = view.inspection?.direct ?? view.inspection;
   if (!inspection?.shade) return null;

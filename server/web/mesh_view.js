@@ -1,6 +1,7 @@
-// The baseline mesh in three dimensions, each triangle coloured by its deviation from the exact surface. It is measured when somebody
-// asks for it: by a small comparison of its own with mesh_deviation, which shares the mesh that the service keeps.
-//   drag, arrows: turn     Shift + drag: move     wheel, + −: zoom     0: all of it     click: what is there
+// Shows the baseline mesh in three dimensions. Each triangle is coloured by its deviation from the exact surface. The
+// deviation is measured on demand by a small comparison with mesh_deviation, which uses the mesh that the service
+// keeps.
+//   drag, arrows: turn     Shift + drag: move     wheel, + −: zoom     0: show all     click: describe a triangle
 import { element, number } from "./dom.js";
 import { diverging, roundUp } from "./colors.js";
 import { heatLegend } from "./heat_map.js";
@@ -8,7 +9,7 @@ import { heatLegend } from "./heat_map.js";
 const steps3d = 512;
 const toLinear = (byte) => { const x = byte / 255; return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4; };
 
-// The layout is that of render/compare/mesh_deviation.h.
+// Decodes the layout of render/compare/mesh_deviation.h.
 const decodeMesh = async (blob) => {
   const buffer = await blob.arrayBuffer(), length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))), base = 4 + length;
@@ -101,7 +102,7 @@ class MeshScene {
     this.target.addScaledVector(right, -dx * perPixel).addScaledVector(up, dy * perPixel);
     this.ask();
   }
-  // The triangle at a place of the canvas: its placed face and deviation.
+  // Returns the placed face and the deviation of the triangle at a place of the canvas.
   at(x, y) {
     const ray = new this.three.Raycaster();
     ray.setFromCamera(new this.three.Vector2(2 * x - 1, 1 - 2 * y), this.camera);
@@ -143,13 +144,13 @@ const listen = (scene, holder, said) => {
   new ResizeObserver(() => scene.ask()).observe(holder);
 };
 
-// What the service is asked, so that it measures the mesh of this report.
+// Returns the request that measures the mesh of this report.
 const question = (report) => {
   const baseline = report.views[0].baseline;
   return { model: report.links.model.split("/").pop(), view: "iso", size: "16x16", samples: 1, mesh_deviation: true, deflection_mm: baseline.deflection_mm, angular: baseline.angular_deg };
 };
 
-// A section that opens on demand. `nameOf` gives a face's name; the address remembers that it is open.
+// A section that opens on demand. `nameOf` returns a face's name; the address stores whether the section is open.
 export const meshSection = (report, service, address, nameOf) => {
   if (!report.views[0]?.baseline) return null;
   const place = element("div", {}), said = element("p", { class: "facts", role: "status" });
@@ -160,18 +161,18 @@ export const meshSection = (report, service, address, nameOf) => {
       said.textContent = "Measuring every triangle …";
       const answer = report.links.mesh ? report : await service.follow(await service.post("v1/comparisons", JSON.stringify(question(report))));
       const [three, mesh] = await Promise.all([import("./three.module.js"), service.blob(answer.links.mesh).then(decodeMesh)]);
-      if (!three.REVISION) throw new Error("this build has no Three.js; the machine that built it could not reach the registry of npm");
+      if (!three.REVISION) throw new Error("this build does not include Three.js, because the npm registry could not be reached when it was built");
       const canvas = element("canvas", { role: "img", "aria-label": "The mesh, coloured by deviation" });
-      const holder = element("div", { class: "mesh-holder", tabindex: "0", role: "group", "aria-label": "The mesh in three dimensions. Arrows turn it, plus and minus zoom, 0 shows all, Enter tells what is in the middle." }, canvas);
+      const holder = element("div", { class: "mesh-holder", tabindex: "0", role: "group", "aria-label": "The mesh in three dimensions. Arrows turn it, plus and minus zoom, 0 shows all, Enter describes the triangle in the middle." }, canvas);
       const deviation = answer.mesh_deviation, usual = roundUp(Math.max(deviation.p99_mm, 1e-9));
       const legend = heatLegend(usual, (range) => { scene.color(range ?? usual); legend.show(range ?? usual); }, ["mesh inside", "outside"], false);
-      const lines = element("label", { class: "check" }, element("input", { type: "checkbox", on: { change: (event) => { scene.lines.visible = event.target.checked; scene.ask(); } } }), " triangles drawn");
+      const lines = element("label", { class: "check" }, element("input", { type: "checkbox", on: { change: (event) => { scene.lines.visible = event.target.checked; scene.ask(); } } }), " draw triangles");
       place.replaceChildren(holder, element("div", { class: "mesh-side" }, legend.root, lines));
       const scene = new MeshScene(three, mesh, canvas);
-      listen(scene, holder, (hit) => { said.textContent = hit ? `${nameOf(hit.face)}: ${hit.deviation < 0 ? "−" : "+"}${number(Math.abs(hit.deviation))} mm` : "Nothing is there."; });
+      listen(scene, holder, (hit) => { said.textContent = hit ? `${nameOf(hit.face)}: ${hit.deviation < 0 ? "−" : "+"}${number(Math.abs(hit.deviation))} mm` : "There is no triangle."; });
       scene.color(usual);
       legend.show(usual);
-      said.textContent = `${number(deviation.triangles)} triangles, at most ${number(deviation.max_mm)} mm off, 99 % within ${number(deviation.p99_mm)} mm. Drag turns it; a click tells what is there.`;
+      said.textContent = `${number(deviation.triangles)} triangles, at most ${number(deviation.max_mm)} mm off, 99 % within ${number(deviation.p99_mm)} mm. Drag to turn the mesh; click a triangle to see its face and deviation.`;
       button.hidden = true;
       address.set({ solid: "shown" });
       root.dataset.mesh = "shown";
@@ -184,7 +185,7 @@ export const meshSection = (report, service, address, nameOf) => {
   };
   const button = element("button", { type: "button", class: "small", on: { click: show } }, "Measure and show");
   const root = element("section", { class: "solid no-print" }, element("div", { class: "bar" }, element("h2", {}, "The mesh in three dimensions"), foreign ? null : button, said), place);
-  if (foreign) said.textContent = "A mesh of yours names no faces, so its triangles cannot be measured against their surfaces.";
+  if (foreign) said.textContent = "Your own mesh does not say which face each triangle belongs to, so its triangles cannot be measured against their surfaces.";
   else if (address.get("solid")) show();
   return root;
 };

@@ -1,12 +1,13 @@
-// One picture of a view on the screen: a canvas that draws layers where a Viewport looks, and hands pointers and keys to it.
-//   wheel, pinch: zoom     drag: move     click: choose     arrows: point     Shift + arrows: move     + − 0: zoom, fit     Enter: choose
+// One picture of a view on the screen: a canvas that draws layers at the Viewport's position, and passes pointer and
+// key events to the Viewport.
+//   wheel, pinch: zoom     drag: move     click: select     arrows: point     Shift + arrows: move     + − 0: zoom, fit     Enter: select
 import { element } from "./dom.js";
 
-const tap = 4;  // screen pixels that a click may move
+const tap = 4;  // a click may move by this many screen pixels
 
 export class Pane {
-  // layers() gives what is drawn: [{ picture, alpha, from, to }], from and to in shares of the width. seam() is null or where the
-  // picture is split; moveSeam(share) moves it.
+  // layers() returns the layers to draw: [{ picture, alpha, from, to }], with from and to as shares of the width.
+  // seam() returns null, or the place at which the picture is split; moveSeam(share) moves it.
   constructor(viewport, label, layers, seam = () => null, moveSeam = null) {
     Object.assign(this, { viewport, layers, seam, moveSeam });
     this.canvas = element("canvas", { role: "img", "aria-label": label });
@@ -40,7 +41,7 @@ export class Pane {
       context.rect(from * width, 0, (to - from) * width, height);
       context.clip();
       context.globalAlpha = alpha;
-      // From here on single pixels are looked at.
+      // At this magnification, single pixels are visible and are not smoothed.
       context.imageSmoothingEnabled = size * viewport.width / picture.width < 2.5;
       context.imageSmoothingQuality = "high";
       context.drawImage(picture, left, top, viewport.width * size, viewport.height * size);
@@ -64,7 +65,7 @@ export class Pane {
     }
     const { pointed } = viewport;
     if (pointed && viewport.pointedBy !== this) {
-      // Where the pointer is in the other pictures, or the keyboard in all.
+      // Mark the place that the pointer has in another picture, or that the keyboard points at in all pictures.
       const x = left + (pointed.x + 0.5) * size, y = top + (pointed.y + 0.5) * size, gap = Math.max(3 * density, size / 2 + density);
       for (const [color, thick] of [["#fff", 3], ["#111", 1]]) {
         context.strokeStyle = color; context.lineWidth = thick * density;
@@ -78,7 +79,7 @@ export class Pane {
     }
   }
 
-  // Where an event is: in the picture, and as a share of the frame.
+  // Returns the place of an event in the picture, and as a share of the frame.
   place(event) {
     const box = this.root.getBoundingClientRect(), { viewport } = this;
     const share = (event.clientX - box.left) / box.width, size = box.width / viewport.width * viewport.scale;
@@ -148,7 +149,7 @@ export class Pane {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (step && event.shiftKey) viewport.look(viewport.scale, viewport.x + step[0] * viewport.width / viewport.scale / 10, viewport.y + step[1] * viewport.height / viewport.scale / 10);
     else if (step) {
-      // One pixel where it can be seen, else about two of the screen's.
+      // Move by one pixel if it is visible, otherwise by about two screen pixels.
       const stride = Math.max(1, Math.round(viewport.width / viewport.scale / this.root.clientWidth * 2));
       const from = viewport.pointed || { x: Math.round(viewport.x), y: Math.round(viewport.y) };
       viewport.point(Math.min(viewport.width - 1, Math.max(0, from.x + step[0] * stride)), Math.min(viewport.height - 1, Math.max(0, from.y + step[1] * stride)), "keys");

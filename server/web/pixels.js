@@ -1,5 +1,5 @@
-// What is known of each pixel: render/compare/pixel_data.h, decoded. Reports hold every so many pixels only; x and y are always those
-// of the picture.
+// The data of each pixel: render/compare/pixel_data.h, decoded. Reports may contain only every n-th pixel; x and y are
+// always the picture's coordinates.
 
 export const pixelClasses = ["nothing", "measured", "border", "only the surface", "only the mesh"];
 export const certificates = ["certified", "converged", "unresolved"];
@@ -7,7 +7,7 @@ export const planeRoles = ["pixel-faces", "pixel-depths", "pixel-normals", "pixe
 
 const noFace = 0xffffffff;
 
-// The bytes of a picture, exactly: no colours are converted, no alpha is multiplied in.
+// Returns the exact bytes of a picture, without colour conversion and without premultiplied alpha.
 const decode = async (blob) => {
   const bitmap = await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
   const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
@@ -23,7 +23,7 @@ const words = (image) => {
 };
 
 export class Pixels {
-  // `load(role)` gives a Blob. Planes are read one after the other, so that the page can breathe in between.
+  // `load(role)` returns a Blob. Planes are read one after the other, so that the page stays responsive.
   static async load(view, load) {
     const images = {};
     for (const role of planeRoles) {
@@ -67,7 +67,7 @@ export class Pixels {
     const length = Math.hypot(u, v, z);
     return [u / length, v / length, z / length];
   }
-  // A canvas of the planes' size with a face's border, and a tint within.
+  // Returns a canvas of the planes' size with a face's border, and a tint within it.
   outline(face, color) {
     const canvas = new OffscreenCanvas(this.width, this.height), context = canvas.getContext("2d");
     const image = context.createImageData(this.width, this.height), { width, height, faces } = this;

@@ -1,13 +1,13 @@
-// Cost against error, both in logarithms: every measured point of a trade, the line of those that nothing beats, and words for the one
-// that is pointed at or focused.
+// Plots cost against error, both on logarithmic scales: every measured point of a trade, the line of the unbeaten
+// points, and a text for the point under the pointer or with the focus.
 import { bytes, drawn, element, milliseconds, number } from "./dom.js";
 
 const box = { width: 720, height: 440, left: 76, right: 16, top: 14, bottom: 52 };
-const zeroBand = 44;  // room left of the axis for errors of zero, or below what the reference knows
+const zeroBand = 44;  // room beside the axis for errors that are zero or below the reference's accuracy
 
 const bandGap = 18;
 
-// 1, 10, 100, …; with 2 and 5 between them where that leaves few.
+// Returns 1, 10, 100, …, with 2 and 5 in between if there would be few.
 const powers = (low, high) => {
   const decades = Math.round(Math.log10(high / low)), digits = decades <= 2 ? [1, 2, 5] : [1];
   return Array.from({ length: decades + 1 }, (_, i) => digits.map((digit) => digit * low * 10 ** i)).flat().filter((value) => value <= high * 1.001);
@@ -19,14 +19,15 @@ const tickText = (value) => {
   return power >= -3 && power <= 4 ? String(Number(value.toPrecision(1))) : `${value > 1.5 * 10 ** power ? `${Math.round(value / 10 ** power)}·` : ""}10${[...String(power)].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`;
 };
 
-// The representations of a trade, in the order of its points; direct and mesh have names of their own, methods are numbered.
+// Returns the representations of a trade, in the order of its points. direct and mesh have fixed markers, methods are
+// numbered.
 export const seriesOf = (points) => {
   const others = [...new Set(points.map((point) => point.tracer))].filter((name) => name !== "direct" && name !== "mesh");
   return [{ tracer: "direct", title: "direct", kind: "direct" }, { tracer: "mesh", title: "mesh", kind: "mesh" },
     ...others.map((tracer, i) => ({ tracer, title: tracer, kind: `method-${i % 3}` }))];
 };
 
-// A marker of its own for every series: what tells them apart is not colour alone.
+// Every series has a marker of its own, so that colour is not the only distinction.
 const marker = (kind, x, y) => {
   if (kind === "direct") return drawn("circle", { cx: x, cy: y, r: 5.5 });
   if (kind === "mesh") return drawn("rect", { x: x - 5, y: y - 5, width: 10, height: 10 });
@@ -34,7 +35,8 @@ const marker = (kind, x, y) => {
   return drawn("polygon", { points: corners.map(([dx, dy]) => `${x + dx},${y + dy}`).join(" ") });
 };
 
-// `cost` is { title, of(point), text(value), unit, pareto }; error(point) is in mm. pointed(name | null) hears what is pointed at.
+// `cost` is { title, of(point), text(value), unit, pareto }; error(point) is in mm. pointed(name | null) is called with
+// the point under the pointer.
 export const tradePlot = (label, points, cost, error, floor, limit, pointed) => {
   const measured = points.filter((point) => point.measured && cost.of(point) > 0);
   const above = measured.filter((point) => error(point) > floor);

@@ -1,5 +1,5 @@
-// On paper there is nothing to press: every view with its three pictures beside each other and its worst faces. Made while the
-// page is idle, since a browser that prints waits for nothing; hidden on the screen.
+// The printed page shows every view with its three pictures side by side and its worst faces. It is prepared while the
+// page is idle, because a browser does not wait before it prints. It is hidden on the screen.
 import { candidatesOf } from "./candidates.js";
 import { element, number, table } from "./dom.js";
 import { heatMap, usualRange } from "./heat_map.js";

@@ -1,4 +1,5 @@
-// How far the work is: its stages in their order, the present one with its share, each that is done with the time it took.
+// Shows the progress of the work: its stages in order, the current stage with its fraction, and each finished stage
+// with its time.
 import { element, milliseconds } from "./dom.js";
 
 const orders = {
@@ -23,7 +24,7 @@ export class ProgressView {
       element("div", { class: "bar tight" }, this.text, this.clock, element("button", { type: "button", class: "small", on: { click: stop } }, "Stop")));
     this.timer = setInterval(() => { this.clock.textContent = `${((performance.now() - this.started) / 1000).toFixed(0)} s`; }, 500);
   }
-  // A stage that is unknown, or comes a second time (two jobs share an import), shows in words only.
+  // A stage that is unknown, or that comes a second time (two jobs share an import), is shown only as text.
   at(stage, fraction = 0) {
     if (stage === "starting" || stage === "") stage = "queued";
     if (!this.steps.has(stage)) return;

@@ -1,12 +1,12 @@
-// What is known of the pixel that is pointed at.
+// Shows the data of the pixel under the pointer.
 import { element, number } from "./dom.js";
 import { certificates } from "./pixels.js";
 
 const kindTexts = {
-  0: "nothing is hit", 2: "border pixel: the two look past different sides of an edge", 3: "only the surface is hit; the mesh shows nothing", 4: "only the mesh is hit; the surface shows nothing",
+  0: "nothing is hit", 2: "border pixel: a shift by one pixel explains the difference", 3: "only the surface is hit; the mesh shows nothing", 4: "only the mesh is hit; the surface shows nothing",
 };
 
-// `noise`: what lies below it, in mm, says nothing.
+// Deviations below `noise`, in mm, are not significant.
 export const readOut = (faceName, noise) => {
   const signed = (mm) => (Math.abs(mm) <= noise ? `below ${number(noise)} mm` : `${mm < 0 ? "−" : "+"}${number(Math.abs(mm))} mm`);
   const cells = {};
@@ -16,7 +16,8 @@ export const readOut = (faceName, noise) => {
   };
   const list = element("dl", { class: "read-out" }, cell("pixel", "Pixel"), cell("face", "Face"), cell("deviation", "Deviation"), cell("depth", "Depth"), cell("certificate", "Certificate"), cell("normal", "Normal"));
   const spoken = element("p", { class: "unseen", "aria-live": "polite" });
-  // `pixels` may be missing still. Keys are read aloud, pointers are not: they would never be silent.
+  // `pixels` may still be missing. Only keyboard moves are read aloud, because pointer moves would be announced
+  // constantly.
   const show = (pointed, pixels, aloud) => {
     const known = pointed && pixels ? pixels.at(pointed.x, pointed.y) : null;
     cells.pixel.textContent = pointed ? `${pointed.x}, ${pointed.y}` : "–";

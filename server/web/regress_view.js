@@ -1,11 +1,11 @@
-// What `facetless regress` found: every file and view with its numbers, and the pictures of those that differ.
+// The result of `facetless regress`: every file and view with its numbers, and the pictures of those that differ.
 import { element, number, scrolling } from "./dom.js";
 import { Pane } from "./pane.js";
 import { Viewport } from "./viewport.js";
 
 const pictureOf = async (source, path) => createImageBitmap(await source.file(path));
 
-// The reference left of a seam, the present picture right of it, and both apart.
+// Shows the reference to the left of a seam and the present picture to the right of it, and both separately.
 const compared = (name, view, source) => {
   const holder = element("div", { class: "stage of-3" });
   Promise.all(["reference", "image"].map((role) => pictureOf(source, view.files[role]))).then(([reference, image]) => {

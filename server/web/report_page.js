@@ -1,4 +1,4 @@
-// report.html: one file that holds its report and its pictures.
+// report.html: one file that contains its report and its pictures.
 import { Address } from "./address.js";
 import { printView } from "./print_view.js";
 import { showRegress } from "./regress_view.js";

@@ -1,5 +1,6 @@
-// The service's interface (docs/api.md) as the page uses it. Every request carries the key, if there is one; none is made to anywhere
-// else. A connection that breaks is tried again: a POST carries an Idempotency-Key, so that it happens once.
+// The part of the service's interface (docs/api.md) that the page uses. Every request carries the key, if there is one,
+// and no request goes to another address. After a broken connection, a request is repeated. A POST carries an
+// Idempotency-Key, so that the service executes it once.
 
 const keyName = "facetless-key";
 const retrySeconds = 1, mostRetries = 45;
@@ -9,7 +10,7 @@ export const key = {
   set: (text) => (text ? sessionStorage.setItem(keyName, text) : sessionStorage.removeItem(keyName)),
 };
 
-// What the service said, as a problem document; or what became of the connection.
+// The problem document that the service sent, or the failure of the connection.
 export class Problem extends Error {
   constructor({ type = "", title = "", status = 0, detail = "" }) {
     super(title);
@@ -27,7 +28,7 @@ const problemOf = async (response) => {
 };
 
 export class Service {
-  // trouble(n | 0): the connection is lost, and tried for the n-th time; or is there again.
+  // trouble(n) is called when the connection is lost and the n-th attempt begins, trouble(0) when it works again.
   constructor(trouble) { this.trouble = trouble; this.stopped = new AbortController(); }
   stop() { this.stopped.abort(); }
 
@@ -47,7 +48,7 @@ export class Service {
       }
     }
   }
-  // Links of the service begin with a slash; the page may be below another one.
+  // The service's links begin with a slash, but the page may be served below another path.
   async fetch(link, options = {}) {
     const response = await fetch(link.replace(/^\//, ""), { ...options, headers: headers(options.headers), signal: this.stopped.signal });
     if (!response.ok) throw await problemOf(response);
@@ -56,11 +57,11 @@ export class Service {
   json(link) { return this.persist(async () => (await this.fetch(link)).json()); }
   blob(link) { return this.persist(async () => (await this.fetch(link)).blob()); }
 
-  // Sends a body; the answer if it is known already, else the job. sent(fraction) follows a large upload.
+  // Sends a body. Returns the answer if it is known already, otherwise the job. sent(fraction) reports a large upload.
   post(path, body, sent = () => {}) {
     const token = crypto.randomUUID?.() || `${Date.now()}-${Math.random()}`;
     return this.persist(() => new Promise((resolve, reject) => {
-      // fetch cannot say how much of a body is sent.
+      // fetch cannot report how much of a body has been sent.
       const request = new XMLHttpRequest();
       request.open("POST", path);
       for (const [name, value] of Object.entries(headers({ Prefer: "wait=0", "Idempotency-Key": token }))) request.setRequestHeader(name, value);
@@ -78,13 +79,15 @@ export class Service {
       request.send(body);
     }));
   }
-  // Follows a job to its end: its result. progress(stage, fraction, text) hears what happens on the way. An answer that was known is its own end.
+  // Follows a job to its end and returns its result. progress(stage, fraction, text) reports the stages. An answer that
+  // was already known is returned as it is.
   async follow(job, progress = () => {}) {
     if (job.state === undefined) return job;
     const self = job.links.self;
     while (job.state === "queued" || job.state === "running") {
       progress(job.state === "queued" ? "queued" : job.stage, job.fraction);
-      // The stream of events ends with the job, or because the service is being restarted: then the job says how it stands.
+      // The stream of events ends with the job, or because the service restarts. In both cases, the job's state is read
+      // again.
       const ended = await this.listen(job.links.events, progress).catch((error) => {
         if (this.stopped.signal.aborted || (error instanceof Problem && error.code !== "busy")) throw error;
         return null;
@@ -94,7 +97,7 @@ export class Service {
       job = await this.json(self);
     }
     if (job.state === "done" && job.result) return job.result;
-    if (job.state === "done") throw new Problem({ type: "given-up", title: "The result is not kept any more", detail: "It was given up to make room." });
+    if (job.state === "done") throw new Problem({ type: "given-up", title: "The result is no longer stored", detail: "The service deleted it to free space." });
     if (job.state === "cancelled") throw new Problem({ type: "cancelled", title: "The job was cancelled", detail: "" });
     throw new Problem(job.problem || { title: "The job failed" });
   }

@@ -1,10 +1,10 @@
-// Where the time went: a bar for each tracer, one scale for all, and the same as numbers.
+// Shows the time of each stage: a bar for each tracer, all on one scale, and the same as numbers.
 import { candidatesOf } from "./candidates.js";
 import { bytes, count, element, milliseconds, number, table } from "./dom.js";
 
 const stageNames = { mesh: "mesh", build: "build", make: "make", prepare: "prepare", trace: "trace", color: "colour samples", shade: "shade", difference: "difference", files: "files", import: "import", load: "load", scene: "scene" };
 
-// `rows` are [label, { stage: ms }]. A stage that took no time is left out.
+// `rows` are [label, { stage: ms }]. A stage that took no time is omitted.
 export const timeBars = (rows) => {
   const total = (stages) => Object.values(stages).reduce((sum, ms) => sum + (ms || 0), 0);
   const longest = Math.max(...rows.map(([, stages]) => total(stages)), 1e-6);
@@ -24,13 +24,13 @@ export const timeBars = (rows) => {
 };
 
 const stagesOf = ({ timing_ms: { mesh, build, make, prepare, trace, color, shade } }) => ({ mesh, build, make, prepare, trace, color, shade });
-// The number that says how large a candidate is, in its own terms.
+// Returns the size of a candidate in its own units, such as triangles.
 const sizeOf = ({ triangles, facts }) => (triangles !== undefined ? count(triangles, "triangle") : Object.entries(facts || {}).map(([name, value]) => `${number(value)} ${name.replaceAll("_", " ")}`).join(", ") || "–");
 
-// What all share has rows of its own; reports of before may lack them.
+// Work that all tracers share has rows of its own. Older reports may lack them.
 export const timing = (report, view) => {
   const direct = view.direct, candidates = candidatesOf(view), costs = candidates.map((candidate) => candidate.costs), dt = direct.timing_ms;
-  // Of an answer that was there already, what the work took once stands apart.
+  // If the answer already existed, report.kept has the times of the run that computed it.
   const shared = report.kept?.timing_ms ?? report.timing_ms;
   const row = (title, own, of) => [title, own, ...costs.map(of)];
   const rows = [row("Mesh", "–", ({ timing_ms: t }) => milliseconds(t.mesh)), row("Prepare; build", milliseconds(dt.prepare), ({ timing_ms: t }) => milliseconds(t.build ?? (t.make ?? 0) + (t.prepare ?? 0))),

@@ -1,4 +1,4 @@
-// One view of `facetless trade`: the answers, both plots, and all points.
+// One view of `facetless trade`: the answers, both plots, and a table of all points.
 import { bytes, choice, element, milliseconds, number, scrolling } from "./dom.js";
 import { cameraText } from "./numbers.js";
 import { memoryCost, timeCost, tradePlot } from "./plot.js";
@@ -37,7 +37,7 @@ export const tradeSection = (view, trade, address) => {
     element("ul", { class: "answers" }, view.sentences.map((sentence) => element("li", {}, sentence))),
     holder, element("h3", {}, "All points"),
     scrolling("All points", element("table", {}, element("thead", {}, element("tr", {}, heads.map((head, i) => element("th", { scope: "col", class: i > 0 ? "n" : undefined }, head)))), element("tbody", {}, [...rows.values()]))),
-    element("p", { class: "facts" }, `Errors are distances to the exact surface: direct, certified, the same ${number(view.reference.hits)} hits. Times are the median of ${number(Math.max(...points.map((p) => p.repetitions || 1)))} runs where a run is short, with one sample per pixel; ` +
-      `prepare is meshing and its tree, or patches, trimming and leaves. Reading the file (${milliseconds(trade.shared_ms.read + trade.shared_ms.transfer)}) is in none. Meshing runs on one thread.` + (trade.load_at_start > 1.5 ? ` The machine had other work meanwhile: its load was ${number(trade.load_at_start)}.` : "")));
+    element("p", { class: "facts" }, `Errors are distances to the exact surface at the same ${number(view.reference.hits)} hits, which the direct renderer has certified. Times are for one sample per pixel; short runs are repeated up to ${number(Math.max(...points.map((p) => p.repetitions || 1)))} times, and the median counts. ` +
+      `“prepare” is meshing and building its tree, or making patches, trimming and leaves. No time includes reading the file (${milliseconds(trade.shared_ms.read + trade.shared_ms.transfer)}). Meshing runs on one thread.` + (trade.load_at_start > 1.5 ? ` The machine was doing other work, too: its load was ${number(trade.load_at_start)}.` : "")));
   return { root, follow: draw };
 };

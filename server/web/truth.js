@@ -1,4 +1,4 @@
-// The truth report: what the file holds, and first of all what of it was lost.
+// The truth report: the contents of the file, and before them its losses.
 import { count, element, given, milliseconds, number, scrolling, table } from "./dom.js";
 
 const shownLosses = 200;
@@ -15,26 +15,26 @@ export const lostCount = (model) => lossKinds.reduce((sum, [, key]) => sum + (mo
 
 export const lossNotice = (model) =>
   lostCount(model) === 0 ? null : element("section", { class: "notice" }, element("h2", {}, "Not everything in the file could be read"),
-    element("p", {}, "What is listed here is missing from all pictures and numbers below. Repair it in the program that made the file, or export it again."),
+    element("p", {}, "The items listed here are missing from all pictures and numbers below. Repair them in the program that made the file, or export the file again."),
     lossKinds.map(([what, key]) => lossList(what, model[key] || [])));
 
 const problemNotice = (verdict) =>
-  !(verdict?.problems?.length) ? null : element("section", { class: "notice" }, element("h2", {}, "This run fails"), verdict.problems.map((problem) => element("p", {}, problem)));
+  !(verdict?.problems?.length) ? null : element("section", { class: "notice" }, element("h2", {}, "This run failed"), verdict.problems.map((problem) => element("p", {}, problem)));
 
 export const verdictNotice = (verdict) => [problemNotice(verdict), thresholdNotice(verdict)];
 
 const thresholdNotice = (verdict) =>
-  !verdict || (verdict.broken || []).length === 0 ? null : element("section", { class: "notice" }, element("h2", {}, "Thresholds are broken"),
-    table("Broken thresholds", ["View and threshold", "limit", "value"], verdict.broken.map((b) => [`${b.view}: ${b.threshold.replace("fail_", "")}`, number(b.limit), b.value === null ? "infinite" : number(b.value)])));
+  !verdict || (verdict.broken || []).length === 0 ? null : element("section", { class: "notice" }, element("h2", {}, "Thresholds are exceeded"),
+    table("Exceeded thresholds", ["View and threshold", "limit", "value"], verdict.broken.map((b) => [`${b.view}: ${b.threshold.replace("fail_", "")}`, number(b.limit), b.value === null ? "infinite" : number(b.value)])));
 
 export const modelFacts = (model) =>
   element("p", { class: "facts row" }, [model.format, model.unit && `in ${model.unit}`, count(model.faces, "face"), model.solids && count(model.solids, "solid"), model.patches && `${number(model.patches)} Bézier patches`,
     `${number(model.diagonal_mm)} mm across`, `read in ${milliseconds(model.import_ms)}`].filter(Boolean).map((fact) => element("span", {}, fact)));
 
 const openEdges = ({ count: found, worst }) =>
-  found === 0 ? null : element("div", {}, element("h3", {}, `${count(found, "edge")} that the file itself leaves open`),
+  found === 0 ? null : element("div", {}, element("h3", {}, count(found, "open edge")),
     table("Open edges", ["Between", "cause", "gap, mm", "tolerance, mm", "length, mm"], worst.slice(0, 20).map((edge) => [edge.faces.map((face) => face.name || face.entity || `face ${face.id}`).join(" and "), edge.cause.replace("_", " "), number(edge.gap_mm), number(edge.tolerance_mm), number(edge.length_mm)])),
-    found > 20 ? element("p", { class: "facts" }, "The rest is in the JSON.") : null);
+    found > 20 ? element("p", { class: "facts" }, "The JSON lists the others.") : null);
 
 export const truthReport = (model) => {
   const surfaces = Object.entries(model.surfaces || {}).filter(([, faces]) => faces > 0);

@@ -1,5 +1,5 @@
-// One view with everything that belongs to it: the pictures in step, the read-out, the heat map's legend, the faces and the numbers.
-// What a person sets is in the address.
+// One view with everything that belongs to it: the synchronised pictures, the read-out, the heat map's legend, the
+// faces and the numbers. The address stores what the user sets.
 import { candidatesOf } from "./candidates.js";
 import { calm, choice, element, given } from "./dom.js";
 import { faceTable } from "./face_table.js";
@@ -18,8 +18,8 @@ const blends = ["Slider", "Blink", "Onion skin"];
 const titleOf = (role) => role.charAt(0).toUpperCase() + role.slice(1).replace("-", " ");
 
 export class ViewBench {
-  // `tabs` stands in the place of the view's name. `source`: roles(view) lists what there is, blob(view, role) gives it. `again` shows the
-  // view anew after another candidate was chosen.
+  // `tabs` replaces the view's name. `source` has the pictures: roles(view) lists them, blob(view, role) loads one.
+  // `again` rebuilds the view after the user has chosen another candidate.
   constructor(report, view, source, address, tabs = null, again = () => {}) {
     Object.assign(this, { report, view, source, address, tabs, again });
     this.viewport = new Viewport(view.camera.width, view.camera.height_px);
@@ -36,7 +36,7 @@ export class ViewBench {
     this.build();
     this.load();
   }
-  // The candidate that the address names, else the first; undefined where there is none.
+  // Returns the candidate that the address names, otherwise the first; undefined if there is none.
   static chosen(candidates, address) { return candidates.find((candidate) => candidate.name === address.get("with")) ?? candidates[0]; }
   get mode() { return this.modes.find((mode) => mode === this.address.get("mode")) || this.modes[0]; }
   get range() { return this.address.number("range", this.usual); }
@@ -59,8 +59,8 @@ export class ViewBench {
     this.note = element("p", { class: "facts", role: "status" });
     const zoomButton = (text, label, act) => element("button", { type: "button", class: "small", "aria-label": label, on: { click: act } }, text);
     this.scaleText = element("span", { class: "facts", "aria-live": "off" });
-    const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Fit: show all of the view", () => this.viewport.fit()),
-      zoomButton("1:1", "1:1, one pixel on one of the screen", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
+    const zooms = element("span", { class: "zooms no-print" }, zoomButton("−", "Zoom out", () => this.viewport.zoom(1 / 1.5)), zoomButton("+", "Zoom in", () => this.viewport.zoom(1.5)), zoomButton("Fit", "Fit: show the whole view", () => this.viewport.fit()),
+      zoomButton("1:1", "1:1, one pixel per screen pixel", () => this.viewport.look(this.viewport.width / (this.panes[0].root.clientWidth * (devicePixelRatio || 1)), this.viewport.x, this.viewport.y)), this.scaleText);
     this.root = element("section", { class: "view" },
       element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.candidateChoice?.root, this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },
@@ -79,7 +79,7 @@ export class ViewBench {
     this.choose(face, false);
     this.legend?.show(this.range);
   }
-  // The address changed under us: somebody went back.
+  // Applies an address that has changed, for example because the user went back.
   follow() {
     this.split = this.address.number("split", 0.5); this.onion = this.address.number("onion", 0.5);
     this.restoring = true;
@@ -105,16 +105,16 @@ export class ViewBench {
       }));
       this.root.dataset.pictures = "shown";
       if (this.ended || !this.view.pixel_data || !this.roles.includes(planeRoles[0])) {
-        if (candidate && !this.ended) this.note.textContent = "This view is too large for a read-out of its pixels; its numbers are below.";
+        if (candidate && !this.ended) this.note.textContent = "This view is too large for a read-out of its pixels. Its numbers are below.";
         return;
       }
       this.pixels = await Pixels.load(this.view, (role) => this.source.blob(this.view, candidate.planeOf(role)));
-      if (this.pixels.stride > 1) this.note.textContent = `Read-out, heat map and outlines here have one pixel of ${this.pixels.stride} × ${this.pixels.stride}; the files beside the report have all.`;
+      if (this.pixels.stride > 1) this.note.textContent = `The read-out, the heat map and the outlines in this file have one pixel of ${this.pixels.stride} × ${this.pixels.stride}; the files beside the report have all pixels.`;
       this.recolor();
       this.outlined();
       this.root.dataset.pixels = "read";
     } catch (error) {
-      if (!this.ended) this.note.textContent = `Not all pictures could be loaded (${error.message}). Load the page again.`;
+      if (!this.ended) this.note.textContent = `Not all pictures could be loaded (${error.message}). Reload the page.`;
     }
   }
 
@@ -174,7 +174,7 @@ export class ViewBench {
     const run = (on) => {
       clearInterval(this.blinking);
       if (on) this.blinking = setInterval(flip, blinkSeconds * 1000);
-      button.textContent = on ? "Pause" : "Go on";
+      button.textContent = on ? "Pause" : "Continue";
       this.running = on;
     };
     button.addEventListener("click", () => run(!this.running));
@@ -201,7 +201,7 @@ export class ViewBench {
   }
   faceAt(pointed) { return pointed && this.pixels ? this.pixels.faceAt(pointed.x, pointed.y) : null; }
 
-  // A face that is chosen again is let go.
+  // Selecting the selected face again clears the selection.
   choose(id, byHand) {
     const face = id === this.face && byHand ? null : id;
     this.face = face;

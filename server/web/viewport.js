@@ -1,7 +1,7 @@
-// Where all pictures of a view look: one scale and one centre, so that they stay in step, and one pixel that is pointed at.
-// Coordinates are those of the picture, in pixels; scale 1 shows all of it.
+// The part of the picture that all pictures of a view show: one scale and one centre, so that they stay synchronised,
+// and the pixel that is pointed at. Coordinates are the picture's pixels; at scale 1 the whole picture is visible.
 
-const mostPixel = 48;  // screen pixels that one pixel may cover
+const mostPixel = 48;  // one pixel may cover at most this many screen pixels
 
 export class Viewport {
   constructor(width, height) {
@@ -20,14 +20,14 @@ export class Viewport {
     this.y = Math.min(this.height - halfY, Math.max(halfY, y));
     this.changed("look");
   }
-  // The point (x, y) of the picture stays where it is on the screen.
+  // Zooms so that the point (x, y) of the picture keeps its place on the screen.
   zoom(factor, x = this.x, y = this.y) {
     const before = this.scale;
     const most = Math.max(1, this.width * mostPixel / 300), after = Math.min(most, Math.max(1, before * factor));
     this.look(after, x - (x - this.x) * before / after, y - (y - this.y) * before / after);
   }
   fit() { this.look(1, this.width / 2, this.height / 2); }
-  // Shows a box of the picture with as much around it.
+  // Shows a box of the picture, with a margin of the box's size on each side.
   show([x0, y0, x1, y1]) {
     const scale = Math.min(this.width / (3 * (x1 - x0)), this.height / (3 * (y1 - y0)), 12);
     this.look(scale, (x0 + x1) / 2, (y0 + y1) / 2);

@@ -27,7 +27,7 @@ test("a CAD file and a mesh dropped together are compared with each other", asyn
   await state(page, "shown");
   await pixelsRead(page);
   assert.match(await page.textContent("#hint"), /compared with coarse\.stl/);
-  assert.match(await page.textContent(".solid"), /names no faces/);
+  assert.match(await page.textContent(".solid"), /which face each triangle belongs to/);
   noFaults(page);
 });
 
