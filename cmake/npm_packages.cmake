@@ -1,6 +1,6 @@
-# Installs what a package-lock.json pins: cmake -DSOURCE=folder -DOUTPUT=folder -DFOR=what -P npm_packages.cmake
-# OUTPUT/installed is there afterwards. Without npm, or without its registry, nothing fails: it says what will be missing, the next build
-# tries again where it matters, and what was installed for the same lock is kept.
+# Installs the packages that a package-lock.json pins: cmake -DSOURCE=folder -DOUTPUT=folder -DFOR=what -P npm_packages.cmake
+# Afterwards OUTPUT/installed exists. If npm or its registry is not available, the build does not fail: the script says what
+# will be missing, and the next build tries again if it matters. Packages that were installed for the same lock are kept.
 file(READ ${SOURCE}/package-lock.json wanted)
 set(have "")
 if(EXISTS ${OUTPUT}/package-lock.json AND EXISTS ${OUTPUT}/node_modules)

@@ -1,5 +1,5 @@
 # Three.js as modules that carry its licence: cmake -DPACKAGES=folder -DOUTPUT=folder -P three_modules.cmake
-# Where the package is missing, a module that exports nothing of use takes its place, and the page says so.
+# If the package is missing, it writes an empty module instead, and the page says so.
 set(package ${PACKAGES}/node_modules/three)
 foreach(name three.core.js three.module.js)
   if(EXISTS ${package}/build/${name})

@@ -1,4 +1,5 @@
-# cmake -DIMPORTER=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: the fuzz targets' seeds, made from the project's own samples.
+# cmake -DIMPORTER=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: writes the seeds of the fuzz targets,
+# made from the project's own samples.
 file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/views ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http)
 file(COPY ${SAMPLES}/sphere.step ${SAMPLES}/trimmed.iges ${SAMPLES}/broken/mesh.stl DESTINATION ${OUTPUT})
 file(RENAME ${OUTPUT}/sphere.step ${OUTPUT}/step_text/sphere.step)
@@ -16,7 +17,7 @@ file(WRITE ${OUTPUT}/options/views.json
      "{\"views\":[\"iso\",\"front\"],\"size\":\"64x48\",\"projection\":\"perspective\",\"samples\":4,\"precision\":\"fast\",\"threads\":2}")
 file(WRITE ${OUTPUT}/options/camera.json
      "{\"camera\":[{\"name\":\"a\",\"eye\":[10,-20.5,3e1],\"target\":[0,0,0],\"up\":[0,0,1],\"projection\":\"orthographic\",\"height\":12},{\"eye\":[1,2,3],\"fov_y_deg\":40}],\"deflection\":1e-3,\"angular\":20,\"aov\":[\"depth\",\"face\"],\"audit\":true,\"fail_deviation_mm\":0.1}")
-# CMake writes line ends as they are given.
+# CMake does not change line ends.
 string(ASCII 13 10 end)
 set(host "Host: localhost${end}")
 file(WRITE ${OUTPUT}/http/page "GET /?a=b%20c HTTP/1.1${end}${host}Range: bytes=0-9${end}If-None-Match: \"x\"${end}Accept-Encoding: gzip${end}${end}")
