@@ -1,5 +1,5 @@
-// Where the files are that tests read. ctest says it in the environment (tests/CMakeLists.txt); an executable
-// started by hand looks beside its sources.
+// Finds the files that tests read. ctest sets their folders in the environment (tests/CMakeLists.txt). An
+// executable that is started by hand uses the folders beside its sources.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@ namespace facetless {
 
 std::filesystem::path SourceRoot();
 
-// A file of the project's own samples/.
+// Returns the path of a file in the project's own samples/.
 std::string Sample(const std::string& name);
 
-// A file or folder among the real CAD files: "parts/fuse.igs"; "" where they are absent, and a test says by
-// name what it skips.
+// Returns the path of a file or folder among the real CAD files, such as "parts/fuse.igs". Returns "" if it
+// is absent; the test then names what it skips.
 std::string CadFile(const std::string& name);
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-// Whether a sanitizer is built in: it takes memory and time of its own.
+// Says whether a sanitizer is built in, which needs additional memory and time.
 #pragma once
 
 namespace facetless {

@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-// A profile (radius, height, weight) per control point, in homogeneous form.
+// A control point of a profile (radius, height, weight), in homogeneous form.
 struct ProfilePoint {
   double wr, wz, w;
 };
@@ -139,7 +139,7 @@ PatchGrid Roof() {
 Model LooseBox(Vec3 size, double gap_mm, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   const auto number = [&] { return double(engine() >> 11) * 0x1p-52 - 1; };
-  // Not longer than the gap.
+  // The offset is at most the gap.
   const auto off = [&] {
     const double x = number(), y = number(), z = number();
     return (gap_mm / 2) * Vec3{x, y, z};

@@ -5,8 +5,8 @@
 
 namespace facetless {
 
-// A new, empty folder below $TMPDIR or /tmp, removed with all that is in it at the object's end. OpenCASCADE
-// reads its settings from such a one, too.
+// Creates a new, empty folder below $TMPDIR or /tmp. The destructor removes it with its contents. It can also
+// serve as the folder from which OpenCASCADE reads its settings.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -1,6 +1,7 @@
-// A method for tests: the model's bounding box, shrunk about its centre to so many per cent. It stands for a
-// representation that the program does not know: this file and its last line are all that it takes. A program
-// that is linked with this file compares and measures boxes beside the methods of its own.
+// A method for tests: the model's bounding box, scaled about its centre to a given percentage. It is an
+// example of a representation that the program does not know: this file with its last line is all that a new
+// representation needs. A program that is linked with this file compares and measures boxes together with its
+// own methods.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -13,7 +14,7 @@
 namespace facetless {
 namespace {
 
-// Where a ray enters a box, and the outward normal there.
+// The point at which a ray enters a box, and the outward normal there.
 struct Entry {
   double depth = INFINITY;
   std::array<float, 3> normal{};

@@ -1,6 +1,7 @@
-// Stands between a program and the date (LD_PRELOAD): every question for the time of day is answered later by
-// as many seconds as the file DATE_SHIFT says, eight bytes of an integer, at any moment. Clocks that nobody
-// sets are left alone. Not libfaketime: 0.9.10 locks itself up when several threads ask at once.
+// Changes the date for a program that preloads this library (LD_PRELOAD): every request for the time of day
+// returns a time that is later by the number of seconds in the file DATE_SHIFT, an integer of eight bytes,
+// which may change at any time. Monotonic clocks are not changed. libfaketime is not used, because version
+// 0.9.10 deadlocks when several threads ask at once.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -24,7 +25,7 @@ const std::atomic<std::int64_t>* const kShift = [] {
 }();
 
 std::int64_t Shift() {
-  return kShift == nullptr ? 0 : kShift->load();  // null: asked before this library is ready
+  return kShift == nullptr ? 0 : kShift->load();  // null: called before this library is initialised
 }
 
 }  // namespace

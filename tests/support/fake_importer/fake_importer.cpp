@@ -1,9 +1,9 @@
-// Stands in for facetless-import in tests. What it does is the first word of the input file:
+// Replaces facetless-import in tests. The first word of the input file selects its behaviour:
 //   ok         writes a model of one square, and a mesh file of its two triangles per --mesh
-//   slow       the same after so many milliseconds (second word)
-//   unmeshed   the same as ok, and says that a face has no triangle
-//   unusable   exit code 4 with an error of the given code (second word)
-//   mesh-MODE  writes its model, begins to mesh, and only then does what MODE says; without a --mesh the same as ok
+//   slow       does the same after the given number of milliseconds (second word)
+//   unmeshed   does the same as ok, and reports that a face has no triangle
+//   unusable   exits with code 4 and an error of the given code (second word)
+//   mesh-MODE  writes its model, begins to mesh, and only then does what MODE says; without a --mesh it acts like ok
 //   crash      dies of SIGSEGV
 //   hang       never ends, and ignores SIGTERM
 //   spin       uses processor time without end
@@ -12,23 +12,24 @@
 //   bigfile    writes a file without end
 //   outputs    writes files of 256 KB without end
 //   manyfiles  writes small files without end
-//   deep       makes directories in each other without end
+//   deep       makes nested directories without end
 //   nameless   writes without end to files that it has removed
 //   threads    starts threads without end
 //   leave      leaves its process group, then hangs
-//   link       answers with a model file that is a symbolic link to the path given (second word)
+//   link       answers with a model file that is a symbolic link to the given path (second word)
 //   pipe       answers with a model file that is a pipe
-//   nothing    answers that all is well, and has written nothing
-//   words      dies with words that no terminal should see
-//   lies       answers with an error that is none
+//   nothing    reports success, but has written nothing
+//   words      dies with an error text that must not reach a terminal
+//   lies       answers with an error code that does not exist
 //   open       reports how many files it may open, as `opened`
-// These report as `denied` whether they were kept from
+// The following report as `denied` whether they were prevented:
 //   socket, fork, vfork, memfd
-//   signal     signals to its parent, to its parent's group and to everybody
-//   ptrace     attaching to its parent, reading its memory, changing its limits
-//   read, list, write, run      the path given
+//   signal     signals its parent, its parent's group and all processes
+//   ptrace     attaches to its parent, reads its memory, changes its limits
+//   read, list, write, run      the given path
+// Two more:
 //   env        reports its environment, directory and open files
-//   garbage    exits 0 with an answer that is no JSON
+//   garbage    exits with 0 and an answer that is no JSON
 #include <dirent.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -91,7 +92,7 @@ int Answer(const std::string& text) {
   return 0;
 }
 
-// The square's two triangles as the importer writes a mesh.
+// The square's two triangles, in the format in which the importer writes a mesh.
 std::string SquareMesh() {
   const float vectors[24] = {-5, -5, 0, 5, -5, 0, 5, 5, 0, -5, 5, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
@@ -121,7 +122,7 @@ int WriteModelAndMeshes(int argc, char** argv, bool answer = true) {
     if (std::string(argv[i]) != "--model") continue;
     if (auto written = facetless::WriteModel(Square(), argv[i + 1]); !written) {
       Answer(R"({"ok":false,"error":{"code":"write-failed","message":"The model cannot be written."}})");
-      return 4;  // as the importer itself
+      return 4;  // the same exit code as the importer
     }
   }
   return answer ? Answer(R"({"ok":true,"faces":1})") : 0;
@@ -132,7 +133,7 @@ int ReportDenied(int argc, char** argv, bool denied) {
   return Answer(std::string("{\"ok\":true,\"denied\":") + (denied ? "true}" : "false}"));
 }
 
-// True if a signal reaches nobody but this process.
+// Returns whether signals to all other processes are denied.
 bool SignalsDenied() {
   const pid_t parent = getppid();
   siginfo_t info = {};
@@ -144,7 +145,7 @@ bool SignalsDenied() {
          (handle < 0 || syscall(SYS_pidfd_send_signal, handle, 0, nullptr, 0) != 0);
 }
 
-// True if its parent can't be looked into nor changed.
+// Returns whether it is denied to inspect or change the parent process.
 bool TracingDenied() {
   const pid_t parent = getppid();
   char here[8] = {};
@@ -228,7 +229,7 @@ int ReportEnvironment() {
     text += std::string(entry == environ ? "" : ",") + "\"" + *entry + "\"";
   int files = 0;
   for ([[maybe_unused]] const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) ++files;
-  // Besides, the iterator's directory and the input are open.
+  // Two more files are open: the iterator's directory and the input.
   return Answer(text + "],\"files\":" + std::to_string(files - 2) + "}");
 }
 

@@ -1,4 +1,4 @@
-// nginx with docker/nginx.conf in front of the service: what the front must keep from it.
+// Tests nginx with docker/nginx.conf in front of the service: which requests the front must not pass on.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,8 @@ sockaddr_in Loopback(const std::string& host, int port) {
   return address;
 }
 
-// A connection from one of the loopback network's own addresses: to nginx each is another client.
+// A connection from one of the addresses of the loopback network. For nginx, each address is a different
+// client.
 class Client {
  public:
   Client(const std::string& from, int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -82,7 +83,7 @@ class Front : public ::testing::Test {
     if (access(kNginx, X_OK) != 0) GTEST_SKIP() << "nginx (Debian package nginx-light) is not installed";
     server_ = std::make_unique<LiveServer>(std::vector<std::string>{"--jobs", "1", "--queue", "4"},
                                            Program("facetless-fake-importer"));
-    // The file that is shipped, with this test's ports and folder.
+    // Use the file that is shipped, with this test's ports and folder.
     std::string conf = ReadText(Sample("../docker/nginx.conf"));
     ASSERT_FALSE(conf.empty());
     port_ = FreePort();
@@ -90,7 +91,7 @@ class Front : public ::testing::Test {
     Replace(conf, "server facetless:8080;", "server 127.0.0.1:" + std::to_string(server_->port()) + ";");
     Replace(conf, "client_max_body_size 256m;", "client_max_body_size 1m;");
     while (conf.find("/tmp/nginx") != std::string::npos) Replace(conf, "/tmp/nginx", directory_.path());
-    // Root's workers would become a user who can't enter this test's folder.
+    // Workers that root starts would run as a user who cannot enter this test's folder.
     if (getuid() == 0) conf = "user root;\n" + conf;
     const std::string file = WriteText(directory_.File("nginx.conf"), "daemon off;\n" + conf);
     pid_ = fork();
@@ -126,7 +127,7 @@ class Front : public ::testing::Test {
     client.Send(request);
     return client.Receive();
   }
-  // A whole upload by an ordinary client.
+  // A complete upload by an ordinary client.
   std::string Upload(const std::string& from) const {
     const std::string content = "ok";
     return Ask(from, Head("POST", "/v1/models?name=square.step", content.size()) + content);
@@ -139,8 +140,8 @@ class Front : public ::testing::Test {
 };
 
 TEST_F(Front, FiftySlowSendersDoNotHoldUpAnOrdinaryClient) {
-  // Each begins an upload that it never ends, and each has an address of its own, so that no limit of
-  // connections helps.
+  // Each client begins an upload that it never ends, and each has an address of its own, so that no limit of
+  // connections per address applies.
   std::vector<std::unique_ptr<Client>> slow;
   for (int i = 0; i < 50; ++i) {
     slow.push_back(std::make_unique<Client>("127.0.1." + std::to_string(i + 1), port_));
@@ -149,14 +150,15 @@ TEST_F(Front, FiftySlowSendersDoNotHoldUpAnOrdinaryClient) {
   const std::string answer = Upload("127.0.0.2");
   EXPECT_THAT(answer, HasSubstr("HTTP/1.1 20"));
   EXPECT_THAT(Ask("127.0.0.2", Head("GET", "/")), HasSubstr("HTTP/1.1 200"));
-  // They are still there, and the service knows nothing of them: straight to it, all its threads are free.
+  // The clients are still connected, but the service has received nothing from them. Direct requests show
+  // that all of its threads are free.
   EXPECT_EQ(server_->Get("/healthz").status, 200);
   for (const auto& client : slow) client->Send("x");
 }
 
 TEST_F(Front, TheSameSendersWithoutTheFrontDoHoldItUp) {
-  // What the front is for: each slow sender takes one of the service's threads, of which there are some
-  // dozens.
+  // This shows why the front is needed: without it, each slow client occupies one of the service's few dozen
+  // threads.
   std::vector<std::unique_ptr<Client>> slow;
   for (int i = 0; i < 400; ++i) {
     const std::string address = "127.0." + std::to_string(1 + i / 200) + "." + std::to_string(i % 200 + 1);
@@ -176,13 +178,13 @@ TEST_F(Front, OneAddressHasSixteenConnections) {
     slow.back()->Send(Head("POST", "/v1/models?name=slow.step", 100'000) + "ok");
   };
   for (int i = 0; i < 16; ++i) add();
-  // nginx counts a connection once it has read the request's head, which may take it a while on a busy
-  // machine. If it reads ours before the last of theirs, that one is refused, and another must take its
-  // place.
+  // nginx counts a connection once it has read the request's head, which may take some time on a busy
+  // machine. If nginx reads our request before the last client's, it refuses that client, and another client
+  // must take its place.
   std::string answer;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (answer.find(" 429 ") == std::string::npos && std::chrono::steady_clock::now() < end) {
-    for (const auto& client : slow) client->Send("x");  // who says nothing for long is hung up on
+    for (const auto& client : slow) client->Send("x");  // keep the connections open: nginx closes idle ones
     answer = Ask("127.0.0.3", Head("GET", "/"));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     if (answer.find(" 200 ") != std::string::npos) add();

@@ -1,4 +1,4 @@
-// The examples of docs/api.md, run as they stand there.
+// Runs the examples of docs/api.md as they are written there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ constexpr const char* kCurl = "/usr/bin/curl";
 constexpr const char* kMark = "<!-- tests/system/http runs this -->";
 constexpr const char* kAddress = "http://127.0.0.1:8080";
 
-// The lines that call curl in the blocks after a mark; how many blocks there were.
+// Returns the lines that call curl in the blocks after a mark. `blocks` receives the number of blocks.
 std::vector<std::string> MarkedCommands(const std::string& text, int& blocks) {
   std::vector<std::string> commands;
   std::istringstream lines(text);
@@ -75,7 +75,7 @@ TEST(Documentation, SaysWhatWorks) {
   const std::vector<std::string> variables = {"MODEL=" + model.Json().at("id").get<std::string>(),
                                               "JOB=" + job.Json().at("id").get<std::string>(),
                                               "KEY=" + Json::parse(key.out).at("key").get<std::string>()};
-  // What is written, but silent, and an error where the service answers with one.
+  // Run curl as written, but silently, and let it fail if the service answers with an error.
   const std::string quiet = std::string("curl() { ") + kCurl + " -sS --fail-with-body -o answer \"$@\"; }; ";
   int blocks = 0;
   for (const std::string& command : MarkedCommands(Documentation(), blocks)) {

@@ -1,4 +1,4 @@
-// Jobs over a real socket, with an importer that does what the first word of the upload says
+// Tests jobs over a real socket, with an importer whose behaviour the first word of the upload selects
 // (tests/support/fake_importer), and with a server that is killed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,7 +61,8 @@ class HttpJobs : public testing::Test {
   }
 };
 
-// Without what differs from run to run: times, memory, and the addresses of the files that hold them.
+// Returns the JSON without the values that differ between runs: times, memory, and the addresses of the files
+// that contain them.
 Json WithoutMeasurements(Json json) {
   if (json.is_object()) {
     for (const char* name : {"timing_ms", "import_ms", "read_ms", "transfer_ms", "convert_ms",
@@ -93,7 +94,8 @@ TEST_F(HttpJobs, AnswerLaterWhereTheCallerDoesNotWait) {
   EXPECT_THAT(job.at("finished").get<std::string>(), testing::MatchesRegex("20..-..-..T..:..:...*Z"));
   EXPECT_EQ(job.at("result").at("views").size(), 1u);
   EXPECT_EQ(server.Get(job.at("links").at("result")).Json(), job.at("result"));
-  // Asked again, it is known, and takes no longer than the look-up; what it took once stands apart.
+  // The second request finds the known answer in the time of a look-up. The time of the original work is
+  // reported separately.
   const Reply again = PostRender(server, "slow 700", {});
   EXPECT_THAT(again.headers.at("cache-status"), testing::HasSubstr("hit"));
   Json known = again.Json();
@@ -102,7 +104,7 @@ TEST_F(HttpJobs, AnswerLaterWhereTheCallerDoesNotWait) {
   EXPECT_LT(known.at("timing_ms").at("total").get<double>(), 500);
   known.erase("kept");
   EXPECT_EQ(WithoutMeasurements(known), WithoutMeasurements(job.at("result")));
-  // Another picture of the model has no share of its import.
+  // Another picture of the same model does not include the time of its import.
   const Json other = server
                          .PostForm("/v1/renders", {{"file", "square.step", "slow 700"},
                                                    {"options", "", R"({"size":"16x16"})"}})
@@ -122,7 +124,7 @@ TEST_F(HttpJobs, ThatFailKeepTheirProblem) {
   EXPECT_EQ(job.at("problem").at("type"), "urn:facetless:problem:nothing-usable");
   EXPECT_EQ(job.at("problem").at("status"), 422);
   EXPECT_FALSE(job.contains("result"));
-  // A failure is not remembered as an answer.
+  // A failure is not stored as an answer.
   EXPECT_NE(PostModel(server, "unusable nothing-usable").Json().at("id"), id);
 }
 
@@ -131,13 +133,14 @@ TEST_F(HttpJobs, EndWithinASecondWhenCancelled) {
   const std::string id = PostModel(server, "hang").Json().at("id");
   WaitUntilRunning(server, id);
   while (ChildrenLeft(server) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  // 200 means that it ended within the second that the service waits for it; 202 would be later.
+  // 200 means that the job ended within the second for which the service waits. If it ended later, the answer
+  // would be 202.
   const Reply cancelled = Cancel(server, id);
   EXPECT_EQ(cancelled.status, 200) << cancelled.body;
   EXPECT_EQ(cancelled.Json().at("state"), "cancelled");
   EXPECT_EQ(ChildrenLeft(server), 0);
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
-  EXPECT_EQ(Cancel(server, id).Json(), cancelled.Json()) << "again changes nothing";
+  EXPECT_EQ(Cancel(server, id).Json(), cancelled.Json()) << "cancelling again must change nothing";
   EXPECT_EQ(Cancel(server, std::string(32, '0')).status, 404);
   EXPECT_EQ(server.Request("DELETE", "/v1/jobs/" + id, {{"Sec-Fetch-Site", "cross-site"}}, "").Problem(),
             "cross-site");
@@ -145,7 +148,7 @@ TEST_F(HttpJobs, EndWithinASecondWhenCancelled) {
 
 TEST_F(HttpJobs, TellWhoeverWaitsThatTheyWereCancelled) {
   LiveServer server({}, FakeImporter());
-  // Under one key, so that the one who waits waits for this job however late it comes.
+  // Both requests have one key, so that the waiting request waits for this job even if it arrives late.
   const std::string id =
       PostModel(server, "hang", {{"Prefer", "wait=0"}, {"Idempotency-Key", "one"}}).Json().at("id");
   Reply waiting;
@@ -171,8 +174,8 @@ TEST_F(HttpJobs, TellTheirProgressToTheEnd) {
   const std::size_t end = events.body.find("event: end\ndata: {");
   ASSERT_NE(end, std::string::npos) << events.body;
   EXPECT_THAT(events.body.substr(end), HasSubstr("\"state\":\"done\""));
-  EXPECT_THAT(events.body.substr(end + 5), Not(HasSubstr("event: "))) << "nothing comes after it";
-  // Of a job that ended, the end at once.
+  EXPECT_THAT(events.body.substr(end + 5), Not(HasSubstr("event: "))) << "no event may follow the end";
+  // The stream of a job that has ended begins with the end.
   EXPECT_THAT(server.Get("/v1/jobs/" + id + "/events").body, HasSubstr("event: end"));
   EXPECT_EQ(server.Get("/v1/jobs/nothing/events").Problem(), "not-found");
 }
@@ -187,7 +190,7 @@ TEST_F(HttpJobs, AreTheSameUnderOneIdempotencyKey) {
   const std::string id = first.Json().at("id");
   EXPECT_EQ(post("slow 1500", "one").Json().at("id"), id);
   const Json result = server.JobAtItsEnd(id).at("result");
-  // Also when it is done; in what it took, each request has its own.
+  // The job is the same when it is done. Only the times belong to each request.
   const auto without_times = [](Json json) {
     json.erase("kept");
     return WithoutMeasurements(json);
@@ -196,7 +199,7 @@ TEST_F(HttpJobs, AreTheSameUnderOneIdempotencyKey) {
   const Reply other = post("ok", "one");
   EXPECT_EQ(other.status, 422);
   EXPECT_EQ(other.Problem(), "key-reused");
-  // A new key for what is known already stands for that from then on.
+  // A new key for a known question refers to the known answer from then on.
   EXPECT_EQ(without_times(post("slow 1500", "two").Json()), without_times(result));
   EXPECT_EQ(post("ok", "two").Problem(), "key-reused");
   EXPECT_EQ(post("ok", std::string(256, 'k')).Problem(), "bad-usage");
@@ -212,7 +215,7 @@ TEST_F(HttpJobs, ForTheSameQuestionAtOnceAreOne) {
     clients.emplace_back([&server, &reply] { reply = PostRender(server, "slow 1500", {}); });
   for (std::thread& client : clients) client.join();
   for (const Reply& reply : replies) {
-    // The work was done once; each request has a time of its own.
+    // The work was done once. Each request reports a time of its own.
     EXPECT_EQ(reply.Json().at("kept"), replies.front().Json().at("kept"));
     EXPECT_EQ(WithoutMeasurements(reply.Json()), WithoutMeasurements(replies.front().Json()));
   }
@@ -250,12 +253,12 @@ TEST_F(HttpJobs, ThatSeeThreeDeathsAreGivenUp) {
   EXPECT_EQ(job.at("state"), "failed");
   EXPECT_EQ(job.at("problem").at("type"), "urn:facetless:problem:gave-up");
   EXPECT_THAT(job.at("problem").at("detail").get<std::string>(), HasSubstr("3 times"));
-  EXPECT_EQ(PostModel(server, "ok", {}).status, 201) << "and others go on";
+  EXPECT_EQ(PostModel(server, "ok", {}).status, 201) << "other requests must work";
 }
 
 TEST_F(HttpJobs, TakeTurnsBetweenOwners) {
-  // Until there are keys, only the queue itself knows owners: put jobs of two into it, then let a server run
-  // them one at a time.
+  // Without keys, only the queue itself has owners. So put jobs of two owners into it, and then let a server
+  // run them one at a time.
   LiveServer server({"--jobs", "1"}, FakeImporter());
   const std::string model = PostModel(server, "ok", {}).Json().at("id");
   server.Stop(SIGTERM);
@@ -275,7 +278,8 @@ TEST_F(HttpJobs, TakeTurnsBetweenOwners) {
   }
   server.Start();
   EXPECT_EQ(server.JobAtItsEnd(ids[4]).at("state"), "done");
-  EXPECT_EQ(server.Get("/v1/jobs/" + ids[0]).status, 404) << "anna's job is not for us to see";
+  EXPECT_EQ(server.Get("/v1/jobs/" + ids[0]).status, 404)
+      << "a request without anna's key must not see her job";
   {
     auto database = DataDirectory::OpenDatabase(server.data()).value();
     for (bool waiting = true; waiting; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
@@ -288,8 +292,8 @@ TEST_F(HttpJobs, TakeTurnsBetweenOwners) {
   auto directory = DataDirectory::Open(server.data()).value();
   SqlJobStore jobs(*directory, {});
   const auto started = [&](std::size_t i) { return jobs.Find(ids[i])->started; };
-  EXPECT_LT(started(3), started(1)) << "b1 was not kept waiting by a2";
-  EXPECT_LT(started(4), started(2)) << "nor b2 by a3";
+  EXPECT_LT(started(3), started(1)) << "b1 must not wait for a2";
+  EXPECT_LT(started(4), started(2)) << "b2 must not wait for a3";
   directory.reset();
   server.Start();
 }
@@ -317,7 +321,7 @@ TEST_F(HttpJobs, OfAKindOfANewerVersionFailAndSaySo) {
   EXPECT_EQ(failed.at("kind"), "unknown");
   EXPECT_THAT(failed.at("problem").at("detail").get<std::string>(),
               HasSubstr("a job of the kind \"hologram\", which this version of Facetless does not know"));
-  EXPECT_EQ(server.JobAtItsEnd(known).at("state"), "done") << "the others are not held up";
+  EXPECT_EQ(server.JobAtItsEnd(known).at("state"), "done") << "other jobs must not wait";
   EXPECT_THAT(server.Get("/metrics").body,
               HasSubstr("facetless_jobs_ended_total{kind=\"unknown\",state=\"failed\"} 1"));
 }
@@ -352,15 +356,15 @@ TEST_F(HttpJobs, ComputeAnEvictedAnswerAgain) {
 
 TEST_F(HttpJobs, SayThatTheDiskIsFullAndLeaveNothingTorn) {
   LiveServer server({}, FakeImporter());
-  // What a full disk does to a write, a limit does to a large one.
+  // A limit on the file size makes large writes fail, as a full disk does.
   const struct rlimit limit = {2 << 20, 2 << 20};
   if (prlimit(server.pid(), RLIMIT_FSIZE, &limit, nullptr) != 0)
-    GTEST_SKIP() << "this system does not let us limit the size of the server's files";
+    GTEST_SKIP() << "this system does not allow tests to limit the size of the server's files";
   const Reply reply = PostModel(server, "ok" + std::string(3 << 20, ' '), {});
   EXPECT_EQ(reply.status, 507) << reply.body;
   EXPECT_EQ(reply.Problem(), "write-failed");
   EXPECT_EQ(server.Get("/healthz").status, 200);
-  EXPECT_EQ(PostModel(server, "ok", {}).status, 201) << "what fits is still taken";
+  EXPECT_EQ(PostModel(server, "ok", {}).status, 201) << "a small upload must still be accepted";
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   ExpectSoundStore(server);
@@ -370,9 +374,9 @@ TEST_F(HttpJobs, SayThatTheDiskIsFullAndLeaveNothingTorn) {
 TEST_F(HttpJobs, GoOnWhereTheDiskItselfIsFull) {
   LiveServer server({}, FakeImporter());
   ASSERT_EQ(server.Stop(SIGTERM), 0);
-  // A disk of three megabytes in the place of the data.
+  // Mount a disk of three megabytes at the data directory.
   if (mount("tmpfs", server.data().c_str(), "tmpfs", 0, "size=3m") != 0)
-    GTEST_SKIP() << "this system does not let us mount a small disk; run as root to see what a full one does";
+    GTEST_SKIP() << "this system does not allow tests to mount a small disk; run the test as root";
   server.Start();
   const auto large = [](int i) { return "ok " + std::to_string(i) + std::string(200000, ' '); };
   std::vector<Json> answers;
@@ -387,7 +391,7 @@ TEST_F(HttpJobs, GoOnWhereTheDiskItselfIsFull) {
   ASSERT_FALSE(answers.empty());
   for (const Json& answer : answers)
     EXPECT_EQ(server.Get(answer.at("views").at(0).at("links").at("direct")).status, 200)
-        << "what was there still is";
+        << "earlier data must still be there";
   Json again = server.PostJson("/v1/renders", {{"model", Sha256Hex(large(0))}, {"size", "48x48"}}).Json();
   again.erase("kept");
   EXPECT_EQ(WithoutMeasurements(again), WithoutMeasurements(answers[0]));
@@ -401,7 +405,7 @@ TEST_F(HttpJobs, AreCheckedOnTheCommandLineWhileNobodyWorks) {
   LiveServer server({}, FakeImporter());
   ASSERT_EQ(PostRender(server, "ok", {}).status, 200);
   const auto check = [&] { return RunProgram(Program("facetless"), {"store", "check", server.data()}, "/"); };
-  EXPECT_EQ(check().exit_code, 64) << "the service has it";
+  EXPECT_EQ(check().exit_code, 64) << "the service holds the lock";
   EXPECT_THAT(check().error_tail, HasSubstr("in use"));
   ASSERT_EQ(server.Stop(SIGTERM), 0);
   const ChildOutcome sound = check();

@@ -1,4 +1,4 @@
-// Who gets in, and what they see there.
+// Tests which keys get access, and what they can see.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -24,7 +24,7 @@ class Keys : public testing::Test {
     EXPECT_EQ(server_.Stop(SIGTERM), 0);
     server_.Start({"--require-keys"});
   }
-  // A key, made while the service runs.
+  // Creates a key while the service runs.
   Json Create(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"keys", "create", server_.data()});
     const ChildOutcome outcome = RunProgram(Program("facetless"), arguments, "/");
@@ -60,14 +60,14 @@ TEST_F(Keys, NobodyComesInWithoutOne) {
     EXPECT_EQ(server_.Get("/v1/models/" + std::string(64, '0'), headers).status, 401);
     EXPECT_EQ(server_.Request("DELETE", "/v1/jobs/x", headers, "").status, 401);
   }
-  // One wrong digit of the secret.
+  // Change one digit of the secret.
   Json wrong = anna_;
   std::string text = wrong.at("key");
   text.back() = text.back() == '0' ? '1' : '0';
   wrong["key"] = text;
   EXPECT_EQ(Post("ok", With(wrong)).status, 401);
   EXPECT_EQ(Post("ok", With(anna_)).status, 200);
-  EXPECT_EQ(server_.Get("/healthz").status, 200) << "what watches the service needs none";
+  EXPECT_EQ(server_.Get("/healthz").status, 200) << "monitoring needs no key";
   EXPECT_EQ(server_.Get("/").status, 200);
 }
 
@@ -88,7 +88,7 @@ TEST_F(Keys, EachSeesItsOwnOnly) {
   EXPECT_THAT(
       server_.Get(report.at("views").at(0).at("links").at("direct"), With(anna_)).headers.at("cache-control"),
       Not(HasSubstr("public")));
-  // The same file is a model of their own for each, and bert is not told that it is known.
+  // The same file becomes a separate model for each key. bert must not learn that it is known.
   const auto created = [&](const Json& key) {
     Headers headers = With(key);
     headers.emplace_back("Prefer", "wait=60");
@@ -108,7 +108,7 @@ TEST_F(Keys, DoWhatTheirScopesSay) {
   EXPECT_EQ(server_.Get("/v1/jobs/" + job, With(watcher)).Json().at("id"), job);
   EXPECT_EQ(server_.Request("DELETE", "/v1/jobs/" + job, With(reader), "").Problem(), "forbidden");
   EXPECT_EQ(server_.Request("DELETE", "/v1/jobs/" + job, With(watcher), "").Json().at("state"), "cancelled");
-  EXPECT_EQ(Post("ok", With(watcher)).Problem(), "forbidden") << "to watch is not to post";
+  EXPECT_EQ(Post("ok", With(watcher)).Problem(), "forbidden") << "a key for monitoring must not post";
 }
 
 TEST_F(Keys, AreRevokedAtOnce) {
@@ -120,7 +120,7 @@ TEST_F(Keys, AreRevokedAtOnce) {
   const ChildOutcome list = RunProgram(Program("facetless"), {"keys", "list", server_.data()}, "/");
   EXPECT_FALSE(Json::parse(list.out).at(0).at("revoked").is_null());
   EXPECT_TRUE(Json::parse(list.out).at(1).at("revoked").is_null());
-  EXPECT_THAT(list.out, Not(HasSubstr("facetless_"))) << "keys are shown once only";
+  EXPECT_THAT(list.out, Not(HasSubstr("facetless_"))) << "a list must not show keys";
   EXPECT_EQ(RunProgram(Program("facetless"), {"keys", "revoke", server_.data(), "nobody"}, "/").exit_code,
             64);
   EXPECT_EQ(RunProgram(Program("facetless"),
@@ -137,7 +137,7 @@ TEST_F(Keys, HaveARateAndAQuotaOfTheirOwn) {
   EXPECT_EQ(limited.status, 429);
   EXPECT_EQ(limited.Problem(), "rate-limited");
   EXPECT_NE(limited.headers.at("retry-after"), "");
-  EXPECT_EQ(server_.Get("/v1/jobs/x", With(anna_)).status, 404) << "which is no business of anna's";
+  EXPECT_EQ(server_.Get("/v1/jobs/x", With(anna_)).status, 404) << "anna must not see this job";
 
   const Json small = Create({"--name", "small", "--quota", "1"});
   const auto large = [](const char* name) { return std::string("ok ") + name + std::string(600000, ' '); };
@@ -154,7 +154,7 @@ TEST_F(Keys, HaveARateAndAQuotaOfTheirOwn) {
 }
 
 TEST_F(Keys, ARequestThatAsksBeforeItSendsCountsOnce) {
-  // Two requests in a minute, each of which waits to hear that its body is wanted.
+  // The key allows two requests per minute. Each waits for 100 Continue before it sends its body.
   Headers headers = With(Create({"--name", "careful", "--rate", "2"}));
   headers.emplace_back("Expect", "100-continue");
   headers.emplace_back("Content-Type", "application/octet-stream");

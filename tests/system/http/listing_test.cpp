@@ -1,4 +1,4 @@
-// GET /v1/models and /v1/jobs page by page, and DELETE of a model.
+// Tests GET /v1/models and /v1/jobs with pages, and DELETE of a model.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -20,7 +20,7 @@ class Listing : public testing::Test {
   std::string Upload(const std::string& text) {
     return server_.PostForm("/v1/models", {{"file", "square.step", text}}).Json().value("id", "");
   }
-  // The ids of all pages.
+  // Returns the ids of all pages.
   std::vector<std::string> Read(const std::string& path, const std::string& name, std::size_t limit) {
     std::vector<std::string> ids;
     std::string next = path + "?limit=" + std::to_string(limit);

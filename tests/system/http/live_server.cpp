@@ -21,7 +21,7 @@ namespace {
 
 Reply Parsed(const std::string& bytes) {
   Reply reply;
-  // Interim answers (100 Continue) come first.
+  // Skip interim answers (100 Continue), which come first.
   std::size_t begin = 0;
   while (bytes.compare(begin, 12, "HTTP/1.1 100") == 0) begin = bytes.find("\r\n\r\n", begin) + 4;
   const std::size_t end = bytes.find("\r\n\r\n", begin);
@@ -88,7 +88,7 @@ void LiveServer::Start(const std::vector<std::string>& more) {
   }
   unsetenv("FACETLESS_IMPORTER");
   close(out[1]);
-  // The first line is the address.
+  // The first line is the server's address.
   std::string line;
   for (char c = 0; read(out[0], &c, 1) == 1 && c != '\n';) line += c;
   close(out[0]);
@@ -99,7 +99,7 @@ void LiveServer::Start(const std::vector<std::string>& more) {
 LiveServer::~LiveServer() {
   if (pid_ <= 0) return;
   const bool running = Running();
-  EXPECT_TRUE(running) << "the server ended by itself";
+  EXPECT_TRUE(running) << "the server ended unexpectedly";
   if (running) Stop(SIGKILL);
 }
 

@@ -1,4 +1,5 @@
-// A running `facetless serve`, and a client that can also send what no well-behaved client would.
+// A running `facetless serve`, and a client that can also send requests that no well-behaved client would
+// send.
 #pragma once
 
 #include <sys/types.h>
@@ -16,12 +17,12 @@
 namespace facetless {
 
 struct Reply {
-  int status = 0;                              // 0: the connection broke before a status line
+  int status = 0;                              // 0: the connection was closed before a status line
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
 
   nlohmann::json Json() const { return nlohmann::json::parse(body, nullptr, false); }
-  // The problem's type without its prefix; "" if this is no problem document.
+  // Returns the problem's type without its prefix; "" if the body is no problem document.
   std::string Problem() const;
 };
 
@@ -32,10 +33,10 @@ struct FormPart {
 
 class LiveServer {
  public:
-  // Starts it on a free port with an empty data directory. `importer` goes to FACETLESS_IMPORTER if not
-  // empty.
+  // Starts the server on a free port with an empty data directory. If `importer` is not empty, it goes to
+  // FACETLESS_IMPORTER.
   explicit LiveServer(const std::vector<std::string>& arguments = {}, const std::string& importer = "");
-  ~LiveServer();  // SIGKILL if it still runs
+  ~LiveServer();  // sends SIGKILL if the server still runs
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;
 
@@ -45,22 +46,24 @@ class LiveServer {
   }
   Reply Request(const std::string& method, const std::string& path, const Headers& headers,
                 const std::string& body);
-  // These two wait for the end of the job, unless `headers` has a Prefer of its own.
+  // These two wait for the end of the job, unless `headers` contains a Prefer header.
   Reply PostJson(const std::string& path, const nlohmann::json& json, const Headers& headers = {});
   Reply PostForm(const std::string& path, const std::vector<FormPart>& parts, const Headers& headers = {});
-  // The job as it is when it has ended, or null after a minute.
+  // Waits for the end of a job and returns the job; null after a minute.
   nlohmann::json JobAtItsEnd(const std::string& id);
-  // Sends the bytes as they are and reads until the server closes. `port`: another one of the server's.
+  // Sends the bytes as they are, and reads until the server closes the connection. `port` selects another
+  // port of the server.
   Reply Raw(const std::string& bytes, int port = 0) { return RawInPieces({bytes}, 0, port); }
-  // The same with a pause before each piece but the first.
+  // The same with a pause before each piece except the first.
   Reply RawInPieces(const std::vector<std::string>& pieces, double pause_s, int port = 0);
 
   bool Running();
-  // Starts it again, on the same data and with more arguments; it must have ended.
+  // Starts the server again, on the same data and with additional arguments. It must have ended.
   void Start(const std::vector<std::string>& more = {});
-  // From the next start on, standard error goes to this file.
+  // From the next start on, standard error is written to this file.
   void LogTo(const std::string& path) { log_ = path; }
-  // Sends the signal and waits; the exit code, or −1 if it had to be killed after ten seconds.
+  // Sends the signal and waits. Returns the exit code, or −1 if the server had to be killed after ten
+  // seconds.
   int Stop(int signal);
 
   pid_t pid() const { return pid_; }
@@ -72,10 +75,10 @@ class LiveServer {
   std::string data_, importer_, log_;
   std::vector<std::string> command_;
   pid_t pid_ = 0;
-  std::atomic<int> port_{0};  // changes with each start; clients of other threads ask anew
+  std::atomic<int> port_{0};  // changes with each start; clients on other threads read it for each request
 };
 
-// A port of 127.0.0.1 that nobody listens on now.
+// Returns a port of 127.0.0.1 on which no process listens now.
 int FreePort();
 
 }  // namespace facetless

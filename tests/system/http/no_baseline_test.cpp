@@ -1,4 +1,4 @@
-// Comparisons over HTTP whose mesh is not made: the answer is the exact half, and says why.
+// Tests comparisons over HTTP for which no mesh is made: the answer has the exact half, and the reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ class HttpNoBaseline : public testing::Test {
     options["size"] = "32x24";
     return server.PostForm(path, {{"file", "square.step", text}, {"options", "", options.dump()}});
   }
-  // The answer has the exact half, whose pictures can be fetched, and the reason.
+  // Checks that the answer has the exact half, whose pictures can be fetched, and the reason.
   static void ExpectExactHalf(LiveServer& server, const Reply& reply, const std::string& reason,
                               const std::string& words) {
     ASSERT_EQ(reply.status, 200) << reply.body;
@@ -28,7 +28,7 @@ class HttpNoBaseline : public testing::Test {
     EXPECT_EQ(answer.at("no_baseline").at("reason"), reason);
     const std::string message = answer["no_baseline"].at("message");
     EXPECT_THAT(message, HasSubstr("square.step: " + words));
-    EXPECT_THAT(message, Not(HasSubstr("--mesh-timeout"))) << "that is no name of HTTP";
+    EXPECT_THAT(message, Not(HasSubstr("--mesh-timeout"))) << "the message must use HTTP's option names";
     EXPECT_EQ(answer.at("verdict").at("problems"), Json::array({message}));
     const Json& view = answer.at("views").at(0);
     EXPECT_GT(view.at("direct").at("hits"), 0);
@@ -56,8 +56,9 @@ TEST_F(HttpNoBaseline, SaysWhyOfAModelThatIsThereAlready) {
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-crash"), "crash", "the mesher was killed");
   const Reply known = Post(server, "/v1/comparisons", "mesh-crash");
   ExpectExactHalf(server, known, "crash", "the mesher was killed");
-  EXPECT_THAT(known.headers.at("cache-status"), HasSubstr("hit")) << "the reason lies in the file";
-  // The model was kept by a comparison, too.
+  EXPECT_THAT(known.headers.at("cache-status"), HasSubstr("hit"))
+      << "the reason depends only on the file, so the answer is kept";
+  // A comparison keeps the model, too.
   ExpectExactHalf(server, Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}}), "timeout",
                   "meshing took longer");
   EXPECT_EQ(Post(server, "/v1/renders", "mesh-hang").Json().at("timing_ms").at("import"), 0);
@@ -69,9 +70,9 @@ TEST_F(HttpNoBaseline, IsAnotherAnswerNextTimeWhereOnlyTimeRanOut) {
   const Reply again = Post(server, "/v1/comparisons", "mesh-hang", {{"mesh_timeout", 0.3}});
   for (const Reply* reply : {&first, &again}) {
     ExpectExactHalf(server, *reply, "timeout", "meshing took longer");
-    EXPECT_FALSE(reply->headers.contains("cache-status")) << "the mesher was tried";
+    EXPECT_FALSE(reply->headers.contains("cache-status")) << "the mesher must have been tried again";
   }
-  // Each stays at an address of its own, and its job has it.
+  // Each answer keeps an address of its own, and its job refers to it.
   const std::string one = first.Json().at("links").at("self"), two = again.Json().at("links").at("self");
   EXPECT_NE(one, two);
   EXPECT_EQ(server.Get(one).body, first.body);
@@ -91,7 +92,7 @@ TEST_F(HttpNoBaseline, LeavesHalfOfTheJobsTimeToTheExactHalf) {
 }
 
 TEST_F(HttpNoBaseline, NamesTheOperatorsOptionWhereTheSearchTreeIsTooLarge) {
-  // A view's share is one megabyte.
+  // With these options, the memory limit of a view is one megabyte.
   LiveServer server({"--jobs", "64", "--max-view-memory", "64"});
   const Reply reply =
       server.PostForm("/v1/comparisons", {{"file", "sphere.step", ReadText(Sample("sphere.step"))},

@@ -1,4 +1,4 @@
-// /openapi.json against the service: every route is in it, and every answer is as it says.
+// Compares /openapi.json with the service: it lists every route, and every answer agrees with it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -35,7 +35,7 @@ Names MethodsOf(const Route& route) {
   return methods;
 }
 
-// The document, and what was seen of it: "POST /v1/renders 200".
+// The document, and the combinations that were observed: "POST /v1/renders 200".
 class Contract {
  public:
   explicit Contract(Json document) : document_(std::move(document)) {}
@@ -46,7 +46,7 @@ class Contract {
     for (const auto& [path, item] : document_.at("paths").items()) paths.insert(path);
     return paths;
   }
-  // Operations by method in capitals.
+  // Returns the operations, with methods in capitals.
   std::map<std::string, Json> Operations(const std::string& path) const {
     std::map<std::string, Json> operations;
     const Json item = Resolved(document_, document_.at("paths").value(path, Json::object()));
@@ -69,7 +69,7 @@ class Contract {
   }
   const Names& seen() const { return seen_; }
 
-  // Holds an answer to what is written, and returns it.
+  // Compares an answer with the document, and returns it.
   Reply Judge(const std::string& method, const std::string& path, Reply reply) {
     const std::string pattern = FindRoute(path.substr(0, path.find('?'))).pattern;
     const std::string what = method + " " + pattern + " " + std::to_string(reply.status);
@@ -168,7 +168,7 @@ TEST_F(OpenApi, HasEveryRouteWithEveryMethodAndNoOther) {
     Names methods;
     for (const auto& [method, operation] : contract.Operations(route.pattern)) methods.insert(method);
     EXPECT_EQ(methods, MethodsOf(route)) << route.pattern;
-    // The way back: an address of this form is this route.
+    // In the other direction: an address of this form must lead to this route.
     std::string path = route.pattern;
     if (const std::size_t open = path.find('{'); open != std::string::npos)
       path.replace(open, path.find('}') - open + 1, "x");
@@ -205,19 +205,19 @@ TEST_F(OpenApi, HasWhatGeneratorsOfClientsNeed) {
   for (const Json& tag : document.at("tags")) tags.insert(tag.at("name").get<std::string>());
   for (const auto& [path, item] : document.at("paths").items()) {
     EXPECT_FALSE(item.contains("$ref"))
-        << path << ": operations that two addresses share have one id for both";
+        << path << ": two addresses with the same operations must have different ids";
     for (const auto& [method, operation] : contract.Operations(path)) {
       const std::string what = method + " " + path;
-      // An identifier, and no other operation's.
+      // The id must be an identifier that no other operation has.
       const std::string id = operation.value("operationId", "");
       EXPECT_TRUE(std::regex_match(id, std::regex("[a-z][A-Za-z0-9]*"))) << what << ": " << id;
-      EXPECT_TRUE(ids.insert(id).second) << what << ": " << id << " is another operation's";
+      EXPECT_TRUE(ids.insert(id).second) << what << ": " << id << " belongs to another operation, too";
       EXPECT_TRUE(method == "HEAD" || operation.contains("summary")) << what << " has no summary";
       EXPECT_FALSE(operation.at("tags").empty()) << what;
       for (const Json& tag : operation.at("tags"))
         EXPECT_TRUE(tags.contains(tag.get<std::string>())) << what << ": " << tag;
 
-      // What stands in braces is a parameter, and what is a parameter of the path stands in braces.
+      // The names in braces must be exactly the path parameters.
       Names braced, declared;
       for (std::size_t open = path.find('{'); open != std::string::npos; open = path.find('{', open + 1))
         braced.insert(path.substr(open + 1, path.find('}', open) - open - 1));
@@ -232,7 +232,7 @@ TEST_F(OpenApi, HasWhatGeneratorsOfClientsNeed) {
         }
       EXPECT_EQ(braced, declared) << what;
 
-      // Every answer says what it is; those that have a body, of which type.
+      // Every answer must have a description, and every body a type.
       bool succeeds = false;
       for (const auto& [status, entry] : operation.at("responses").items()) {
         const Json response = Resolved(document, entry);
@@ -244,7 +244,8 @@ TEST_F(OpenApi, HasWhatGeneratorsOfClientsNeed) {
         for (const auto& [type, media] : content.items()) {
           EXPECT_NE(type.find('/'), std::string::npos) << what << " " << status << ": " << type;
           const bool json = type.ends_with("json");
-          EXPECT_TRUE(!json || media.contains("schema")) << what << " " << status << ": JSON of no schema";
+          EXPECT_TRUE(!json || media.contains("schema"))
+              << what << " " << status << ": this JSON has no schema";
         }
       }
       EXPECT_TRUE(succeeds) << what << " never succeeds";
@@ -257,7 +258,7 @@ TEST_F(OpenApi, HasNoComponentThatNobodyRefersTo) {
   const Contract contract = Fetch(server);
   const std::string text = contract.document().dump();
   for (const auto& [kind, components] : contract.document().at("components").items()) {
-    if (kind == "securitySchemes") continue;  // these are named, not referred to
+    if (kind == "securitySchemes") continue;  // these are referred to by name, not by $ref
     for (const auto& [name, component] : components.items())
       EXPECT_NE(text.find("\"#/components/" + kind + "/" + name + "\""), std::string::npos)
           << kind << " " << name;
@@ -276,7 +277,7 @@ TEST_F(OpenApi, KnowsEveryOptionOfTheService) {
   EXPECT_EQ(written, known);
 }
 
-// Provokes what is documented, and lists what it cannot.
+// Provokes the documented answers, and lists those that it cannot provoke.
 class Provocation : public OpenApi {
  protected:
   Reply Ask(LiveServer& server, const std::string& method, const std::string& path,
@@ -307,7 +308,7 @@ class Provocation : public OpenApi {
   void Ends();
   void Crowds();
 
-  // Trades need a mesh that is one, so their good answer comes from the importer itself.
+  // Trades need a usable mesh, so the real importer produces their successful answer.
   static constexpr const char* kWork[] = {"/v1/models", "/v1/renders", "/v1/comparisons",
                                           "/v1/trades", "/v1/render",  "/v1/compare"};
   std::unique_ptr<Contract> contract_;
@@ -365,7 +366,7 @@ void Provocation::Refusals() {
             ->Judge("POST", path, server.Raw(head + form + "Transfer-Encoding: chunked\r\n\r\nnonsense\r\n"))
             .status,
         400);
-    // A pause that is longer than --timeout.
+    // Make a pause that is longer than --timeout.
     const std::string part =
         "--b\r\nContent-Disposition: form-data; name=\"file\"; filename=\"a.step\"\r\n\r\n";
     EXPECT_EQ(contract_
@@ -404,7 +405,8 @@ void Provocation::Keys() {
   const std::string hasty = Create(server, {"--scopes", "read,submit,admin", "--rate", "1"});
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   server.Start({"--require-keys"});
-  EXPECT_EQ(server.Get("/v1/jobs/x", With(hasty)).status, 404) << "its one request of this minute";
+  EXPECT_EQ(server.Get("/v1/jobs/x", With(hasty)).status, 404)
+      << "this is the key's one request of this minute";
   for (const Route& route : AllRoutes()) {
     if (route.kind == RouteKind::kPage || route.kind == RouteKind::kHealth || route.kind == RouteKind::kReady)
       continue;
@@ -425,7 +427,7 @@ void Provocation::Keys() {
 void Provocation::Ends() {
   LiveServer server({"--jobs", "1"}, FakeImporter());
   for (const char* path : kWork) {
-    // Cancelled while somebody waits.
+    // Cancel the job while a client waits for it.
     const std::string text = std::string("hang ") + path;
     const Reply accepted = Post(server, path, text, {{"Prefer", "wait=0"}, {"Idempotency-Key", path}});
     EXPECT_EQ(accepted.status, 202);
@@ -446,7 +448,7 @@ void Provocation::Ends() {
     for (const char* method : {"GET", "HEAD"})
       EXPECT_EQ(Ask(server, method, "/v1/jobs/" + id + "/events").status, 200);
   }
-  // A model that a job waits for, and the same when none does.
+  // Delete a model while a job waits for it, and one without jobs.
   const std::string model = Post(server, "/v1/models", "ok to be removed").Json().at("id");
   const std::string hanging = Running(server, Post(server, "/v1/models", "hang", {{"Prefer", "wait=0"}}));
   const Reply waiting = contract_->Judge(
@@ -458,7 +460,7 @@ void Provocation::Ends() {
     EXPECT_EQ(Ask(server, "DELETE", "/v1/jobs/" + id).status, 200);
   EXPECT_EQ(Ask(server, "DELETE", "/v1/models/" + model).status, 204);
   EXPECT_EQ(Ask(server, "GET", "/v1/models/" + model).status, 404);
-  // Jobs of every end, as jobs.
+  // Read jobs with each kind of end.
   for (const char* text : {"ok", "unusable nothing-usable"}) {
     const Reply reply = Post(server, "/v1/renders", text, {{"Prefer", "wait=0"}});
     const Json ended = server.JobAtItsEnd(reply.Json().at("id"));
@@ -473,7 +475,7 @@ void Provocation::Crowds() {
   EXPECT_EQ(Post(server, "/v1/models", "ok waits", {{"Prefer", "wait=0"}}).status, 202);
   for (const char* path : kWork)
     EXPECT_EQ(Post(server, path, "ok too much", {{"Prefer", "wait=0"}}).status, 503);
-  // As many listeners as there may be.
+  // Open the maximum number of listeners.
   const std::string events = "/v1/jobs/" + id + "/events";
   std::vector<std::thread> listeners;
   listeners.reserve(32);
@@ -500,8 +502,9 @@ TEST_F(Provocation, GetsEveryDocumentedStatusOrSaysWhichNot) {
   Keys();
   Ends();
   Crowds();
-  // A job that is given up needs three deaths of the service (HttpJobs.ThatSeeThreeDeathsAreGivenUp), DELETE
-  // work that ends late, and a disk that fills up at that moment.
+  // The test cannot provoke these: a job is given up after three crashes of the service
+  // (HttpJobs.ThatSeeThreeDeathsAreGivenUp), DELETE is late if the work ends late, and 507 needs a disk that
+  // fills up at that moment.
   Names missing = {"DELETE /v1/jobs/{id} 202", "DELETE /v1/jobs/{id} 507", "DELETE /v1/models/{id} 507"};
   for (const char* path : kWork) missing.insert(std::string("POST ") + path + " 500");
   Names unseen;

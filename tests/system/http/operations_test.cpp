@@ -1,4 +1,4 @@
-// What people who run the service look at: health, readiness, metrics and the log.
+// Tests what operators of the service look at: health, readiness, metrics and the log.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -35,7 +35,7 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-// The value of a series, written as Prometheus does; −1 if it is not there.
+// Returns the value of a series in Prometheus format; −1 if it is missing.
 double Value(const std::string& metrics, const std::string& series) {
   for (const std::string& line : Lines(metrics)) {
     if (line.starts_with(series + " ")) return std::stod(line.substr(series.size() + 1));
@@ -50,7 +50,8 @@ Reply Post(LiveServer& server, const std::string& path, const std::string& text,
   return server.PostForm(path, parts, headers);
 }
 
-// The metrics, once `series` is at least `least`: a request is counted when its answer is on its way.
+// Returns the metrics as soon as `series` is at least `least`. A request is counted when its answer has been
+// sent.
 std::string MetricsWith(LiveServer& server, const std::string& series, double least) {
   std::string text;
   for (int i = 0; i < 200; ++i) {
@@ -58,7 +59,7 @@ std::string MetricsWith(LiveServer& server, const std::string& series, double le
     if (Value(text, series) >= least) return text;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  ADD_FAILURE() << series << " did not come to " << least << " in\n" << text;
+  ADD_FAILURE() << series << " did not reach " << least << " in\n" << text;
   return text;
 }
 
@@ -88,7 +89,7 @@ TEST(Metrics, CountRequestsJobsWorkAndLookUps) {
   EXPECT_EQ(Value(text, "facetless_jobs_waiting"), 0);
   EXPECT_EQ(Value(text, "facetless_jobs_running"), 0);
   EXPECT_EQ(Value(text, "facetless_ready"), 1);
-  // Nothing that callers chose is a label.
+  // Values that callers choose must not be labels.
   EXPECT_THAT(text, Not(HasSubstr("square")));
   EXPECT_THAT(text, Not(HasSubstr("nothing/here")));
 }
@@ -192,7 +193,7 @@ TEST(Operations, HaveAListenerOfTheirOwnWhereThatIsWanted) {
 TEST(Operations, AreAnsweredWhileSlowSendersHoldTheServiceUp) {
   const int port = FreePort();
   LiveServer server({"--ops-listen", "127.0.0.1:" + std::to_string(port)}, FakeImporter());
-  // More unfinished uploads than the main listener has threads.
+  // Start more unfinished uploads than the main listener has threads.
   std::vector<std::thread> slow;
   for (int i = 0; i < 120; ++i) {
     slow.emplace_back([&server] {
@@ -252,7 +253,7 @@ TEST(Readiness, IsThatWorkWouldBeTaken) {
   const Reply ready = server.Get("/readyz");
   EXPECT_EQ(ready.status, 200) << ready.body;
   EXPECT_EQ(ready.Json().at("status"), "ready");
-  // The store's own directory is gone: nothing can be taken in.
+  // Without the store's directory, the service cannot accept data.
   std::filesystem::remove_all(server.data() + "/tmp");
   Reply unready;
   for (int i = 0; i < 100 && unready.status != 503; ++i) {
@@ -262,7 +263,7 @@ TEST(Readiness, IsThatWorkWouldBeTaken) {
   EXPECT_EQ(unready.Problem(), "not-ready");
   EXPECT_EQ(unready.Json().at("detail"), "The store cannot be written.");
   EXPECT_THAT(unready.body, Not(HasSubstr(server.data())));
-  EXPECT_EQ(server.Get("/healthz").status, 200) << "it lives all the same";
+  EXPECT_EQ(server.Get("/healthz").status, 200) << "the process must still be healthy";
   EXPECT_EQ(Value(server.Get("/metrics").body, "facetless_ready"), 0);
 }
 
@@ -270,7 +271,7 @@ TEST(Readiness, EndsWhereTheDiskDoes) {
   LiveServer server({}, FakeImporter());
   ASSERT_EQ(server.Stop(SIGTERM), 0);
   if (mount("tmpfs", server.data().c_str(), "tmpfs", 0, "size=3m") != 0)
-    GTEST_SKIP() << "this system does not let us mount a small disk; run as root to see what a full one does";
+    GTEST_SKIP() << "this system does not allow tests to mount a small disk; run the test as root";
   server.Start();
   const Reply unready = server.Get("/readyz");
   EXPECT_EQ(unready.Problem(), "not-ready");
@@ -284,7 +285,7 @@ TEST(Readiness, EndsWhereTheDiskDoes) {
 
 class Log : public testing::Test {
  protected:
-  // Starts the server anew with its log in a file.
+  // Restarts the server with its log in a file.
   void StartWith(const std::vector<std::string>& arguments) {
     ASSERT_EQ(server_.Stop(SIGTERM), 0);
     server_.LogTo(path_);
@@ -296,7 +297,7 @@ class Log : public testing::Test {
     server_.Start();
     return text;
   }
-  // Every line as JSON.
+  // Returns every line of the log as JSON.
   std::vector<Json> Entries() {
     std::vector<Json> entries;
     for (const std::string& line : Lines(Text())) {
@@ -359,7 +360,7 @@ TEST_F(Log, HasAnIdForEveryAnswer) {
   const std::vector<Json> entries = Entries();
   for (const std::string& id : ids) EXPECT_EQ(With(entries, "request_id", id).size(), 1u) << id;
   std::sort(ids.begin(), ids.end());
-  EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end()) << "no two are the same";
+  EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end()) << "all ids must differ";
 }
 
 TEST_F(Log, HoldsNoSecret) {
@@ -368,7 +369,7 @@ TEST_F(Log, HoldsNoSecret) {
   const Json key = Json::parse(made.out);
   const std::string text = key.at("key"), secret = text.substr(text.rfind('_') + 1);
   StartWith({"--log", "json", "--require-keys"});
-  // In the header, where it belongs, and everywhere that it does not.
+  // Send the key in the header, where it belongs, and in all places where it does not.
   EXPECT_EQ(server_.Get("/v1/jobs/x", {{"Authorization", "Bearer " + text}}).status, 404);
   EXPECT_EQ(server_.Get("/v1/jobs/x?key=" + text).status, 401);
   EXPECT_EQ(server_.Get("/v1/jobs/" + text).status, 401);

@@ -1,4 +1,4 @@
-// The whole way with the real importer: upload, import, tessellate, trace, compare, pictures.
+// Tests the complete path with the real importer: upload, import, tessellate, trace, compare, pictures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST(HttpRealFiles, ComparesASample) {
     EXPECT_GT(view.at("baseline").at("triangles").get<int>(), 50);
     EXPECT_TRUE(view.at("difference").at("deviation_mm").contains("max"));
   }
-  // By id, with another mesh of the same model.
+  // Refer to the model by id, and ask for another mesh.
   const Reply finer = server.PostJson("/v1/compare", {{"model", Sha256Hex(bytes)},
                                                       {"view", "iso"},
                                                       {"size", "128x128"},
@@ -61,7 +61,7 @@ TEST(HttpRealFiles, ComparesWithAMeshThatWasPosted) {
                                       {"mesh", "sphere.glb", ReadText(mesh)},
                                       {"options", "", R"({"size":"96x96"})"}});
   ASSERT_EQ(reply.status, 200) << reply.body;
-  // Ten times too large.
+  // This mesh is ten times too large.
   const Reply scaled =
       server.PostForm("/v1/compare", {{"file", "sphere.step", ReadText(Sample("sphere.step"))},
                                       {"mesh", "sphere.glb", ReadText(mesh)},
@@ -82,7 +82,7 @@ TEST(HttpRealFiles, ReadsAFileInTheUnitThatIsAskedFor) {
   const double diagonal = own.Json().at("model").at("diagonal_mm").get<double>();
   EXPECT_NEAR(inches.Json().at("model").at("diagonal_mm").get<double>(), 25.4 * diagonal, 1e-9 * diagonal);
   EXPECT_LT(inches.Json()["views"][0]["difference"]["deviation_mm"]["max"].get<double>(), 0.1 * diagonal);
-  // By id, and as a number; the model itself stays what it is.
+  // Refer to the model by id, and give the unit as a number. The model itself must not change.
   const Reply by_id =
       server.PostJson("/v1/compare", {{"model", Sha256Hex(bytes)}, {"size", "64x64"}, {"unit", 10}});
   ASSERT_EQ(by_id.status, 200) << by_id.body;
@@ -111,14 +111,14 @@ TEST(HttpRealFiles, LinksSheetAndTurntable) {
   EXPECT_EQ(turntable.body.substr(8, 4), "WEBP");
   ASSERT_EQ(report.at("turntable").at("links").size(), 3u);
   for (const Json& frame : report.at("turntable").at("links")) EXPECT_EQ(server.Get(frame).status, 200);
-  // What the service refuses before it begins.
+  // The service must refuse these before it begins to work.
   const Reply refused = server.PostForm(
       "/v1/comparisons", {{"file", "assembly.step", file}, {"options", "", R"({"turntable":3})"}});
   EXPECT_EQ(refused.status, 422) << refused.body;
   const Reply nobody = server.PostForm(
       "/v1/renders", {{"file", "assembly.step", file}, {"options", "", R"({"parts":"whel"})"}});
   EXPECT_EQ(nobody.Problem(), "bad-usage") << nobody.body;
-  EXPECT_NE(nobody.body.find("bolt"), std::string::npos) << "it says what there is";
+  EXPECT_NE(nobody.body.find("bolt"), std::string::npos) << "the message must list the existing parts";
 }
 
 TEST(HttpRealFiles, TradesSpeedForAccuracy) {
@@ -133,7 +133,8 @@ TEST(HttpRealFiles, TradesSpeedForAccuracy) {
   const Json& links = report.at("views").at(0).at("links");
   const Reply plot = server.Get(links.at("trade-time.svg"));
   EXPECT_EQ(plot.headers.at("content-type"), "image/svg+xml");
-  EXPECT_EQ(plot.headers.at("content-security-policy").substr(0, 7), "sandbox") << "it may carry a script";
+  EXPECT_EQ(plot.headers.at("content-security-policy").substr(0, 7), "sandbox")
+      << "a plot is SVG, which may contain a script";
   EXPECT_EQ(server.Get(links.at("direct")).status, 200);
   EXPECT_EQ(server.Get(report.at("links").at("self")).body, reply.body);
 }
@@ -144,8 +145,8 @@ TEST(HttpRealFiles, SurvivesEveryBrokenFileOneByOneAndFourAtATime) {
   LiveServer server({"--timeout", "100"});
   std::vector<std::filesystem::path> files;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    // OpenCASCADE follows this one's circle until its stack ends, for more than --timeout where each call
-    // costs more.
+    // OpenCASCADE follows the cycle in this file until its stack ends. Under a sanitizer, this takes longer
+    // than --timeout.
     if (kSanitized && file.path().filename() == "self_ref_cycle.step")
       std::puts("self_ref_cycle.step is left out: it takes minutes under a sanitizer");
     else
@@ -154,7 +155,7 @@ TEST(HttpRealFiles, SurvivesEveryBrokenFileOneByOneAndFourAtATime) {
   ASSERT_FALSE(files.empty());
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  std::map<std::string, std::string> first, second;  // name -> status and problem
+  std::map<std::string, std::string> first, second;  // name → status and problem
   const auto post = [&](std::map<std::string, std::string>& answers) {
     for (std::size_t i; (i = next++) < files.size();) {
       const std::string name = files[i].filename();

@@ -1,4 +1,4 @@
-// What is wrong with a request is said in the terms of HTTP, before any work is done.
+// Tests that errors in a request are reported in the terms of HTTP, before any work is done.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST(HttpTerms, OptionsAreNamedAsRequestsNameThem) {
 
 class Requests : public testing::Test {
  protected:
-  // The detail of the problem that such a render gets; its status must be `status`.
+  // Returns the detail of the problem that the render request gets. Its status must be `status`.
   std::string DetailOf(const std::vector<FormPart>& parts, int status = 422,
                        const std::string& path = "/v1/renders") {
     const Reply reply = server_.PostForm(path, parts);
@@ -34,7 +34,7 @@ class Requests : public testing::Test {
     return reply.Json().value("detail", "");
   }
   std::string DetailOfOptions(const std::string& options) {
-    // An importer that never ends would be noticed.
+    // If the request reached this importer, which never ends, the test would notice.
     return DetailOf({{"file", "part.step", "hang"}, {"options", "", options}});
   }
   LiveServer server_{{"--max-samples", "20000"}, Program("facetless-fake-importer")};
@@ -51,7 +51,7 @@ TEST_F(Requests, JsonErrorsHaveTheirPosition) {
       server_.Request("POST", "/v1/renders", {{"Content-Type", "application/json"}}, "{\"model\": nul}");
   EXPECT_EQ(body.status, 422);
   EXPECT_THAT(body.Json().at("detail"), HasSubstr("the body is not valid JSON: line 1, column 1"));
-  // A word of a megabyte is not repeated.
+  // A word of a megabyte must not be repeated in the message.
   EXPECT_LT(DetailOfOptions("{\"size\": " + std::string(50000, 'y') + "}").size(), 400u);
   EXPECT_LT(DetailOfOptions("{\"" + std::string(50000, 'y') + "\": 1}").size(), 3000u);
 }
@@ -93,7 +93,7 @@ TEST_F(Requests, AModelThatIsNoIdIsNotEchoed) {
 }
 
 TEST_F(Requests, LimitsHoldBeforeTheImport) {
-  // The importer would hang; nobody waits for it.
+  // If the importer started, it would hang.
   for (const char* options :
        {R"({"size":"100x100","samples":4})", R"({"size":"100x100","samples":1,"view":["iso","top","front"]})",
         R"({"size":"32x32","samples":1,"turntable":30})",
@@ -129,14 +129,14 @@ TEST(RequestsOfRealFiles, ErrorsHaveTheNamesOfTheFilesAndOptionsOfRequests) {
     return reply.Json().value("detail", "");
   };
   EXPECT_THAT(detail("nonsense"), HasSubstr("my export.stl: neither glTF"));
-  // A thousand times too small.
+  // This mesh is a thousand times too small.
   std::string stl = "solid x\n";
   for (const char* corners :
        {"0 0 0\nvertex 0.02 0 0\nvertex 0 0.02 0.02", "0 0 0\nvertex 0 0.02 0\nvertex 0 0 0.02"})
     stl += std::string("facet normal 0 0 1\nouter loop\nvertex ") + corners + "\nendloop\nendfacet\n";
   EXPECT_THAT(detail(stl + "endsolid x\n"),
               AllOf(HasSubstr("my export.stl: "), HasSubstr("mesh_unit"), Not(HasSubstr("--"))));
-  // A file that is none, by the name that it came with.
+  // The message for a file in an unknown format must use the name of the uploaded file.
   const Reply reply = server.PostForm(
       "/v1/renders", {{"file", "my part.step", "nothing"}, {"options", "", R"({"size":"32x32"})"}});
   EXPECT_EQ(reply.status, 422);

@@ -1,5 +1,5 @@
-// As much of JSON Schema as openapi.json uses: type, required, enum, properties, items, anyOf, allOf and
-// $ref.
+// Implements the part of JSON Schema that openapi.json uses: type, required, enum, properties, items, anyOf,
+// allOf and $ref.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace facetless {
 
-// `json` with its $ref followed within `document`, as often as needed. Null where it leads nowhere.
+// Follows the $ref of `json` within `document`, repeatedly if needed. Returns null if it leads nowhere.
 nlohmann::json Resolved(const nlohmann::json& document, nlohmann::json json);
 
-// What of `value` is not as `schema` says, each with the place in it; nothing if all is well. A keyword that
-// is not known is a fault, too: it would be taken for a check.
+// Returns how `value` differs from `schema`, with the place of each fault; empty if there is none. An unknown
+// keyword is a fault, too, because it would look like a check that never fails.
 std::vector<std::string> SchemaFaults(const nlohmann::json& document, const nlohmann::json& schema,
                                       const nlohmann::json& value, const std::string& place = "$");
 

@@ -1,4 +1,4 @@
-// Every route with every kind of caller, as a table.
+// Tests every route with every kind of caller, as a table.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -15,8 +15,8 @@ namespace {
 using Json = nlohmann::json;
 using Headers = LiveServer::Headers;
 
-// Callers: without a key; with a key of each scope alone; a stranger, who may read and submit; and anna,
-// whose things they all ask for.
+// The callers: without a key; with a key for each scope alone; a stranger, who may read and submit; and anna,
+// who owns everything that the requests refer to.
 enum Caller { kNobody, kReader, kSubmitter, kAdmin, kStranger, kAnna };
 constexpr const char* kCallers[] = {"nobody", "reader", "submitter", "admin", "stranger", "anna"};
 
@@ -26,7 +26,7 @@ struct Row {
   int status[6];  // in the order above
 };
 
-// What the routes have in common stands side by side.
+// Common properties of the routes are columns.
 constexpr Row kTable[] = {
     {"GET", "/", {200, 200, 200, 200, 200, 200}},
     {"HEAD", "/", {200, 200, 200, 200, 200, 200}},
@@ -44,13 +44,13 @@ constexpr Row kTable[] = {
     {"HEAD", "/readyz", {200, 200, 200, 200, 200, 200}},
     {"GET", "/metrics", {401, 403, 403, 200, 403, 403}},
     {"HEAD", "/metrics", {401, 403, 403, 200, 403, 403}},
-    // Of a model of anna's.
+    // These refer to a model of anna's.
     {"POST", "/v1/renders", {401, 403, 404, 403, 404, 200}},
     {"POST", "/v1/render", {401, 403, 404, 403, 404, 200}},
     {"POST", "/v1/comparisons", {401, 403, 404, 403, 404, 200}},
     {"POST", "/v1/compare", {401, 403, 404, 403, 404, 200}},
     {"POST", "/v1/trades", {401, 403, 404, 403, 404, 200}},
-    // Her things.
+    // These refer to anna's models, jobs and answers.
     {"GET", "/v1/models/{id}", {401, 404, 403, 403, 404, 200}},
     {"HEAD", "/v1/models/{id}", {401, 404, 403, 403, 404, 200}},
     {"GET", "/v1/answers/{id}", {401, 404, 403, 403, 404, 200}},
@@ -67,8 +67,8 @@ constexpr Row kTable[] = {
     {"GET", "/v1/jobs", {401, 200, 403, 403, 200, 200}},
     {"HEAD", "/v1/jobs", {401, 200, 403, 403, 200, 200}},
     {"DELETE", "/v1/models/{id}", {401, 403, 404, 403, 404, 204}},
-    // A file that anna has sent is new to whoever else may send it, and to her too, as she has given it up.
-    // The last, as it is theirs then.
+    // This upload is new for all keys that may submit. It is new for anna, too, because she has deleted it.
+    // It comes last, because the other callers own it afterwards.
     {"POST", "/v1/models", {401, 403, 201, 403, 201, 201}},
 };
 
@@ -101,7 +101,7 @@ class Scopes : public testing::Test {
     const auto address = job.at("links").at("self").get<std::string>();
     things_["/v1/jobs/{id}"] = address;
     things_["/v1/jobs/{id}/events"] = job.at("links").at("events").get<std::string>();
-    // It has ended, so that nobody changes it.
+    // Wait until the job has ended, so that no caller changes its state.
     while (server_.Get(address, Of(kAnna)).Json().at("state") != "failed") {
     }
   }
@@ -151,7 +151,7 @@ TEST_F(Scopes, AreTriedOnEveryRoute) {
 
 TEST_F(Scopes, TellAStrangerNotEvenThatAThingIsThere) {
   for (const auto& [pattern, address] : things_) {
-    // The same address with other digits names nothing.
+    // The same address with other digits refers to nothing.
     std::string nothing = address;
     const std::size_t id = nothing.find('/', 4) + 1;
     for (std::size_t i = id; i < nothing.size() && nothing[i] != '/' && nothing[i] != '.'; ++i)

@@ -1,4 +1,4 @@
-// The service over a real socket, with an importer that does what the first word of the upload says
+// Tests the service over a real socket, with an importer whose behaviour the first word of the upload selects
 // (tests/support/fake_importer).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,12 +22,12 @@ using Json = nlohmann::json;
 class HttpService : public testing::Test {
  protected:
   static std::string FakeImporter() { return Program("facetless-fake-importer"); }
-  // Uploads a model that works; its id.
+  // Uploads a valid model and returns its id.
   static std::string Upload(LiveServer& server) {
     return server.PostForm("/v1/models", {{"file", "square.step", "ok"}}).Json().value("id", "");
   }
-  // Importers of this server that still run: they work below its data directory, as those of the tests beside
-  // this one do not.
+  // Counts the importers of this server that still run. They work below its data directory, which
+  // distinguishes them from those of other tests.
   static int ChildrenLeft(const LiveServer& server) {
     int left = 0;
     std::error_code error;
@@ -64,7 +64,7 @@ TEST_F(HttpService, ServesAPageThatFetchesNothingFromElsewhere) {
     EXPECT_FALSE(asset.body.empty());
   }
   EXPECT_THAT(page.body, Not(HasSubstr("https://")));
-  // Modules that modules import; nothing but scripts is below /page.
+  // Modules may import these modules. Only scripts are below /page.
   EXPECT_EQ(server.Get("/page/service.js").status, 200);
   for (const char* other : {"/page/report.html", "/page/openapi.json", "/page/none.js", "/page/../main.cpp"})
     EXPECT_EQ(server.Get(other).Problem(), "not-found") << other;
@@ -86,7 +86,7 @@ TEST_F(HttpService, KnowsTheSameFileAgain) {
   const Reply second = server.PostForm("/v1/models", {{"file", "other name.step", "ok"}});
   EXPECT_EQ(second.status, 200);
   EXPECT_EQ(second.Json(), first.Json());
-  // As the body itself, too.
+  // The file may also be the request's body itself.
   const Reply raw =
       server.Request("POST", "/v1/models?name=raw.step", {{"Content-Type", "model/step"}}, "ok");
   EXPECT_EQ(raw.status, 200);
@@ -107,7 +107,8 @@ TEST_F(HttpService, RendersAndKeepsThePictures) {
   EXPECT_EQ(view.at("name"), "top");
   EXPECT_GT(view.at("direct").at("hits").get<int>(), 64 * 48 / 4);
 
-  // The picture: its name is its digest, it may be kept for ever, and nothing is sent twice.
+  // The name of a picture is its digest, so it may be cached for ever, and a conditional request transfers
+  // nothing.
   const std::string link = view.at("links").at("direct");
   const Reply picture = server.Get(link);
   EXPECT_EQ(picture.status, 200);
@@ -122,13 +123,14 @@ TEST_F(HttpService, RendersAndKeepsThePictures) {
   EXPECT_EQ(server.Get(link, {{"If-None-Match", "\"other\""}}).status, 200);
   EXPECT_EQ(server.Get(view.at("links").at("depth")).headers.at("content-type"), "image/tiff");
 
-  // The report as files.
+  // The report is also available as files.
   EXPECT_EQ(server.Get(report.at("links").at("report")).Json().at("views").size(), 1u);
   const Reply page = server.Get(report.at("links").at("page"));
   EXPECT_THAT(page.headers.at("content-type"), HasSubstr("text/html"));
   EXPECT_THAT(page.headers.at("content-security-policy"), HasSubstr("sandbox"));
 
-  // Again is free: the same answer, in which only the times are of this request.
+  // A repeated request costs nothing: it returns the same answer, in which only the times belong to this
+  // request.
   Json again =
       server.PostJson("/v1/render", {{"model", Upload(server)}, {"view", "top"}, {"size", "64x48"}}).Json();
   EXPECT_EQ(again.at("kept").at("timing_ms"), report.at("timing_ms"));
@@ -197,11 +199,11 @@ TEST_F(HttpService, BoundsBodiesHoweverTheyCome) {
   EXPECT_EQ(announced.status, 413);
   EXPECT_EQ(announced.Problem(), "payload-too-large");
   EXPECT_EQ(server.PostForm("/v1/compare", {{"file", "a.step", large}}).Problem(), "payload-too-large");
-  // In chunks, which no Content-Length announces.
+  // Send a chunked body, which has no Content-Length.
   std::string chunked = "POST /v1/models HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
   for (int i = 0; i < 1000; ++i) chunked += "186a0\r\n" + std::string(100000, 'x') + "\r\n";
   EXPECT_EQ(server.Raw(chunked + "0\r\n\r\n").Problem(), "payload-too-large");
-  // A promise that nobody keeps.
+  // The client announces a large body with Expect.
   EXPECT_EQ(server.Request("POST", "/v1/models", {{"Expect", "100-continue"}}, large).Problem(),
             "payload-too-large");
   EXPECT_EQ(server
@@ -210,7 +212,7 @@ TEST_F(HttpService, BoundsBodiesHoweverTheyCome) {
                 .status,
             413);
   EXPECT_EQ(server.PostForm("/v1/render", std::vector<FormPart>(20, {"options", "", "{}"})).status, 413);
-  EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp")) << "uploads were left behind";
+  EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp")) << "uploads were not removed";
   EXPECT_EQ(server.Get("/healthz").status, 200);
 }
 
@@ -240,7 +242,7 @@ TEST_F(HttpService, SurvivesWhatFilesDoToTheImporter) {
 }
 
 TEST_F(HttpService, SurvivesAnImporterThatEatsMemory) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
+  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than a limit allows";
   LiveServer server({"--timeout", "10", "--import-memory", "400"}, FakeImporter());
   EXPECT_EQ(server.PostForm("/v1/models", {{"file", "a.step", "memory"}}).Problem(), "limit-exceeded");
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
@@ -272,10 +274,10 @@ TEST_F(HttpService, TurnsAwayWhatItCannotDoSoon) {
   EXPECT_EQ(turned_away.status, 503);
   EXPECT_EQ(turned_away.Problem(), "busy");
   EXPECT_NE(turned_away.headers.at("retry-after"), "");
-  EXPECT_EQ(server.Get("/healthz").status, 200) << "what needs no run is still answered";
-  EXPECT_EQ(Upload(server), known) << "and what is known already";
-  EXPECT_EQ(post("ok 1").Json().at("id"), waiting.at("id")) << "and what waits already";
-  // What is cancelled makes room.
+  EXPECT_EQ(server.Get("/healthz").status, 200) << "requests without a job must still be answered";
+  EXPECT_EQ(Upload(server), known) << "known results must still be answered";
+  EXPECT_EQ(post("ok 1").Json().at("id"), waiting.at("id")) << "waiting jobs must still be found";
+  // Cancelling a job makes room in the queue.
   EXPECT_EQ(
       server.Request("DELETE", "/v1/jobs/" + waiting.at("id").get<std::string>(), {}, "").Json().at("state"),
       "cancelled");
@@ -308,10 +310,11 @@ TEST_F(HttpService, StopsInOrder) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   slow.join();
-  EXPECT_EQ(reply.status, 202) << "the job is kept, and the client is told where to ask: " << reply.body;
+  EXPECT_EQ(reply.status, 202) << "the job must be kept, and the answer must say where to ask: "
+                               << reply.body;
   EXPECT_TRUE(std::filesystem::is_empty(server.data() + "/tmp"));
   EXPECT_EQ(ChildrenLeft(server), 0);
-  // The next start goes on with it, and does not count the attempt that it was not given the time for.
+  // The next start continues the job, and does not count the attempt that was interrupted.
   server.Start();
   const Json job = server.Get(reply.headers.at("location")).Json();
   EXPECT_THAT(job.at("state"), testing::AnyOf("queued", "running"));

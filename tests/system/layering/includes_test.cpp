@@ -1,9 +1,8 @@
-// Who may include whom. The rules are those of ARCHITECTURE.md, "Who may include whom": a change here is a
-// change there.
+// Tests who may include whom. The rules are those of ARCHITECTURE.md, "Who may include whom", and must be
+// changed in both places.
 //
 //  1. Of our own folders: server → bench, render; bench → render; import → render/base, render/model; render
-//     → render. Nothing
-//  includes tests/ or samples/.
+//     → render. Nothing includes tests/ or samples/.
 //  2. The folders of render/ form a chain, and so do those of server/: each includes itself and those before
 //     it.
 //  3. Each third-party library has one home.
@@ -70,7 +69,7 @@ bool StartsWithAny(const std::string& text, const std::vector<std::string>& pref
   return false;
 }
 
-// Every include of ours, made from a file under `folder`, must begin with one of `allowed`.
+// Every include of our own headers in a file below `folder` must begin with one of `allowed`.
 std::vector<std::string> ForbiddenIncludes(const std::string& folder,
                                            const std::vector<std::string>& allowed) {
   std::vector<std::string> forbidden;
@@ -85,7 +84,7 @@ std::vector<std::string> ForbiddenIncludes(const std::string& folder,
   return forbidden;
 }
 
-// Files that include something matching `header`.
+// Returns the files that include a header that matches `header`.
 std::vector<std::string> IncludersOf(const std::string& header) {
   const std::regex pattern(header);
   std::vector<std::string> includers;
@@ -134,7 +133,8 @@ TEST(Layering, SampleGeneratorStandsAlone) {
   EXPECT_THAT(ForbiddenIncludes("samples/", {"samples/"}), IsEmpty());
 }
 
-// Includes of `root`, made from its folders, that go up the chain or to a folder that the chain doesn't name.
+// Returns the includes in the folders of `root` that go up the chain, or to a folder that the chain does not
+// name.
 std::vector<std::string> IncludesUp(const std::string& root, const std::vector<std::string>& chain) {
   const auto place_of = [&](const std::string& path) {
     const std::string folder = fs::path(path).parent_path().generic_string();
@@ -179,7 +179,7 @@ TEST(Layering, EachLibraryHasOneHome) {
                                             "render/image/aov_file.cpp"));
   EXPECT_THAT(IncludersOf("webp/.*"), testing::UnorderedElementsAre("render/image/webp_file.cpp"));
   EXPECT_THAT(IncludersOutside("OpenImageIO/.*", {"tests/unit/image/"}), IsEmpty())
-      << "it loads two hundred libraries before a program begins";
+      << "it loads two hundred libraries when a program starts";
   EXPECT_THAT(IncludersOutside("(.*/)?tiny_gltf\\.h", {"import/", "render/baseline/", "tests/unit/import/"}),
               IsEmpty());
   EXPECT_THAT(IncludersOf("zip\\.h"),

@@ -1,4 +1,5 @@
-// What the machine does to a running service: importers are killed, descriptors run out, the date is set.
+// Tests how a running service handles faults of the machine: importers are killed, descriptors run out, the
+// date is set.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -28,7 +29,7 @@ Reply PostRender(LiveServer& server, const std::string& text, const LiveServer::
                          {{"file", "square.step", text}, {"options", "", R"({"size":"32x32"})"}}, headers);
 }
 
-// Stops the service and looks at what it leaves behind.
+// Stops the service and checks the store that it leaves.
 void ExpectSoundStore(LiveServer& server) {
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   EXPECT_TRUE(fs::is_empty(server.data() + "/tmp"));
@@ -40,13 +41,13 @@ void ExpectSoundStore(LiveServer& server) {
 
 // ---- Importers that are killed ----
 
-// Processes that this one has started and that run the program now.
+// Returns the child processes of `parent` that run the program now.
 std::vector<pid_t> Children(pid_t parent, const std::string& program) {
   std::vector<pid_t> children;
   for (const auto& entry : fs::directory_iterator("/proc")) {
     const std::string name = entry.path().filename();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    // "pid (name) state parent …"
+    // The format is "pid (name) state parent …".
     const std::string stat = ReadText(entry.path() / "stat");
     const std::size_t close = stat.rfind(')');
     if (close == std::string::npos || std::atoi(stat.c_str() + close + 4) != parent) continue;
@@ -86,7 +87,7 @@ TEST(Faults, ImportersKilledAtAnyMomentFailTheirOwnJobAlone) {
   killer.join();
   std::printf("%d importers killed, %d of %d posts failed for it\n", kills, failed, kPosts);
   EXPECT_GT(kills, 0);
-  // A failure is not kept: the same questions have answers now.
+  // A failure is not kept, so the same requests succeed now.
   for (int i = 0; i < kPosts; ++i)
     EXPECT_EQ(PostRender(server, sphere + "/* " + std::to_string(i) + " */\n").status, 200) << i;
   ExpectSoundStore(server);
@@ -112,7 +113,7 @@ TEST(Faults, WithoutDescriptorsItSaysSoAndGoesOn) {
   const Reply slow = PostRender(server, "slow 1500", {{"Prefer", "wait=0"}});
   ASSERT_EQ(slow.status, 202) << slow.body;
 
-  // One for the connection, and few or none for what the request needs.
+  // There is a descriptor for the connection, and few or none for the request.
   int refused = 0;
   for (rlim_t more = 1; more <= 16; ++more) {
     limit(open_files() + more);
@@ -129,8 +130,8 @@ TEST(Faults, WithoutDescriptorsItSaysSoAndGoesOn) {
   const Json job = server.JobAtItsEnd(slow.Json().value("id", ""));
   ASSERT_TRUE(job.is_object()) << "the job that was accepted is lost";
   EXPECT_TRUE(job.value("state", "") == "done" || job.contains("problem")) << job;
-  // To remove a directory takes a descriptor, too: what is left of one goes at the next start, as after a
-  // crash.
+  // Removing a directory needs a descriptor, too. Remaining directories are removed at the next start, as
+  // after a crash.
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   server.Start();
   ExpectSoundStore(server);
@@ -138,7 +139,7 @@ TEST(Faults, WithoutDescriptorsItSaysSoAndGoesOn) {
 
 // ---- A date that is set ----
 
-// The date of the programs that are started as long as this lives.
+// Sets the date for programs that are started while this object lives.
 class SetDate {
  public:
   SetDate()
@@ -166,7 +167,7 @@ double DaysFromNow(const std::string& date) {
 
 TEST(Faults, ADateThatIsSetLosesNoJobAndRunsNoneTwice) {
   if (kSanitized)
-    GTEST_SKIP() << "a sanitizer wants to be the first library; the one that sets the date has to be";
+    GTEST_SKIP() << "a sanitizer must be the first library, and so must the library that sets the date";
   SetDate date;
   LiveServer server({"--jobs", "2", "--max-age", "36500"}, Program("facetless-fake-importer"));
 
@@ -181,7 +182,7 @@ TEST(Faults, ADateThatIsSetLosesNoJobAndRunsNoneTwice) {
     for (int k = 0; k < 100 && server.Get("/v1/jobs/" + id).Json().value("state", "") != "running"; ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     date.Later(days[i] * 86400);
-    // The other thread looks for work, and must not take this one's.
+    // The other thread must not take this thread's work when it looks for work.
     EXPECT_EQ(PostRender(server, "ok " + n).status, 200);
     EXPECT_EQ(PostRender(server, "slow 800 " + n, retry).Json().value("id", ""), id);
     const Json job = server.JobAtItsEnd(id);
@@ -194,7 +195,7 @@ TEST(Faults, ADateThatIsSetLosesNoJobAndRunsNoneTwice) {
   for (const std::string& id : jobs)
     EXPECT_EQ(server.Get("/v1/jobs/" + id).Json().value("state", ""), "done");
 
-  // Durations are no differences of dates.
+  // Durations must not be differences of dates.
   const std::string metrics = server.Get("/metrics").body;
   const std::string sum = "facetless_job_duration_seconds_sum{kind=\"render\"} ";
   const std::size_t at = metrics.find(sum);

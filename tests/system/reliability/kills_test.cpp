@@ -1,7 +1,8 @@
-// A service that is killed again and again, at moments that nobody chose, while clients post: afterwards no
-// job that was accepted is lost, no question has two answers, and the store is sound.
+// Kills a service repeatedly at random moments while clients post. Afterwards no accepted job may be lost, no
+// question may have two answers, and the store must be sound.
 //
-// FACETLESS_KILLS (5) and FACETLESS_SEED (a new one, printed) may be given in the environment:
+// The environment may set FACETLESS_KILLS (default 5) and FACETLESS_SEED (default: a new one, which is
+// printed):
 //   FACETLESS_KILLS=200 build/bin/reliability_test
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,13 +33,13 @@ std::uint64_t FromEnvironment(const char* name, std::uint64_t otherwise) {
 }
 
 struct Sent {
-  std::string text, options;  // what was asked
+  std::string text, options;  // the question
   std::string key;            // its Idempotency-Key
-  std::string job;            // the id, where the answer was 202
+  std::string job;            // the id of the job, if the answer was 202
 };
 
-// The answer as its first job gave it. A kept answer says in `timing_ms` how long finding it took, and has the
-// first job's times in `kept`.
+// Returns the answer as its first job gave it. A kept answer has the time of finding it in `timing_ms`, and
+// the first job's times in `kept`.
 std::string AsFirstGiven(Json answer) {
   if (const auto kept = answer.find("kept"); kept != answer.end()) {
     answer["timing_ms"] = kept->at("timing_ms");
@@ -47,7 +48,7 @@ std::string AsFirstGiven(Json answer) {
   return answer.dump();
 }
 
-// What the clients know of what they were promised.
+// Records what the service has promised to the clients.
 class Ledger {
  public:
   void Accepted(Sent sent) {
@@ -59,7 +60,7 @@ class Ledger {
     answers_[sent.text + sent.options].insert(AsFirstGiven(Json::parse(body)));
   }
   const std::vector<Sent>& accepted() const { return accepted_; }
-  // Question to distinct answers.
+  // Maps each question to its distinct answers.
   const std::map<std::string, std::set<std::string>>& answers() const { return answers_; }
 
  private:
@@ -85,7 +86,8 @@ class Client {
   int Draw(int below) { return std::uniform_int_distribution<int>(0, below - 1)(random_); }
 
   void Post() {
-    // Half of them few questions, so that some are asked twice at once and some again; some fail.
+    // Half of the requests use a few questions, so that some are asked twice at once and some are repeated.
+    // Some fail.
     constexpr const char* kTexts[] = {"ok", "slow 50", "slow 150", "slow 400", "unusable nothing-usable"};
     Sent sent;
     sent.text = std::string(kTexts[Draw(5)]) + " " + std::to_string(Draw(2) == 0 ? Draw(10) : Draw(1000000));
@@ -94,7 +96,7 @@ class Client {
     sent.key = "client " + std::to_string(number_) + " request " + std::to_string(++requests_);
     const LiveServer::Headers headers = {{"Prefer", Draw(2) == 0 ? "wait=0" : "wait=1"},
                                          {"Idempotency-Key", sent.key}};
-    // Whoever gets no answer asks again under the same key, as a careful client does.
+    // A client that gets no answer repeats the request with the same key.
     Reply reply;
     while (reply.status == 0 || reply.status == 503) {
       if (stop_) return;
@@ -139,13 +141,13 @@ TEST(Reliability, NothingIsLostWhenTheServiceIsKilled) {
   for (std::uint64_t i = 0; i < kills; ++i) {
     std::this_thread::sleep_for(
         std::chrono::milliseconds(std::uniform_int_distribution<int>(0, 1200)(random)));
-    EXPECT_EQ(server.Stop(SIGKILL), 128 + SIGKILL) << "it ended by itself";
+    EXPECT_EQ(server.Stop(SIGKILL), 128 + SIGKILL) << "the server ended unexpectedly";
     server.Start();
   }
   stop = true;
   for (std::thread& client : clients) client.join();
 
-  // Every job that was accepted ends, and as it should.
+  // Every accepted job must end, with the expected result.
   int done = 0, failed = 0, given_up = 0;
   std::map<std::string, std::set<std::string>> answers = ledger.answers();
   for (const Sent& sent : ledger.accepted()) {
@@ -166,9 +168,9 @@ TEST(Reliability, NothingIsLostWhenTheServiceIsKilled) {
   }
   for (const auto& [question, texts] : answers)
     EXPECT_EQ(texts.size(), 1u) << question << " has several answers: " << testing::PrintToString(texts);
-  EXPECT_GT(done + static_cast<int>(answers.size()), 0) << "the clients got nothing through";
+  EXPECT_GT(done + static_cast<int>(answers.size()), 0) << "no request of the clients succeeded";
 
-  // And what is on the disk agrees with itself.
+  // The data on the disk must be consistent.
   EXPECT_EQ(server.Stop(SIGTERM), 0);
   const auto checked = CheckStore(server.data());
   ASSERT_TRUE(checked.ok()) << checked.error().message;

@@ -1,4 +1,4 @@
-// The vase was made with known breaks: `facetless continuity` finds them in its STEP file.
+// Tests that `facetless continuity` finds the breaks with which the vase was made in its STEP file.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ TEST(Continuity, OfTheVaseIsWhatItWasMadeWith) {
   EXPECT_EQ(continuity["counts"]["G0"], 3);
   EXPECT_EQ(continuity["counts"]["G1"], 1);
   EXPECT_EQ(continuity["counts"]["G2"], 5) << "the neck, and the seams of four faces";
-  // The groove, and the belly where radii 25 and 12 meet; a STEP file has 15 digits.
+  // These are the groove, and the belly where the radii 25 and 12 meet. A STEP file has 15 digits.
   EXPECT_NEAR(continuity["worst"]["G0"][2]["angle_deg"].get<double>(), 8, 1e-9);
   const nlohmann::json& belly = continuity["worst"]["G1"][0];
   EXPECT_NEAR(belly["curvature_jump"].get<double>(), 1.0 / 12 - 1.0 / 25, 1e-12);

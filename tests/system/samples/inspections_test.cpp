@@ -1,5 +1,5 @@
-// Numbers of inspections on files: sections, thickness, meshes that do not belong to the model, through the
-// programs.
+// Tests numbers of inspections on files, through the programs: sections, thickness, meshes that do not belong
+// to the model.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ Json ReportOf(const std::string& folder) {
 
 class Inspections : public testing::Test {
  protected:
-  // Runs the program on `arguments`, with a folder of its own, and reads the report.
+  // Runs the program with `arguments` in a folder of its own, and reads the report.
   Json Run(const std::string& arguments, int exit_code = 0) {
     const std::string folder = folder_.path() + "/" + std::to_string(++runs_);
     const ProgramResult result =
@@ -39,7 +39,7 @@ class Inspections : public testing::Test {
     errors_.assign(std::istreambuf_iterator<char>(errors), {});
     return ReportOf(folder);
   }
-  // The area of a cut is within its own error of `area`, and the error is at most `most`.
+  // Checks that the area of a cut is within its own error of `area`, and that the error is at most `most`.
   void ExpectArea(const std::string& file, const std::string& plane, double area, double most,
                   int exit_code = 0) {
     const Json report = Run("render '" + file + "' --size 16x16 --section " + plane, exit_code);
@@ -57,10 +57,10 @@ class Inspections : public testing::Test {
 };
 
 TEST_F(Inspections, OfTangentSectionsEndWithTheRightArea) {
-  // Nothing is to be seen of what lies beyond the torus' top plane; of what lies below it, all.
+  // Nothing of the torus lies above its top plane, and all of it lies below.
   ExpectArea(Sample("torus.step"), "z=6", 0, 0.01);
   ExpectArea(Sample("torus.step"), "-z=6", 0, 0.01, 2);
-  // Face and blends meet in the plane: moved to the kept side it cuts a little more than 304 mm².
+  // A face and its blends touch the plane. Moved to the kept side, the plane cuts a little more than 304 mm².
   ExpectArea(Sample("bracket.step"), "x=90", 304, 0.2);
 }
 
@@ -142,7 +142,7 @@ TEST_F(Inspections, OfAMeshThatHasNothingToDoWithTheModelFail) {
   WriteStl(mesh, Ball(10, {0, 0, 0}, 48), false);
   EXPECT_TRUE(Run(compare)["verdict"]["passed"].get<bool>());
   EXPECT_EQ(errors_.find("in common"), std::string::npos) << errors_;
-  // Somewhere else; inside out.
+  // This mesh lies elsewhere; the next one is inside out.
   WriteStl(mesh, Ball(11, {19, 0, 0}, 48), false);
   EXPECT_FALSE(Run(compare, 2)["verdict"]["passed"].get<bool>());
   EXPECT_NE(errors_.find("in common"), std::string::npos) << errors_;
@@ -156,7 +156,8 @@ TEST_F(Inspections, OfTheTeapotsTrianglesAreRight) {
   const Json report =
       Run("compare '" + Sample("teapot.step") + "' --size 16x16 --samples 1 --mesh-deviation");
   const Json& deviation = report["mesh_deviation"];
-  // By force: 0.160 mm; beside the collapsed borders of the spout Newton's method once found 0.8865.
+  // A search by force gives 0.160 mm. Beside the collapsed borders of the spout, Newton's method once found
+  // 0.8865.
   EXPECT_NEAR(deviation["max_mm"].get<double>(), 0.160, 0.002);
   EXPECT_GE(deviation["max_mm_at_least"].get<double>(), 0.99 * deviation["max_mm"].get<double>());
   EXPECT_EQ(deviation["faces_missing"], 0);

@@ -1,4 +1,4 @@
-// What the command line says of files that lose something: exit codes, and numbers that add up.
+// Tests what the command line reports for files that lose something: exit codes, and numbers that add up.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -35,7 +35,7 @@ TEST_P(LedgerOfLosses, AddsUp) {
   const json& model = answer.model;
   EXPECT_EQ(model.at("faces_declared").get<std::size_t>(),
             model.at("faces_shown").get<std::size_t>() + model.at("faces_skipped").size());
-  // Whoever compares the two numbers is right, or is told why they differ.
+  // If the two numbers differ, a note must say why.
   EXPECT_EQ(model.at("faces_note").is_null(), model.at("faces") == model.at("faces_declared"));
   if (exit_code == 1) {
     EXPECT_EQ(Inspect(path, "--strict").exit_code, 2);
@@ -64,7 +64,7 @@ TEST(LengthUnit, ThatIsMissingIsSaidAndFailsUnderStrict) {
   EXPECT_EQ(answer.model.at("unit"), "");
   EXPECT_NE(answer.model.at("warnings").dump().find("no length unit"), std::string::npos);
   EXPECT_EQ(Inspect(path, "--strict").exit_code, 2);
-  // Given by hand it is known.
+  // If the unit is given by hand, it is known.
   const Answer given = Inspect(path, "--strict --unit in");
   EXPECT_EQ(given.exit_code, 0);
   EXPECT_EQ(given.model.at("unit"), "inch");
@@ -81,7 +81,7 @@ TEST(LengthUnit, OfTheCommandLineOverridesTheFiles) {
     EXPECT_EQ(given.model.at("unit_mm"), mm);
     EXPECT_EQ(given.model.at("faces"), own.model.at("faces"));
   }
-  // Also of IGES.
+  // The same applies to IGES.
   const Answer own = Inspect(Sample("trimmed.iges")), given = Inspect(Sample("trimmed.iges"), "--unit m");
   EXPECT_NEAR(given.model.at("diagonal_mm").get<double>() / own.model.at("diagonal_mm").get<double>(),
               1000 / own.model.at("unit_mm").get<double>(), 1e-6);

@@ -1,4 +1,4 @@
-// Starts the built programs, for tests. Needs FACETLESS_BIN, which ctest sets.
+// Starts the built programs for tests. Requires FACETLESS_BIN, which ctest sets.
 #pragma once
 
 #include <sys/wait.h>
@@ -10,11 +10,11 @@
 namespace facetless {
 
 struct ProgramResult {
-  int exit_code = -1;  // −1: could not be started, or died of a signal
+  int exit_code = -1;  // −1: the program could not be started, or died of a signal
   std::string output;  // standard output
 };
 
-// Runs `command`, a shell command line that follows the folder of the programs: "facetless inspect 'x'".
+// Runs `command`, a shell command line relative to the folder of the programs: "facetless inspect 'x'".
 inline ProgramResult RunProgram(const std::string& command) {
   const char* folder = std::getenv("FACETLESS_BIN");
   ProgramResult result;

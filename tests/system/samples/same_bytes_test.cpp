@@ -1,5 +1,5 @@
-// The exact pictures of every sample: the same bytes with every instruction set that this machine has, and on
-// any number of threads.
+// Tests that the exact pictures of every sample have the same bytes with every instruction set of this
+// machine, and with any number of threads.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a folder's pictures hold; the reports have times in them.
+// Returns the contents of a folder's pictures. Reports are excluded, because they contain times.
 std::map<std::string, std::string> Pictures(const fs::path& folder) {
   std::map<std::string, std::string> pictures;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -70,7 +70,7 @@ TEST_P(SameBytes, OnEveryInstructionSetAndNumberOfThreads) {
   }
 }
 
-// Those that can be rendered.
+// Returns the samples that can be rendered.
 std::vector<std::string> SoundSamples() {
   std::vector<std::string> names;
   for (const std::string& name : SampleNames())

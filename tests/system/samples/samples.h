@@ -1,4 +1,4 @@
-// The samples that the project ships, and what is expected of them.
+// The samples that the project ships, and the expected results.
 #pragma once
 
 #include <cctype>
@@ -12,8 +12,9 @@
 
 namespace facetless {
 
-// The names in expected.json: "bracket.step", "broken/empty.step". Empty without it: it is asked when a
-// program is loaded, where nothing may be thrown, and a test says that it is missing.
+// Returns the names in expected.json: "bracket.step", "broken/empty.step". Returns nothing if the file is
+// missing: this function runs while a program is loaded and must not throw, and a test reports the missing
+// file.
 inline std::vector<std::string> SampleNames() {
   std::vector<std::string> names;
   std::ifstream file(Sample("expected.json"));
@@ -22,7 +23,7 @@ inline std::vector<std::string> SampleNames() {
   return names;
 }
 
-// As a test may be called.
+// Turns the name into a valid name of a test.
 inline std::string TestName(std::string name) {
   for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   return name;

@@ -1,8 +1,8 @@
-// The programs' answers about every sample, against samples/expected.json.
+// Compares the programs' answers about every sample with samples/expected.json.
 //
-//  1. `facetless-import` makes a model with the faces, kinds of surface and closed solids that the file was
-//     made with, loses nothing, and bounds it by a box that holds the shape's extent and is not much wider.
-//  2. `facetless inspect` gives the exit code, and prints a report of a sound file.
+//  1. `facetless-import` makes a model with the faces, kinds of surface and closed solids with which the file
+//     was made. It loses nothing, and its bounding box contains the shape and is not much larger.
+//  2. `facetless inspect` gives the expected exit code, and prints a report for a sound file.
 //  3. A broken file gives its exit code, and no model.
 
 #include <gtest/gtest.h>
@@ -74,9 +74,9 @@ TEST_P(SampleFile, ImportMakesWhatTheFileWasMadeOf) {
   EXPECT_EQ(closed, expected["closed_solids"].get<int>());
   EXPECT_EQ(json(surfaces), expected["surfaces"]);
 
-  // The bounds are conservative: as large as the shape, and at most a tenth of its diagonal larger.
+  // The bounds are conservative: they contain the shape, and exceed it by at most a tenth of its diagonal.
   const double slack = 0.1 * model.Diagonal();
-  // What the file's decimal digits and OpenCASCADE's own bounding box leave unsure.
+  // The uncertainty of the file's decimal digits and of OpenCASCADE's own bounding box.
   const double noise = 1e-5;
   const double low[3] = {model.bounds.low.x, model.bounds.low.y, model.bounds.low.z};
   const double high[3] = {model.bounds.high.x, model.bounds.high.y, model.bounds.high.z};

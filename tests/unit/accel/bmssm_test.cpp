@@ -1,4 +1,4 @@
-// BMSSM: R_i & S_j is exactly the set of boxes that hold the sample, and bits are ordered front to back.
+// BMSSM: R_i & S_j is exactly the set of boxes that contain the sample, and bits are ordered front to back.
 #include "render/accel/bmssm.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace facetless {
 namespace {
 
-// Of all three kinds in turn.
+// Returns random boxes of all three kinds in turn.
 LeafLists RandomBoxes(int count, int columns, int rows) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> column(0, columns - 1), row(0, rows - 1), size(1, 40);
@@ -39,7 +39,7 @@ LeafLists RandomBoxes(int count, int columns, int rows) {
   return leaves;
 }
 
-// The names of all leaves.
+// Returns the names of all leaves.
 std::vector<std::uint32_t> NamesOf(const LeafSpans& leaves) {
   std::vector<std::uint32_t> names;
   const auto add = [&](LeafKind kind, std::size_t count) {
@@ -52,7 +52,7 @@ std::vector<std::uint32_t> NamesOf(const LeafSpans& leaves) {
 }
 
 TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
-  const int columns = 131, rows = 77;  // no multiples of a tile
+  const int columns = 131, rows = 77;  // not multiples of the tile size
   const LeafLists leaves = RandomBoxes(400, columns, rows);
   const TileLeaves tiles({leaves.spans()}, columns, rows);
   ASSERT_EQ(tiles.leaves().size(), 400u);
@@ -71,7 +71,7 @@ TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
           ASSERT_EQ(bit, holds);
           next += holds;
         }
-        // No leaf that holds the sample is missing from the tile's list.
+        // Every leaf that contains the sample must be in the tile's list.
         std::size_t all = 0;
         for (const std::uint32_t leaf : NamesOf(tiles.leaves()))
           all += tiles.leaves().Header(leaf).box.Holds(column + j, row + i);
@@ -82,7 +82,7 @@ TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
 }
 
 TEST(Bmssm, TheOrderDoesNotDependOnHowLeavesAreDealtOut) {
-  // Enough for several shares, and depths that repeat.
+  // The number is large enough for several parallel shares, and some depths are equal.
   LeafLists leaves = RandomBoxes(20000, 256, 256);
   const auto coarsen = [](auto& some) {
     for (LeafHeader& leaf : some) leaf.near_depth = std::floor(100 * leaf.near_depth);

@@ -1,5 +1,5 @@
-// Parallel loops (render/base/parallel.h), numbered by its laws. Under the thread sanitizer every test here
-// also says that nothing but a race is reported.
+// Parallel loops (render/base/parallel.h), numbered by its laws. Under the thread sanitizer, every test here
+// also checks that only real races are reported.
 #include "render/base/parallel.h"
 
 #include <gtest/gtest.h>
@@ -101,18 +101,19 @@ TEST(Parallel, LoopsOfSeveralCallersDoNotMix) {
     EXPECT_EQ(std::set<int>(own.begin(), own.end()), std::set<int>{10});
 }
 
-// Writes and reads `depth` frames of half a KiB below its caller's.
+// Writes and reads `depth` stack frames of half a KiB below the caller's frame.
 [[gnu::noinline]] int UseTheStack(int depth) {
   std::array<unsigned char, 512> frame;
-  unsigned char* volatile escaped = frame.data();  // or the sanitizer leaves the frame out
+  unsigned char* volatile escaped = frame.data();  // without this, the sanitizer build removes the frame
   std::fill_n(escaped, frame.size(), static_cast<unsigned char>(depth));
   return escaped[7] + (depth > 0 ? UseTheStack(depth - 1) : 0);
 }
 
-// The thread sanitizer forgets what a thread did a while ago, and with that the frames that tools/tsan.supp
-// names: between a loop's end and its stack's next use another caller keeps the threads at work. At
-// history_size=7 the while is some millions of accesses, and this finds little; at history_size=0 it found
-// RunLoop's reason.
+// The thread sanitizer remembers only the recent accesses of a thread. If it has forgotten an older access,
+// it cannot match the frames that tools/tsan.supp names. Therefore another caller keeps the threads busy
+// between the end of a loop and the next use of its stack. With history_size=7 the sanitizer remembers some
+// millions of accesses, and this test finds little; with history_size=0 it found the race because of which
+// RunLoop exists.
 TEST(Parallel, WhatALoopUsedOfTheStackIsTheCallersAgain) {
   std::atomic<bool> ended{false};
   std::thread other([&ended] {
@@ -163,16 +164,18 @@ TEST(Parallel, AnExceptionReachesTheCaller) {
 
 // Law 4.
 
-// Two bodies that run at the same time, on two threads, and both count in the same place.
+// Two bodies that run at the same time on two threads, and count in the same variable without
+// synchronisation.
 [[maybe_unused]] int CountByTwoBodies() {
   int count = 0;
   std::atomic<int> begun{0};
   std::atomic<bool> counted{false};
   RunWithThreads(2, [&] {
     ParallelFor(0, 2, [&](int i) {
-      begun.fetch_add(1, std::memory_order_relaxed);  // relaxed: orders nothing
+      begun.fetch_add(1, std::memory_order_relaxed);  // relaxed, so that it orders nothing
       while (begun.load(std::memory_order_relaxed) < 2) std::this_thread::yield();
-      // One after the other: the sanitizer may miss what happens at the very same moment.
+      // The second body waits for the first, because the sanitizer may miss accesses at exactly the same
+      // time.
       while (i == 1 && !counted.load(std::memory_order_relaxed)) std::this_thread::yield();
       ++count;
       counted.store(true, std::memory_order_relaxed);
@@ -187,7 +190,7 @@ TEST(ParallelDeathTest, TheThreadSanitizerStillReportsARaceOfBodies) {
 #endif
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "needs two cores";
   testing::FLAGS_gtest_death_test_style = "threadsafe";
-  // The sanitizer's exit code is 66, whether it stops at a report or goes on to the end.
+  // The sanitizer's exit code is 66, both if it stops at the first report and if it continues to the end.
   EXPECT_EXIT(
       {
         CountByTwoBodies();

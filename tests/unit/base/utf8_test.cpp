@@ -1,4 +1,4 @@
-// UTF-8 and what of it may be shown.
+// UTF-8, and which characters may be shown.
 #include "render/base/utf8.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ TEST(Printable, NoControlCharacterIsLeft) {
   EXPECT_EQ(Printable("plain Gehäuse"), "plain Gehäuse");
   EXPECT_EQ(Printable("a\x1b[31mb\a"), "a\xef\xbf\xbd[31mb\xef\xbf\xbd");
   EXPECT_EQ(Printable("Geh\xe4use"), "Gehäuse");
-  EXPECT_EQ(Printable("\xc2\x9b"), "\xef\xbf\xbd");  // CSI in one character
+  EXPECT_EQ(Printable("\xc2\x9b"), "\xef\xbf\xbd");  // CSI as one character
   EXPECT_EQ(Printable("\x9b\xff"), "\xef\xbf\xbdÿ");
 }
 

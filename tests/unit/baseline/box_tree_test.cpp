@@ -13,7 +13,7 @@ namespace {
 struct Visited {
   std::vector<std::uint32_t> boxes;
   double nearest = INFINITY;
-  std::uint32_t hit_at = 0xffffffffu;  // the box that is a hit, at `hit_depth`
+  std::uint32_t hit_at = 0xffffffffu;  // the box that reports a hit, at `hit_depth`
   double hit_depth = 0;
 };
 
@@ -56,7 +56,7 @@ TEST(BoxTree, VisitsExactlyTheBoxesThatHoldThePixel) {
 }
 
 TEST(BoxTree, NeverLeavesOutWhatMayBeNearerThanTheHit) {
-  // Depths that float32 cannot tell apart, far from the origin.
+  // These depths are far from the origin, and float32 cannot distinguish them.
   std::vector<ScreenBox> boxes;
   for (int i = 0; i < 64; ++i) boxes.push_back({0, 4, 0, 4, 1e6 + i * 1e-9});
   const BoxTree tree = BoxTree::Build(boxes).value();

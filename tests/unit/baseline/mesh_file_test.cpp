@@ -1,4 +1,4 @@
-// Mesh files: units, axes, hierarchy, our own files bit for bit, and files that lie.
+// Mesh files: units, axes, hierarchy, our own files bit for bit, and files with wrong declarations.
 #include "render/baseline/mesh_file.h"
 
 #include <gmock/gmock.h>
@@ -82,14 +82,14 @@ TEST(Gltf, NodesMultiplyParentFirstAndAMatrixEqualsItsParts) {
 
 TEST(Gltf, OurOwnFileComesBackBitForBit) {
   TriangleFile file;
-  // As the importer writes it: the root turns millimetres, Z up, into metres, Y up.
+  // The file is as the importer writes it: the root node transforms millimetres, Z up, into metres, Y up.
   file.json["asset"]["extras"] = {{"from_model", true},
                                   {"deflection_mm", 0.25},
                                   {"angular_deg", 20.0},
                                   {"mesh_ms", 7.5},
                                   {"faces_unmeshed", {"part/face #12"}}};
   file.json["meshes"][0]["primitives"][0]["extras"] = {{"face", 3}};
-  file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 1;  // vectors are vectors
+  file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 1;  // the same vectors serve as normals
   const double x = 1234567.1, y = -0.1, z = 3e-7;
   file.json["nodes"] = {
       {{"children", {1}}, {"matrix", {1e-3, 0, 0, 0, 0, 0, -1e-3, 0, 0, 1e-3, 0, 0, 0, 0, 0, 1}}},
@@ -141,7 +141,7 @@ TEST(Gltf, StripsAndFansKeepTheOrientation) {
     const Result<Mesh> mesh = Load(file.Bytes(), {.unit = "mm", .up = "z"});
     ASSERT_TRUE(mesh.ok()) << mesh.error().message;
     ASSERT_EQ(PlacedTriangleCount(mesh.value()), 2u);
-    if (mode == 6) continue;  // this square is no convex fan
+    if (mode == 6) continue;  // this square is not a convex fan
     for (std::size_t t = 0; t < 2; ++t) {
       const Vec3 a = Corner(mesh.value(), 0, t, 0), b = Corner(mesh.value(), 0, t, 1),
                  c = Corner(mesh.value(), 0, t, 2);
@@ -270,7 +270,7 @@ TEST(MeshFile, SaysWhatItCannotRead) {
   EXPECT_EQ(Load(TriangleFile().Bytes(), small).error().code, ErrorCode::kLimitExceeded);
 }
 
-// A binary STL of one triangle per three corners.
+// Returns a binary STL file with one triangle per three corners.
 std::string BinaryStl(const std::vector<std::array<float, 9>>& triangles) {
   std::string bytes(80, ' ');
   const std::uint32_t count = static_cast<std::uint32_t>(triangles.size());
@@ -419,7 +419,8 @@ TEST(RealMesh, TeapotAndCarAreRead) {
   const Result<Mesh> car = LoadMesh(CadFile("parts/car.glb"), {}, nullptr);
   ASSERT_TRUE(car.ok()) << car.error().message;
   EXPECT_EQ(PlacedTriangleCount(car.value()), 1828u);
-  // A car of glTF metres stands on its wheels: longer than it is high, higher than a metre.
+  // The car is in glTF metres and stands on its wheels: it is longer than it is high, and higher than a
+  // metre.
   const Vec3 size = MeshBounds(car.value()).high - MeshBounds(car.value()).low;
   EXPECT_GT(std::max(size.x, size.y), size.z);
   EXPECT_GT(size.z, 1000);

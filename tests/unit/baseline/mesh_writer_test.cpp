@@ -1,5 +1,5 @@
-// Mesh files out: what is read back has the triangles, the volume, the sides and the colours of what was
-// written.
+// Writing meshes: the file that is read back has the triangles, the volume, the orientation and the colours
+// of the mesh that was written.
 #include "render/baseline/mesh_writer.h"
 
 #include <gmock/gmock.h>
@@ -25,13 +25,13 @@ namespace {
 using nlohmann::json;
 using testing::BoxMesh;
 
-// A box of 1 × 2 × 3 mm with a red face, placed twice: as it is, and mirrored, twice as large, in green where
-// a face has no colour.
+// A box of 1 × 2 × 3 mm with a red face, placed twice: unchanged, and mirrored at twice the size. In the
+// second placement, faces without a colour are green.
 struct Boxes {
   Model model;
   Mesh mesh;
 
-  // So many faces in one solid, placed twice.
+  // Returns a model with the given number of faces in one solid, placed twice.
   Model Placed(int faces) const {
     ModelBuilder builder;
     builder.info().file = "boxes.step";
@@ -79,7 +79,7 @@ struct Triangle {
   std::string color;
 };
 
-// Signed: positive where the outside is outside.
+// Returns the signed volume; it is positive if the normals point outwards.
 double VolumeOf(const std::vector<Triangle>& triangles) {
   double sum = 0;
   for (const Triangle& t : triangles) sum += Dot(t.corners[0], Cross(t.corners[1], t.corners[2])) / 6;
@@ -98,7 +98,7 @@ std::map<std::string, int> PlacedFaceColors(const std::vector<Triangle>& triangl
   for (const Triangle& t : triangles) ++counts[t.color];
   return counts;
 }
-// 0.7, 0.7, 0.72 is the colour of what has none.
+// 0.7, 0.7, 0.72 is the default colour.
 const std::map<std::string, int> kColors = {{"ff0000", 4}, {"b3b3b8", 10}, {"008000", 10}};
 
 std::vector<Triangle> Placed(const Mesh& mesh) {
@@ -162,7 +162,7 @@ TEST(MeshWriter, GlbComesBackBitForBitWithItsFaces) {
       }
   }
 
-  // The colours: linear in the file, and the occurrence's own where the face has none.
+  // Colours are linear in the file. A face without a colour has that of the occurrence.
   std::uint32_t length = 0;
   std::copy_n(bytes.data() + 12, 4, reinterpret_cast<char*>(&length));
   const json gltf = json::parse(bytes.substr(20, length));
@@ -190,7 +190,7 @@ TEST(MeshWriter, StlIsBinaryAndKeepsTheOutsideOfMirroredPlacements) {
   const Result<Mesh> read = LoadMesh(folder.Write("boxes.stl", bytes), {}, &boxes.model);
   ASSERT_TRUE(read.ok()) << read.error().message;
   ExpectBoxes(Placed(read.value()));
-  // The normals of the records are those of the triangles.
+  // The normals in the records must be those of the triangles.
   for (std::size_t record = 84; record < bytes.size(); record += 50) {
     float v[12];
     std::copy_n(bytes.data() + record, sizeof v, reinterpret_cast<char*>(v));
@@ -255,7 +255,7 @@ TEST(MeshWriter, ObjHasColoursInASecondFileAndExactNormals) {
   EXPECT_EQ(PlacedFaceColors(triangles), kColors);
 }
 
-// What the archive holds under `name`.
+// Returns the content of the archive's entry `name`.
 std::string Unzipped(const std::string& path, const char* name) {
   zip_t* archive = zip_open(path.c_str(), ZIP_RDONLY | ZIP_CHECKCONS, nullptr);
   if (archive == nullptr) return "no archive";
@@ -290,7 +290,7 @@ TEST(MeshWriter, ThreeMfHasObjectsItemsAndColours) {
   EXPECT_THAT(text, ::testing::HasSubstr("unit=\"millimeter\""));
   EXPECT_THAT(text, ::testing::HasSubstr("name=\"box &lt;&quot;&amp;&quot;> \xef\xbf\xbd\""));
 
-  // Elements in their order: colours, objects, items.
+  // Read the elements in order: colours, objects, items.
   static const std::regex element(R"re(<(base|object|vertex|triangle|item) ([^>]*)>)re");
   static const std::regex attribute(R"re((\w+)="([^"]*)")re");
   std::vector<std::string> palette;
@@ -390,7 +390,7 @@ TEST(MeshTopology, CountsOpenFlippedAndNonManifoldEdgesInEachPlacement) {
   EXPECT_EQ(MeasureTopology(flipped.mesh, flipped.model).flipped_edges, 6u);
   EXPECT_TRUE(MeasureTopology(flipped.mesh, flipped.model).IsWatertight());
 
-  // A fin: one triangle more on an edge of the box, to a corner that is new.
+  // Add a fin: one more triangle at an edge of the box, with a new corner.
   Boxes fin;
   MeshPart& part = fin.mesh.parts[0];
   part.positions.push_back({5, 5, 5});
@@ -416,7 +416,7 @@ TEST(MeshTopology, TriangleWithoutAreaLeavesNoHole) {
 }
 
 TEST(MeshTopology, SolidsThatTouchStayTwo) {
-  // Two boxes share a side: eight faces meet along its edges, four triangles along its diagonal.
+  // Two boxes share a side: eight faces meet along its edges, and four triangles along its diagonal.
   Boxes boxes;
   MeshPart second = BoxMesh({1, 2, 3});
   MeshPart& part = boxes.mesh.parts[0];

@@ -1,4 +1,4 @@
-// Meshes that are cut: what their views show, and the areas of their cuts.
+// Meshes that are cut: their views, and the areas of the cuts.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ TEST(MeshSection, AreaOfABoxIsExact) {
 TEST(MeshSection, AreaOfASphereIsThatOfItsPolygon) {
   const int sides = 64;
   const Mesh mesh = OneNode(SphereMesh(5, sides, 32));
-  // Near the equator, which is a ring of vertices.
+  // Cut near the equator, which is a ring of vertices.
   const double polygon = 0.5 * sides * 25 * std::sin(2 * std::numbers::pi / sides);
   EXPECT_NEAR(MeshSectionArea(mesh, {{0, 0, 1e-4}, {0, 0, 1}}), polygon, 1e-3);
 }
@@ -38,7 +38,7 @@ TEST(MeshSection, AreaOfASphereIsThatOfItsPolygon) {
 TEST(MeshSection, OfABallShowsACapWhereTheBallIsCut) {
   Mesh mesh = OneNode(SphereMesh(5, 96, 48));
   mesh.from_model = true;
-  // The model that the mesh is of: one closed solid with one face.
+  // The mesh belongs to this model: one closed solid with one face.
   const Model model = testing::ClosedSolid(testing::ModelOf({testing::Sphere({0, 0, 0}, 5)}), "ball");
   const SectionSolids solids(model);
   const SectionPlane plane{{0, 0, 2}, {0, 0, 1}};
@@ -56,7 +56,7 @@ TEST(MeshSection, OfABallShowsACapWhereTheBallIsCut) {
       const Vec3 point = ray.origin + depth * ray.direction;
       EXPECT_LE(point.z, 2 + 1e-9);
       if (result.value().samples.face[i] != solids.CapId(0, 0)) {
-        // The mesh itself: within its chord error of the ball.
+        // The mesh itself lies within its chord error of the ball.
         EXPECT_NEAR(Length(point), 5, 0.02);
         continue;
       }

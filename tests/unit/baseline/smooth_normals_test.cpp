@@ -42,7 +42,8 @@ TEST(SmoothNormals, ABoxKeepsItsEdges) {
 }
 
 TEST(SmoothNormals, WeighsByAngleAndNotByTheNumberOfTriangles) {
-  // A corner of a cube whose three sides are cut into one, two and four triangles: the diagonal all the same.
+  // A corner of a cube whose three sides have one, two and four triangles. The normal must still point along
+  // the diagonal.
   MeshPart part;
   const auto fan = [&](Vec3 a, Vec3 b, int pieces) {
     for (int i = 0; i < pieces; ++i) {
@@ -63,7 +64,8 @@ TEST(SmoothNormals, WeighsByAngleAndNotByTheNumberOfTriangles) {
 }
 
 TEST(SmoothNormals, ManyTrianglesAroundOnePointTakeNoQuadraticTime) {
-  // Half a million triangles around the origin, all tilted differently: pair by pair it would take hours.
+  // Half a million triangles around the origin, all with different tilts. Comparing all pairs would take
+  // hours.
   MeshPart part;
   for (int i = 0; i < 500000; ++i) {
     const float z = static_cast<float>(i % 1000) * 1e-3f;

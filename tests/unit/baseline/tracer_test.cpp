@@ -1,5 +1,5 @@
-// The baseline against closed forms: where the triangles are, how exact the depth is, and what may not change
-// it.
+// The baseline against closed forms: the position of the triangles, the accuracy of the depth, and
+// independence of everything that must not matter.
 #include "render/baseline/tracer.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ Camera View(const Mesh& mesh, const std::string& name, Projection projection, in
 }
 
 TEST(Baseline, DepthOfAPlaneIsExactInDouble) {
-  // A box side seen head-on and slanted: the depth follows from the camera alone.
+  // A side of the box is seen head-on and at an angle. The depth follows from the camera alone.
   const Mesh mesh = OneNode(BoxMesh({10, 20, 30}));
   for (const char* name : {"front", "right", "top", "iso"})
     for (Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
@@ -42,7 +42,7 @@ TEST(Baseline, DepthOfAPlaneIsExactInDouble) {
         if (!std::isfinite(result.samples.depth[i])) continue;
         const Ray ray = PixelRay(result.frame, i % 64 + 0.5, i / 64 + 0.5);
         const Vec3 p = ray.origin + result.samples.depth[i] * ray.direction;
-        // The point lies on the side that the face id names.
+        // The point must lie on the side that the face id names.
         const std::uint32_t face = result.samples.face[i];
         const double along[3] = {p.x, p.y, p.z}, extent[3] = {10, 20, 30};
         EXPECT_NEAR(along[face / 2], face % 2 ? extent[face / 2] : 0, 1e-12) << name;
@@ -115,7 +115,7 @@ TEST(Baseline, OrthographicSeesBehindTheEyePlaneAndPerspectiveDoesNot) {
   }
   camera.projection = Projection::kPerspective;
   EXPECT_EQ(Trace(mesh, camera).stats.hits, 0u);
-  // From inside, every ray meets a wall.
+  // Seen from inside, every ray hits a wall.
   camera.eye = {0.5, 0.5, 0.5};
   camera.target = {0.5, 1.5, 0.5};
   camera.fov_y_deg = 120;
@@ -123,7 +123,7 @@ TEST(Baseline, OrthographicSeesBehindTheEyePlaneAndPerspectiveDoesNot) {
 }
 
 TEST(Baseline, InstancesAndSinglePlacementsAgree) {
-  // The same box, placed once, and as one of two instances: same depths, normals and face numbers.
+  // Place the same box once, and as one of two instances. Depths, normals and face numbers must be equal.
   const Placement turned = {{{0, -1, 0, 3}, {1, 0, 0, -2}, {0, 0, 1, 7}}};
   Mesh single = OneNode(BoxMesh({1, 2, 3}), turned);
   single.nodes[0].first_placed_face = 6;
@@ -134,7 +134,7 @@ TEST(Baseline, InstancesAndSinglePlacementsAgree) {
   std::size_t differ = 0;
   for (std::size_t i = 0; i < a.samples.size(); ++i) {
     if (a.samples.face[i] != b.samples.face[i]) {
-      ++differ;  // a ray along an edge may choose either side
+      ++differ;  // a ray along an edge may hit either side
       continue;
     }
     if (a.samples.face[i] == kNoIndex) continue;
@@ -174,9 +174,9 @@ TEST(Baseline, AMirroredPlacementKeepsNormalsOutward) {
 }
 
 TEST(Baseline, NoLightThroughTheSeamsOfAClosedMesh) {
-  // From inside a finely divided sphere every ray hits, along the axes too, where coordinates of directions
-  // vanish or nearly vanish; and so it is inside an instance that is turned by angles whose sines nearly
-  // vanish.
+  // From inside a finely divided sphere every ray must hit, also along the axes, where components of
+  // directions vanish or nearly vanish. The same holds inside an instance that is turned by angles whose
+  // sines nearly vanish.
   const Placement turned = {{{6.1e-17, -1, 1.2e-16, 0}, {1, 6.1e-17, -6.1e-17, 0}, {6.1e-17, 1.2e-16, 1, 0}}};
   for (int uses : {1, 2}) {
     Mesh mesh = OneNode(SphereMesh(1, 512, 256), turned);
@@ -207,7 +207,7 @@ TEST(Baseline, ThreadsDoNotChangeTheAnswer) {
 }
 
 TEST(Baseline, AgreesWithTracingEveryTriangle) {
-  // The nearest of all ray-triangle intersections in double, for a coarse sphere before a box.
+  // Compute the nearest of all ray-triangle intersections in double, for a coarse sphere in front of a box.
   Mesh mesh = OneNode(SphereMesh(2, 12, 7), Translation({0, -3, 0}));
   mesh.parts.push_back(BoxMesh({3, 1, 3}));
   mesh.nodes.push_back({1, {}, 1});
@@ -252,13 +252,13 @@ TEST(Baseline, ReportsWhatItTook) {
 }
 
 TEST(Baseline, NumbersBeyondSinglePrecisionEndNoProcess) {
-  // Embree's assertions would. A mesh that is too large is refused.
+  // Embree's assertions would fail. A mesh that is too large is refused.
   for (const float size : {1.84e18f, 1e25f, 3e38f}) {
     const Result<BaselineScene> scene = BaselineScene::Build(OneNode(BoxMesh({size, size, size})), {});
     ASSERT_FALSE(scene.ok()) << size;
     EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
   }
-  // Rays that begin far beside one miss it, whoever asks.
+  // Rays that begin far beside the box miss it.
   const Mesh box = OneNode(BoxMesh({10, 20, 30}));
   for (const double height : {1e12, 1e22, 1e30}) {
     Camera camera = View(box, "iso", Projection::kOrthographic);
@@ -271,7 +271,7 @@ TEST(Baseline, NumbersBeyondSinglePrecisionEndNoProcess) {
 }
 
 TEST(Baseline, PartsOfFlatOrTinyPlacementsAreSeen) {
-  // A placement that has no inverse, or an enormous one, placed twice so that it would be an instance.
+  // The placement has no inverse, or is enormous. It is used twice, so that it becomes an instance.
   const MeshPart part = BoxMesh({10, 20, 30});
   for (const auto& [flat, scale] : {std::pair(0.0, 1.0), std::pair(1.0, 1e-15), std::pair(1.0, 1e14)}) {
     Mesh mesh = OneNode(part);
@@ -304,7 +304,7 @@ TEST(Baseline, ABuildThatIsCancelledEnds) {
 }
 
 TEST(Baseline, ABuildThatWouldTakeMoreMemoryThanItMayEnds) {
-  // One part in the tree itself, and one that two instances share.
+  // One part is in the tree itself, and one is shared by two instances.
   const Mesh once = OneNode(SphereMesh(5, 400, 200));
   Mesh two = once;
   two.nodes.push_back({.part = 0, .placement = Translation({20, 0, 0}), .first_placed_face = 1});
@@ -315,7 +315,7 @@ TEST(Baseline, ABuildThatWouldTakeMoreMemoryThanItMayEnds) {
       ASSERT_TRUE(free.ok());
       const std::uint64_t peak = free.value().bvh_peak_bytes();
       ASSERT_GT(peak, std::uint64_t{1} << 20);
-      // Wherever it meets the bound.
+      // The limit must be detected at any stage of the build.
       for (const double share : {1e-6, 0.02, 0.1, 0.3, 0.5, 0.7}) {
         const auto most = static_cast<std::uint64_t>(share * static_cast<double>(peak)) + 1;
         const Result<BaselineScene> refused = BaselineScene::Build(*mesh, {.threads = threads}, false, most);

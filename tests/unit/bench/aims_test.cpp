@@ -1,4 +1,4 @@
-// What counts as met.
+// Tests when an aim counts as met.
 #include "bench/aims.h"
 
 #include <gmock/gmock.h>

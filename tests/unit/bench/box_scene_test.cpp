@@ -1,4 +1,4 @@
-// Three ways to the candidates of a ray give the same boxes.
+// Three ways to find the candidates of a ray give the same boxes.
 #include "bench/box_scene.h"
 
 #include <gtest/gtest.h>
@@ -62,13 +62,13 @@ TEST(BoxScenes, FollowFromTheirSeed) {
 }
 
 TEST(Skala, ScenesHaveThePapersNumberOfHits) {
-  // Table 6: 400 objects of size 10 are met by 0.72 rays each, 1,000 of size 40 by 23.57.
+  // Table 6: a ray meets 0.72 of 400 objects of size 10, and 23.57 of 1,000 objects of size 40.
   const SkalaCell few = MeasureSkalaCell(400, 10, false, 1);
   EXPECT_NEAR(few.mean_hits, 0.72, 0.03);
   EXPECT_GE(few.max_hits, 4);
   const SkalaCell many = MeasureSkalaCell(1000, 40, false, 1);
   EXPECT_NEAR(many.mean_hits, 23.57, 0.7);
-  // (n + m)·p bits, in whole words.
+  // The memory is (n + m)·p bits, in whole words.
   EXPECT_EQ(many.bitmaps_bytes, 2u * 256 * 16 * 8);
   EXPECT_EQ(few.boxes_bytes, 400 * 4 * sizeof(double));
 }

@@ -1,4 +1,4 @@
-// Every structure leads to the same hits.
+// All structures find the same hits.
 #include "bench/leaf_search.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,8 @@ void ExpectSameHits(const LeafSearches& searches) {
     EXPECT_GT(search.rays, 0u) << search.name;
     EXPECT_GT(search.hits, 0u) << search.name;
     EXPECT_GT(search.bytes, 0u) << search.name;
-    // Candidates are at least the hits, and what is sorted sees no more than what is not.
+    // There are at least as many candidates as hits, and a sorted structure tests no more candidates than an
+    // unsorted one.
     EXPECT_GE(search.candidates_per_ray * static_cast<double>(search.rays), static_cast<double>(search.hits))
         << search.name;
     EXPECT_GE(search.candidates_per_ray * 1.1, searches.methods[0].candidates_per_ray) << search.name;

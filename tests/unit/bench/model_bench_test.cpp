@@ -1,4 +1,4 @@
-// Both tracers on a ball, with meshes made by hand in the importer's place.
+// Measures both tracers on a ball, with meshes made by hand instead of the importer.
 #include "bench/model_bench.h"
 
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ TEST_F(ModelBench, FillsEveryRow) {
                                     "two_cores"};
   EXPECT_EQ(rows, expected);
 
-  // Cheap meshes are made for every round and the warm-up, expensive ones once.
+  // Cheap meshes are made for every round and for the warm-up, expensive ones once.
   EXPECT_EQ(meshes_made_[kDefaultDeflection], 3);
   EXPECT_EQ(meshes_made_[kFineDeflection], 1);
 }
@@ -89,7 +89,7 @@ TEST_F(ModelBench, BothSidesSeeTheSame) {
   EXPECT_EQ(exact.at("hit_or_miss_differs"), 0);
   const nlohmann::json& one = details.at("threads").at("1");
   const double direct_hits = one.at("counters").at("hits"), mesh_hits = one.at("mesh_1e-5").at("hits");
-  // The mesh is inscribed: less than a pixel on the outline.
+  // The mesh is inscribed, by less than a pixel at the outline.
   EXPECT_NEAR(direct_hits, mesh_hits, 0.01 * direct_hits);
   EXPECT_EQ(one.at("counters").at("rays"), 64 * 64);
   EXPECT_EQ(one.at("counters").at("certified").get<int>() + one.at("counters").at("converged").get<int>() +

@@ -15,7 +15,7 @@ namespace {
 constexpr int kSize = 96;
 
 TEST(Bernstein, EvaluatesAPolynomialAndItsSlopes) {
-  // f = u²·v over the net of degrees 2 and 1.
+  // f = u²·v on a net of degrees 2 and 1.
   const std::array<double, 1> net[] = {{0}, {0}, {0}, {0}, {0}, {1}};
   const PatchJet<1> jet = EvaluatePatch<1>(net, 2, 1, 0.3, 0.7);
   EXPECT_NEAR(jet.value[0], 0.3 * 0.3 * 0.7, 1e-15);
@@ -45,7 +45,7 @@ TEST(PatchTree, PiecesHoldTheirSurface) {
         }
     }
     for (const double covered : area) EXPECT_NEAR(covered, 1, 1e-12);
-    // Every node holds its children, and every piece is in the tree once.
+    // Every node contains its children, and every piece occurs in the tree once.
     std::size_t leaves = 0;
     for (const PatchTreeNode& node : tree.nodes) {
       leaves += node.leaf;
@@ -70,11 +70,11 @@ TEST(PatchTracers, FindTheDirectRenderersRoots) {
     for (const DepthDifferences& differences :
          {measured.martin_differences, measured.newton_cramer_differences}) {
       EXPECT_EQ(differences.only_first, 0u) << "a root that the certified image does not have";
-      // Their stopping rules may lose roots at silhouettes.
+      // The stopping rules of the methods may lose roots at silhouettes.
       EXPECT_LE(differences.only_second + differences.apart, measured.direct.hits / 500);
       EXPECT_GT(differences.both_hit, 500u);
     }
-    // The methods differ in the step, not in what they are asked.
+    // The methods differ in the step, not in the pieces that they solve.
     EXPECT_LE(measured.newton_cramer.solves, 2 * measured.martin.solves);
     EXPECT_GE(measured.newton_cramer.iterations, measured.newton_cramer.solves / 2);
   }

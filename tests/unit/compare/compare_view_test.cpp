@@ -1,4 +1,4 @@
-// One view from model and mesh to report: a sphere against its tessellation, where everything has a closed
+// One view from model and mesh to report: a sphere and its tessellation, for which everything has a closed
 // form.
 #include "render/compare/compare_view.h"
 
@@ -25,7 +25,7 @@ Mesh MeshOf(int longitudes, bool from_model) {
   return mesh;
 }
 
-// The largest distance of a facet to the sphere: over the diagonal of an equatorial quad.
+// Returns the largest distance of a facet to the sphere: at the diagonal of an equatorial quad.
 double Sagitta(int longitudes) {
   return kRadius * (1 - std::cos(std::numbers::pi / longitudes * std::numbers::sqrt2));
 }
@@ -38,7 +38,7 @@ class SphereView : public ::testing::Test {
     model_.faces[0].color = {0.8f, 0.3f, 0.2f};
   }
 
-  // The exact surfaces against the one mesh.
+  // The exact surfaces, and the one mesh with which they are compared.
   struct Compared {
     Camera camera;
     View direct, baseline;
@@ -72,8 +72,8 @@ TEST_F(SphereView, DeviationIsTheSagittaAndShrinksWithItsSquare) {
     const double sagitta = Sagitta(longitudes), typical = c.difference.deviation_mm.p99;
     EXPECT_LE(typical, sagitta) << longitudes;
     EXPECT_GE(typical, 0.8 * sagitta) << longitudes;
-    // |N·D| times the difference along the ray is the distance to first order: at the rim, where the sphere
-    // bends away from the ray, it is too large.
+    // N·D| times the difference along the ray is the distance to first order. At the rim, where the sphere curves away from the
+    // ray, it is too large.
     EXPECT_LE(c.difference.deviation_mm.max, 1.5 * sagitta) << longitudes;
     EXPECT_GT(c.difference.depth_mm.mean, 0) << "an inscribed mesh lies farther from the eye";
     if (last > 0) {
@@ -91,7 +91,7 @@ TEST_F(SphereView, BothTracersShadeAlike) {
   EXPECT_GT(c.difference.color.ssim, 0.99);
   EXPECT_LT(c.difference.color.flip_mean, 0.01);
   EXPECT_LT(c.difference.normal_deg.p95, 0.2);
-  // The face's colour reaches both pictures.
+  // Both pictures must show the face's colour.
   for (const Image8* image : {&c.direct.image, &c.baseline.image}) {
     const std::uint8_t* middle = image->at(64, 64);
     EXPECT_GT(middle[0], middle[2] + 40);

@@ -1,4 +1,4 @@
-// The difference of two views, on samples whose every number is known.
+// The difference of two views, on samples for which every number is known.
 #include "render/compare/difference.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidth = 40, kHeight = 30;
 
-// A millimetre per pixel, looking along +Y.
+// A frame with one millimetre per pixel, looking along +Y.
 CameraFrame Frame() {
   Camera camera;
   camera.eye = {0, -100, 0};
@@ -31,7 +31,7 @@ std::size_t At(int x, int y) {
   return static_cast<std::size_t>(y) * kWidth + x;
 }
 
-// A plane that faces the viewer at depth 100 and fills columns 10 to 29 and rows 5 to 24.
+// A plane that is parallel to the image at depth 100, and fills columns 10 to 29 and rows 5 to 24.
 SampleBuffer Plate() {
   SampleBuffer samples;
   samples.Resize(kWidth, kHeight);
@@ -93,7 +93,7 @@ TEST(Difference, DepthIsSignedAndPercentilesAreValuesThatOccur) {
   EXPECT_NEAR(d.depth_mm.max, 0.5, 1e-12);
   EXPECT_EQ(d.depth_mm.max_x, 29);
   EXPECT_EQ(d.depth_mm.max_y, 24);
-  // The plate faces the viewer: the distance between the surfaces is the difference in depth.
+  // The plate is parallel to the image, so the distance between the surfaces is the difference in depth.
   EXPECT_NEAR(d.deviation_mm.max, 0.5, 1e-12);
 }
 
@@ -118,7 +118,7 @@ TEST(Difference, NormalsAreComparedInDegrees) {
     if (n[1] != 0) n = {0.5f, static_cast<float>(-std::sqrt(0.75)), 0};
   EXPECT_NEAR(Compare(Plate(), baseline).normal_deg.max, 30, 1e-5);
   EXPECT_NEAR(Compare(Plate(), baseline).normal_deg.p95, 30, 1e-5);
-  // Normals that look the other way are an error of ours, but only a habit of a foreign mesh.
+  // Opposite normals count as an error in our own mesh, but not in a foreign mesh.
   for (auto& n : baseline.normal) n = {-n[0], -n[1], -n[2]};
   EXPECT_NEAR(Compare(Plate(), baseline, true).normal_deg.max, 150, 1e-5);
   EXPECT_NEAR(Compare(Plate(), baseline, false).normal_deg.max, 30, 1e-5);
@@ -128,7 +128,7 @@ TEST(Difference, SilhouettesCountBothWaysAndMeasureHowFar) {
   SampleBuffer baseline = Plate();
   for (int y = 5; y < 25; ++y)
     for (int x : {10, 11, 12}) baseline.depth[At(x, y)] = INFINITY;  // three columns are missing
-  baseline.depth[At(35, 10)] = 100;                                  // and one pixel is too many
+  baseline.depth[At(35, 10)] = 100;                                  // and one pixel is added
   baseline.normal[At(35, 10)] = {0, -1, 0};
   const Difference d = Compare(Plate(), baseline);
   EXPECT_EQ(d.silhouette.only_direct, 60u);
@@ -137,7 +137,7 @@ TEST(Difference, SilhouettesCountBothWaysAndMeasureHowFar) {
   EXPECT_EQ(d.silhouette.max_distance_px, 6) << "from column 35 to column 29";
   EXPECT_EQ(d.faces[0].missed_pixels, 60u);
   EXPECT_EQ(d.both_hit, 340u);
-  // One of the two shows nothing.
+  // In one of the two views, nothing is hit.
   SampleBuffer nothing;
   nothing.Resize(kWidth, kHeight);
   const Difference empty = Compare(Plate(), nothing);
@@ -146,7 +146,7 @@ TEST(Difference, SilhouettesCountBothWaysAndMeasureHowFar) {
   EXPECT_EQ(empty.depth_mm.count, 0u);
 }
 
-// The plate with a rib 20 mm in front of it in columns first to last.
+// Returns the plate with a rib 20 mm in front of it, in the columns from first to last.
 SampleBuffer WithRib(int first, int last) {
   SampleBuffer samples = Plate();
   for (int y = 5; y < 25; ++y)
@@ -158,7 +158,7 @@ SampleBuffer WithRib(int first, int last) {
 }
 
 TEST(Difference, APixelBesideAnEdgeIsABorderPixel) {
-  // The mesh's rib is a column narrower: there one sees the plate behind it, 20 mm farther.
+  // The mesh's rib is one column narrower. In that column the plate behind it is visible, 20 mm farther away.
   for (bool faces_known : {true, false}) {
     const Difference d = Compare(WithRib(15, 20), WithRib(15, 19), faces_known);
     EXPECT_EQ(d.border_pixels, 20u) << faces_known;
@@ -171,7 +171,7 @@ TEST(Difference, APixelBesideAnEdgeIsABorderPixel) {
 }
 
 TEST(Difference, AMissingFaceIsNoBorder) {
-  // The mesh has no rib at all: all of it counts but its rim, and it is the worst face.
+  // The mesh has no rib at all. All of the rib counts except its rim, and it is the worst face.
   const Difference d = Compare(WithRib(15, 20), Plate());
   EXPECT_EQ(d.other_face_pixels, 120u);
   EXPECT_EQ(d.border_pixels, 40u) << "a column on each side";
@@ -261,7 +261,7 @@ TEST(DifferencePicture, TheRangeIsRobustAndRound) {
   baseline.depth[At(15, 10)] = 1000;  // one of 400 is far off
   EXPECT_DOUBLE_EQ(
       DrawDifference(Plate(), baseline, Frame(), Compare(Plate(), baseline), {}).value().range_mm, 0.02);
-  // Equal views: the noise of the mesh's positions, rounded up.
+  // For equal views the range is the noise of the mesh's positions, rounded up.
   EXPECT_DOUBLE_EQ(DrawDifference(Plate(), Plate(), Frame(), Compare(Plate(), Plate()), {}).value().range_mm,
                    1e-6);
   DifferencePictureOptions bad;

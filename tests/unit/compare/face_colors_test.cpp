@@ -1,4 +1,4 @@
-// Colours of faces: whose, and whether people can tell them apart.
+// Colours of faces: which colour a face gets, and whether people can distinguish them.
 #include "render/compare/face_colors.h"
 
 #include <gtest/gtest.h>
@@ -18,15 +18,15 @@ using testing::Sphere;
 
 using Triple = std::array<double, 3>;
 
-// Linear light as seen without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1), and with
-// all.
+// Linear light as it is seen without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1), and
+// with normal vision.
 constexpr double kSights[4][3][3] = {
     {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
     {{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}},
     {{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}},
     {{1.255528, -0.076749, -0.178779}, {-0.078411, 0.930809, 0.147602}, {0.004733, 0.691367, 0.303900}}};
 
-// CIELAB of a colour, as seen.
+// Returns the CIELAB coordinates of a colour for a kind of vision.
 Triple Lab(Color color, const double (&sight)[3][3]) {
   const Triple light = {SrgbToLinear(color.r), SrgbToLinear(color.g), SrgbToLinear(color.b)};
   Triple seen;
@@ -39,7 +39,7 @@ Triple Lab(Color color, const double (&sight)[3][3]) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
-// The distance in the sight that tells them apart worst.
+// Returns the distance for the vision that distinguishes the two colours worst.
 double Distance(Color a, Color b) {
   double least = INFINITY;
   for (const auto& sight : kSights) {

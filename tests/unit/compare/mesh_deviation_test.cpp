@@ -1,4 +1,4 @@
-// The deviation of triangles, on surfaces whose distance to a triangle has a closed form.
+// The deviation of triangles from surfaces whose distance to a triangle has a closed form.
 #include "render/compare/mesh_deviation.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// A sphere's or a torus' triangles, n × n, from a map of (u, v) to points.
+// The triangles of a sphere or a torus, n × n, from a map of (u, v) to points.
 template <typename Map>
 Mesh Tessellated(const Map& map, int n, double u0, double u1, double v0, double v1) {
   Mesh mesh;
@@ -44,7 +44,7 @@ Mesh Tessellated(const Map& map, int n, double u0, double u1, double v0, double 
   return mesh;
 }
 
-// What law 1 says, with an exact distance.
+// Computes law 1 with an exact distance.
 template <typename Distance>
 void ExpectDeviations(const Mesh& mesh, const MeshDeviation& deviation, const Distance& distance) {
   const MeshPart& part = mesh.parts[0];
@@ -58,7 +58,7 @@ void ExpectDeviations(const Mesh& mesh, const MeshDeviation& deviation, const Di
     for (const Vec3 p : {(1.0 / 3) * (corner[0] + corner[1] + corner[2]), 0.5 * (corner[0] + corner[1]),
                          0.5 * (corner[1] + corner[2]), 0.5 * (corner[2] + corner[0])})
       if (std::fabs(distance(p)) > std::fabs(largest)) largest = distance(p);
-    // float32 of the result, and of points at radius 10: the sign of less is chance.
+    // The result is float32, and so are points at radius 10. The sign of smaller values is random.
     EXPECT_NEAR(std::fabs(deviation.parts[0][i]), std::fabs(largest), 1e-6) << i;
     if (std::fabs(largest) > 1e-6) {
       EXPECT_EQ(std::signbit(deviation.parts[0][i]), std::signbit(largest)) << i;
@@ -77,7 +77,7 @@ TEST(MeshDeviation, OfASphereIsTheDistanceToItsCentre) {
   const auto deviation = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(deviation.ok()) << deviation.error().message;
   ExpectDeviations(mesh, deviation.value(), [](Vec3 p) { return Length(p - Vec3{1, 2, 3}) - 10; });
-  // A chord's sagitta at the equator, where the quads are largest.
+  // The value is the sagitta of a chord at the equator, where the quads are largest.
   EXPECT_NEAR(deviation.value().largest_mm, 10 * (1 - std::cos(kPi / 24)), 0.1);
 }
 
@@ -120,7 +120,8 @@ TEST(MeshDeviation, OfAPlacedPartIsThatOfThePrototype) {
   ExpectDeviations(mesh, deviation.value(), [](Vec3 p) { return Length(p) - 10; });
 }
 
-// The distance of a point to a surface, from n × n points of it and then from finer ones around the nearest.
+// Returns the distance of a point to a surface. It tries n × n points, and then a finer grid around the
+// nearest.
 double ByForce(const SurfaceEval& surface, Vec3 point, int n) {
   double u0 = surface.u_begin(), u1 = surface.u_end(), v0 = surface.v_begin(), v1 = surface.v_end();
   double best = INFINITY;
@@ -143,7 +144,8 @@ double ByForce(const SurfaceEval& surface, Vec3 point, int n) {
   return best;
 }
 
-// Every triangle has the distance that search by force finds, and the largest is proven.
+// Checks that every triangle has the distance that a search by force finds, and that the largest one is
+// proven.
 void ExpectNearest(const Model& model, const Mesh& mesh, int n, const std::string& what) {
   const auto measured = MeasureMeshDeviation(model, mesh, {});
   ASSERT_TRUE(measured.ok()) << measured.error().message;
@@ -170,7 +172,7 @@ void ExpectNearest(const Model& model, const Mesh& mesh, int n, const std::strin
 }
 
 TEST(MeshDeviation, AtAConesApexAndASpheresPoles) {
-  // Few and long triangles, which end in the collapsed border.
+  // A few long triangles end at the collapsed border.
   const Model cone = testing::ModelOf({testing::Frustum({0, 0, 0}, 5, 0, 8)});
   ExpectNearest(cone,
                 Tessellated(
@@ -195,7 +197,7 @@ TEST(MeshDeviation, OfRandomPatchesWithACollapsedSideIsTheNearest) {
   std::mt19937 random(20261122);
   std::uniform_real_distribution<double> even(-1, 1);
   for (int round = 0; round < 12; ++round) {
-    // A bicubic patch that waves, one side of which is a point.
+    // Make a bicubic wavy patch with one side collapsed to a point.
     testing::PatchGrid grid;
     grid.degree_u = grid.degree_v = 3;
     grid.u_spans = grid.v_spans = {Span{}};

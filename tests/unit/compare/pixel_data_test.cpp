@@ -1,4 +1,4 @@
-// Pixel data against the buffers that they are made of: decoded as a browser decodes them.
+// Compares pixel data, decoded as a browser decodes them, with the buffers from which they were made.
 #include "render/compare/pixel_data.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ struct Views {
   SampleBuffer direct, baseline;
 };
 
-// Depths, normals and faces at random; some pixels that one, the other or none hits.
+// Returns random depths, normals and faces. Both tracers, one of them or neither hits a pixel.
 Views RandomViews(unsigned seed) {
   std::mt19937 random(seed);
   const auto number = [&](double low, double high) {
@@ -101,7 +101,7 @@ TEST_P(PixelDataOfRandomViews, DepthsAreWithinHalfAStepOfTheirRange) {
   for (std::size_t i = 0; i < views_.direct.size(); ++i) {
     const std::uint32_t code = Code(plane(PixelPlane::kDepths), i);
     ASSERT_EQ(code > 0, hit(i));
-    // Half a step, and the rounding of the sums in double.
+    // The tolerance is half a quantisation step, and the rounding of the sums in double.
     if (!hit(i)) continue;
     EXPECT_NEAR(data_.near_mm + (code - 1) * step, views_.direct.depth[i], 0.5001 * step);
   }

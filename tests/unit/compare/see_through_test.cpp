@@ -1,4 +1,4 @@
-// Transparent faces: what lies behind them shows, in the exact picture and in the mesh's.
+// Transparent faces: the exact picture and the mesh's picture show what lies behind them.
 #include "render/compare/see_through.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Animated WebP: what the file says, read by hand.
+// Animated WebP: checks the file's chunks with a separate reader.
 #include "render/image/animation.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class AnimationFile : public ::testing::Test {
     std::ifstream stream(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
-  // Three frames of 40, 60 and 100 ms: a square that wanders over nothing.
+  // Writes three frames of 40, 60 and 100 ms, with a square that moves over a transparent background.
   void WriteThree(int channels) {
     auto animation = Animation::Begin(64, 48);
     ASSERT_TRUE(animation.ok());

@@ -57,7 +57,7 @@ TEST(Resolve, IsTheMeanInLinearLight) {
   EXPECT_EQ(film.value().height, 1);
   EXPECT_EQ(film.value().pixels[0], (std::array<float, 4>{0.5f, 0.5f, 0.5f, 1}));
   EXPECT_EQ(film.value().pixels[1], (std::array<float, 4>{0, 0, 0, 1}));
-  // Half black, half white looks like 188, not like 128.
+  // The mean of black and white is 188 in sRGB, not 128.
   EXPECT_EQ(Encode(film.value()).value().bytes[0], 188);
 }
 

@@ -1,4 +1,5 @@
-// Image files: what goes out comes back, in full or not at all.
+// Image files: an image that is read back is equal to the one that was written, and files are written
+// completely or not at all.
 #include "render/image/io.h"
 
 #include <OpenImageIO/imageio.h>
@@ -90,7 +91,7 @@ TEST_F(ImageFiles, TheSamePictureGivesTheSameBytes) {
   ASSERT_TRUE(WritePng(Path("1.png"), Pattern(20, 10, 3)).ok());
   ASSERT_TRUE(WriteDepth(Path("1.tif"), 20, 10, samples.depth).ok());
   ASSERT_TRUE(WriteAovs(Path("1.exr"), samples, {}).ok());
-  ::sleep(1);  // a date in a file would have changed by now
+  ::sleep(1);  // if the file contained a date, it would have changed
   ASSERT_TRUE(WritePng(Path("2.png"), Pattern(20, 10, 3)).ok());
   ASSERT_TRUE(WriteDepth(Path("2.tif"), 20, 10, samples.depth).ok());
   ASSERT_TRUE(WriteAovs(Path("2.exr"), samples, {}).ok());
@@ -124,7 +125,8 @@ TEST_F(ImageFiles, AovsNameTheirChannels) {
   EXPECT_FALSE(fs::exists(Path("b.exr")));
 }
 
-// What another library reads from a file of ours: numbers as float, channel by channel in the file's order.
+// The content of one of our files as another library reads it: floats, channel by channel in the file's
+// order.
 struct Foreign {
   OIIO::ImageSpec spec;
   std::vector<float> values;
@@ -140,7 +142,7 @@ Foreign ReadWithOpenImageIO(const std::string& path) {
       input->read_image(0, 0, 0, foreign.spec.nchannels, OIIO::TypeDesc::FLOAT, foreign.values.data()));
   return foreign;
 }
-// The same the other way round. `tile`: 0 for strips.
+// Writes a file with the other library. `tile` is 0 for strips.
 template <typename T>
 void WriteWithOpenImageIO(const std::string& path, int width, int height, int channels, OIIO::TypeDesc type,
                           const std::vector<T>& values, int tile = 0) {
@@ -163,7 +165,7 @@ TEST_F(ImageFiles, OthersReadWhatIsWritten) {
     ASSERT_EQ(std::lround(png.values[i] * 255), picture.bytes[i]) << i;
 
   SampleBuffer samples;
-  samples.Resize(70, 150);  // more than two strips
+  samples.Resize(70, 150);  // larger than two strips
   samples.uv.resize(samples.size());
   samples.certificate.resize(samples.size());
   samples.doubt.resize(samples.size());
@@ -227,7 +229,7 @@ TEST_F(ImageFiles, DepthsOfOthersAreRead) {
   }
   WriteWithOpenImageIO(Path("two.tif"), 35, 50, 2, OIIO::TypeDesc::FLOAT, depth);
   EXPECT_EQ(ReadDepth(Path("two.tif")).error().code, ErrorCode::kFormatBroken);
-  // Cut anywhere, it is an error and no picture.
+  // A file that is cut anywhere must give an error and no picture.
   const std::string whole = Read(Path("a.tif"));
   for (std::size_t length = 0; length < whole.size(); length += 97) {
     std::ofstream(Path("cut.tif"), std::ios::binary) << whole.substr(0, length);
@@ -239,7 +241,7 @@ TEST_F(ImageFiles, AFailedWriteLeavesNothingAndHarmsNothing) {
   EXPECT_EQ(WritePng("/nowhere/at/all.png", Pattern(2, 2, 3)).error().code, ErrorCode::kWriteFailed);
   EXPECT_NE(WritePng("/nowhere/at/all.png", Pattern(2, 2, 3)).error().message.find("/nowhere/at/all.png"),
             std::string::npos);
-  // A folder in the way: the rename fails, and the temporary file goes.
+  // A folder with the same name makes the rename fail. The temporary file must be removed.
   fs::create_directories(Path("taken.png") + "/inside");
   EXPECT_EQ(WritePng(Path("taken.png"), Pattern(2, 2, 3)).error().code, ErrorCode::kWriteFailed);
   EXPECT_EQ(FileCount(), 1u);
@@ -250,7 +252,7 @@ TEST_F(ImageFiles, AFailedWriteLeavesNothingAndHarmsNothing) {
 }
 
 TEST_F(ImageFiles, AFullDiskIsAnError) {
-  // A limit on the file size stands in for a full disk: the write comes up short, with an errno.
+  // A limit on the file size simulates a full disk: the write is incomplete and sets errno.
   const pid_t child = ::fork();
   if (child == 0) {
     ::signal(SIGXFSZ, SIG_IGN);

@@ -1,4 +1,4 @@
-// Metrics: known values, invariants, and the questions that image libraries answer wrongly.
+// Metrics: known values, invariants, and cases that image libraries compute wrongly.
 #include "render/image/metrics.h"
 
 #include <OpenImageIO/imagebuf.h>
@@ -101,13 +101,13 @@ TEST(Metrics, SizesAreComparedFirst) {
 TEST(Metrics, TransparentPicturesAreComparedOverGrey) {
   Image8 clear{8, 8, 4, std::vector<std::uint8_t>(8 * 8 * 4, 0)};
   Image8 other = clear;
-  for (std::size_t i = 0; i < other.bytes.size(); i += 4) other.bytes[i] = 255;  // red, but nobody sees it
+  for (std::size_t i = 0; i < other.bytes.size(); i += 4) other.bytes[i] = 255;  // red, but invisible
   EXPECT_EQ(Compare(clear, other).max, 0);
   EXPECT_LE(Compare(clear, Solid(8, 8, {128, 128, 128})).max, 1.001 / 255);
 }
 
 TEST(Ssim, FollowsItsDefinitionOnFlatPictures) {
-  // Without structure only the luminance term is left: (2ab + C1) / (a² + b² + C1).
+  // Without structure, only the luminance term remains: (2ab + C1) / (a² + b² + C1).
   const double a = 100 / 255.0, b = 150 / 255.0, c1 = 1e-4;
   EXPECT_NEAR(Ssim(Solid(32, 32, {100, 100, 100}), Solid(32, 32, {150, 150, 150})).value(),
               (2 * a * b + c1) / (a * a + b * b + c1), 1e-4);
@@ -139,9 +139,9 @@ double FlipMean(const Image8& a, const Image8& b, double ppd = 67) {
 }
 
 TEST(Flip, KnownValuesOfFlatPictures) {
-  // Without features FLIP is its colour error. Black to white is a HyAB distance of 100; the largest one,
-  // green to blue with the Hunt effect, follows from their CIELAB coordinates (87.735, −86.183, 83.180) and
-  // (32.301, 79.197, −107.865).
+  // Without features, FLIP is its colour error. Black to white has a HyAB distance of 100. The largest
+  // distance, green to blue with the Hunt effect, follows from their CIELAB coordinates (87.735, −86.183,
+  // 83.180) and (32.301, 79.197, −107.865).
   const double da = -0.87735 * 86.183 - 0.32301 * 79.197, db = 0.87735 * 83.180 + 0.32301 * 107.865;
   const double largest = std::pow(87.735 - 32.301 + std::hypot(da, db), 0.7), knee = 0.4 * largest;
   const double white = 0.95 + 0.05 * (std::pow(100, 0.7) - knee) / (largest - knee);
@@ -171,7 +171,7 @@ TEST(Flip, GrowsWithTheDifference) {
 }
 
 TEST(Flip, FineDetailFadesWithDistance) {
-  // A checkerboard of single pixels against its mean: visible close by, grey from afar.
+  // Compare a checkerboard of single pixels with its mean: it is visible from nearby, and grey from far away.
   Image8 board = Solid(64, 64, {0, 0, 0});
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x)

@@ -27,7 +27,7 @@ bool IsInk(const std::uint8_t* p) {
   return p[0] < 60 && p[1] < 60 && p[2] < 60;
 }
 
-// The longest run of ink in any row.
+// Returns the longest run of dark pixels in any row.
 int LongestRun(const Image8& image) {
   int longest = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -74,7 +74,7 @@ TEST(ScaleBar, IsNotDrawnInPerspective) {
   EXPECT_EQ(image.bytes, Blank(200, 200, 3, 235).bytes);
 }
 
-// Where the axis's colour leads from the dot that all share: the mean of its pixels.
+// Returns the mean position of the pixels in the axis's colour, relative to the common dot.
 Vec2 MeanOf(const Image8& image, int channel) {
   Vec2 sum;
   int count = 0;

@@ -15,7 +15,7 @@ Image8 Plain(int width, int height, std::vector<std::uint8_t> pixel) {
 }
 
 TEST(Reduced, IsTheMeanInLinearLight) {
-  // Black and white in turns are half the light: 188 in sRGB.
+  // Alternating black and white has half of the light, which is 188 in sRGB.
   Image8 stripes = Plain(64, 32, {0, 0, 0});
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 64; x += 2)
@@ -49,7 +49,7 @@ TEST(Sheet, HasEveryPictureInItsPlaceWithALabel) {
   const Image8 sheet = DrawSheet(tiles, 3).value();
   EXPECT_EQ(sheet.width, 16 + 3 * (60 + 16));
   EXPECT_EQ(sheet.height, 16 + 2 * (40 + 34));
-  // The middle of each tile.
+  // Read the middle of each tile.
   for (int i = 0; i < 5; ++i) EXPECT_EQ(sheet.at(16 + i % 3 * 76 + 30, 16 + i / 3 * 74 + 20)[0], 50 * i) << i;
   EXPECT_GT(sheet.at(16 + 2 * 76 + 30, 16 + 74 + 20)[0], 240) << "the sixth place is empty";
   int ink = 0;

@@ -72,8 +72,8 @@ TEST(Text, CoversWhatIsTransparent) {
 }
 
 TEST(Text, IsCutAtTheBorder) {
-  // A digit as tall as the picture that begins left of it and above it: ink on the first row and column, and
-  // no byte elsewhere.
+  // Draw a digit as tall as the picture that begins to the left of it and above it. There must be ink in the
+  // first row and column, and no write outside the picture.
   Image8 image = Paper(10, 10);
   DrawText(image, -10, 12, "0", {.size_px = 20});
   EXPECT_GT(InkCount(image), 0);

@@ -26,8 +26,8 @@ Quantity_Color Srgb(double r, double g, double b) {
   return Quantity_Color(r, g, b, Quantity_TOC_sRGB);
 }
 
-// A car of one body and two wheels; the body is red with one blue face, the second wheel is green where the
-// first is grey.
+// A car with one body and two wheels. The body is red with one blue face. The first wheel is grey, the second
+// green.
 Handle(TDocStd_Document) Car(const char* wheels = "Räder") {
   Handle(TDocStd_Document) document = NewXcafDocument();
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
@@ -67,11 +67,12 @@ TEST(Assembly, PartsAreSharedAndNamedByTheirPath) {
 }
 
 TEST(Assembly, APartInAnotherFileIsLostByName) {
-  // One file for the assembly, one for each part.
+  // Write one file for the assembly, and one for each part.
   const TemporaryFolder folder;
   STEPCAFControl_Writer writer;
   writer.SetNameMode(true);
-  // A text that is written anew would cost the file its place beside the others.
+  // If a text had to be rewritten, the importer would read a copy, which is not in the folder of the other
+  // files.
   ASSERT_TRUE(writer.Transfer(Car("wheels"), STEPControl_AsIs, "part-"));
   ASSERT_EQ(writer.Write(folder.File("car.step").c_str()), IFSelect_RetDone);
   const Result<Conversion> whole = ConvertFile(folder.File("car.step"));

@@ -45,7 +45,7 @@ TEST(ArcPieces, AFullTurnTakesFourQuartersAndClosesExactlyWherePiecesMeet) {
   }
 }
 
-// De Boor's algorithm, straight from its definition: the oracle for extraction.
+// De Boor's algorithm, implemented directly from its definition, as an oracle.
 Vec4 DeBoor(const std::vector<double>& knots, int degree, const std::vector<Vec4>& poles, double x) {
   int span = degree;
   while (span + 2 < static_cast<int>(knots.size()) - degree && x >= knots[span + 1]) ++span;
@@ -104,7 +104,7 @@ TEST(BsplinePieces, AgreeWithDeBoorForRandomCurvesOfAllDegrees) {
 }
 
 TEST(BsplinePieces, TheEndSpansGoOnBeyondTheDomain) {
-  // x(t) = t² on [0, 1], continued.
+  // x(t) = t² on [0, 1], and beyond.
   const auto pieces = BsplinePieces(std::vector<double>{0, 0, 0, 1, 1, 1}, 2,
                                     std::vector<Vec4>{{0, 0, 0, 1}, {0, 0, 0, 1}, {1, 0, 0, 1}}, -0.25, 1.5);
   ASSERT_EQ(pieces.size(), 1u);
@@ -152,7 +152,7 @@ TEST(ApproximateCurve, ReachesItsToleranceAndSaysSo) {
 }
 
 TEST(ApproximateSurface, RefinesOnlyWhereItMust) {
-  // Wavy along u, straight along v.
+  // The surface is wavy along u and straight along v.
   const auto wavy = [](double u, double v) { return Vec3{u, v, std::sin(9 * u)}; };
   const ApproximateGrid grid = ApproximateSurface(wavy, {0, 3}, {0, 1}, 1e-10);
   EXPECT_GT(grid.u_breaks.size(), 3u);

@@ -1,5 +1,5 @@
-// Small files with one fault each: what they declare, what is shown of it, what is lost, and what is said
-// about it. The numbers add up always.
+// Small files with one fault each: what they declare, what is shown, what is lost, and what is reported. The
+// numbers must always add up.
 #include <gtest/gtest.h>
 
 #include <BRepGProp.hxx>
@@ -24,12 +24,12 @@ using Bounds = std::array<double, 6>;  // low x, y, z, high x, y, z
 
 struct Case {
   const char* file;
-  std::size_t declared, shown;             // faces of the file, other bodies counted as one each
-  std::size_t placed;                      // faces in all placements
-  std::size_t defects = 0;                 // loops and edges lost of faces that are shown
-  const char* said = "";                   // stands in a warning, a reason or the error; "": nothing is said
-  std::optional<Bounds> bounds = {};       // of files with plane faces only: others' patches reach further
-  double area = 0;                         // of all placed faces, mm²; 0: not known
+  std::size_t declared, shown;        // faces of the file; every other body counts as one
+  std::size_t placed;                 // faces in all placements
+  std::size_t defects = 0;            // lost loops and edges of faces that are shown
+  const char* said = "";              // part of a warning, a reason or the error; "": nothing is reported
+  std::optional<Bounds> bounds = {};  // only for files with plane faces; other patches extend further
+  double area = 0;                    // area of all placed faces, mm²; 0: unknown
   std::optional<std::size_t> closed = {};  // solids in prototypes
 };
 
@@ -40,7 +40,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 constexpr Bounds kWedge{0, 0, 0, 30, 20, 10};
 constexpr Bounds kCube{0, 0, 0, 1, 1, 1};
 constexpr double kPi = 3.14159265358979323846;
-// The wedge's area: three right triangles and the slope between them.
+// The wedge's area: three right-angled triangles and the slope between them.
 const double kWedgeArea = 0.5 * (30 * 20 + 30 * 10 + 20 * 10 + std::sqrt(90000.0 + 40000 + 360000));
 
 std::string Words(const ImportInfo& info) {
@@ -109,13 +109,13 @@ INSTANTIATE_TEST_SUITE_P(
     Ledger, Cases,
     ::testing::Values(
         Case{"base.stp", 6, 6, 6, 0, "", kCube, 6, 1},
-        // Faces whatever their names, surfaces that stand for themselves.
+        // Faces with any name; surfaces that represent themselves.
         Case{"dollar_cone_declared_rad_written_deg.step", 3, 2, 2, 0, "#40"},
         Case{"cone_declared_rad_written_deg.step", 3, 2, 2, 0, "#40"},
         Case{"cone_declared_deg_written_rad.step", 3, 2, 2, 0, "off its surface"},
         Case{"geometric_set_good.step", 2, 2, 2, 0, "", Bounds{0, 0, 0, 20, 20, 20}, 800},
         Case{"geometric_set_one_lost.step", 2, 1, 1, 0, "#32 S1", Bounds{0, 0, 0, 20, 20, 0}, 400},
-        // Bodies that nobody reads.
+        // Bodies that the importer does not read.
         Case{"brep_and_csg.step", 5, 4, 4, 0, "#102 csg: it is a CSG solid", kWedge, kWedgeArea, 1},
         Case{"brep_and_tessellated.step", 5, 4, 4, 0, "#106 : it is a tessellated solid", kWedge, kWedgeArea,
              1},
@@ -125,11 +125,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"mapped_scale2.step", 4, 4, 8, 0, "", Bounds{0, 0, 0, 110, 40, 20}, 5 * kWedgeArea, 2},
         Case{"assembly_plain.step", 4, 4, 8, 0, "", Bounds{0, 0, 0, 80, 20, 10}, 2 * kWedgeArea, 1},
         Case{"assembly_mirror.step", 4, 4, 8, 0, "", Bounds{0, 0, 0, 50, 20, 10}, 2 * kWedgeArea, 2},
-        // Occurrences, and files one after the other.
+        // Occurrences; several files in one.
         Case{"asm_two.stp", 6, 6, 12, 0, "", Bounds{0, 0, 0, 6, 6, 1}, 12, 1},
         Case{"asm_second_no_transform.stp", 7, 6, 6, 0, "#9301 right", Bounds{5, 0, 0, 6, 1, 1}, 6, 1},
         Case{"concat.stp", 12, 6, 6, 0, "follow each other", kCube, 6, 1},
-        // Edges that are walked there and back.
+        // Edges that are followed forwards and backwards.
         Case{"sphere_great_circle_twice.step", 1, 1, 1, 0, "forwards and backwards", {}, 100 * kPi},
         Case{"sphere_offaxis_halfcircle_twice.step", 1, 1, 1, 0, "forwards and backwards", {}, 100 * kPi},
         Case{"cyl_plain.step", 3, 3, 3, 0, "", {}, 600 * kPi, 1},
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"parabola_groove.step", 2, 2, 2, 0, "", {}, 0, 1},
         Case{"parabola_bowl_noseam.step", 2, 1, 1, 0, "#33"},
         Case{"degenerate_torus_T_vertex_loop.step", 1, 1, 1, 0, "", {}, 2404.23},
-        // Entities that are malformed.
+        // Malformed entities.
         Case{"loop_in_shell.stp", 7, 6, 6, 0, "#8003 emptyloop: its edge loop #8001 has no edges", kCube, 6},
         Case{"gp_sc_used.stp", 6, 6, 6, 0, "#8050", kCube, 6, 1},
         Case{"len_16300.stp", 6, 6, 6, 0, "", kCube, 6, 1},
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// The same wedge with other operators: scale, mirror and unit go together.
+// The same wedge with other operators: scale, mirror and unit combined.
 struct Operated {
   const char* file;
   std::vector<std::pair<std::string, std::string>> changes;
@@ -191,12 +191,12 @@ TEST(ScaledPlacements, ScaleMirrorAndConvertTogether) {
       {"brep_and_replica.step",
        {{"#97=DIRECTION('',(1.0,", "#97=DIRECTION('',(-1.0,"}},
        {-10, 0, 0, 50, 40, 20}},
-      // An origin of the map that is not where the operator begins.
+      // The map's origin is not where the operator begins.
       {"mapped_scale2.step",
        {{"REPRESENTATION_MAP(#12,#97)", "REPRESENTATION_MAP(#903,#97)"},
         {"#98=", "#904=CARTESIAN_POINT('',(30.,0.,0.));\n#903=AXIS2_PLACEMENT_3D('',#904,#10,#11);\n#98="}},
        {-30, 0, 0, 50, 40, 20}},
-      // Two frames, neither of which is the origin: the wedge turned by −90° about z, and moved.
+      // Two frames, neither of which is the origin: the wedge is turned by −90° about z, and moved.
       {"mapped_scale2.step",
        {{"REPRESENTATION_MAP(#12,#97)", "REPRESENTATION_MAP(#903,#97)"},
         {"#98=", frames + "#98="},
@@ -227,7 +227,7 @@ TEST(ScaledPlacements, ScaleMirrorAndConvertTogether) {
         << operated.file << " " << model.bounds.low.x;
     EXPECT_LT(Length(model.bounds.high - Vec3{b[3], b[4], b[5]}), 1e-7)
         << operated.file << " " << model.bounds.high.x;
-    // All look outwards: OpenCASCADE's volume of each face's solid is positive.
+    // All solids must look outwards: OpenCASCADE's volume of each face's solid must be positive.
     for (const Solid& solid : model.solids) EXPECT_TRUE(solid.closed);
     TopoDS_Compound all;
     BRep_Builder builder;

@@ -165,7 +165,7 @@ TEST(Convert, AnUnboundedSurfaceIsALossWithAReason) {
 }
 
 TEST(Convert, BoundsAreConservativeAndTight) {
-  // A turned torus: its true extent along z is known.
+  // The true extent of a turned torus along z is known.
   gp_Trsf turn;
   turn.SetRotation(gp_Ax1(gp_Pnt(), gp_Dir(1, 0, 0)), 0.6);
   const Model model =
@@ -178,8 +178,8 @@ TEST(Convert, BoundsAreConservativeAndTight) {
 }
 
 TEST(Convert, TheNormalPointsOutOfEverySolid) {
-  // The volume by the divergence theorem is positive only if Su × Sv, reversed where the face says so, points
-  // outwards.
+  // The volume by the divergence theorem is positive only if Su × Sv points outwards, after it is reversed
+  // for reversed faces.
   const TopoDS_Shape shapes[] = {BRepPrimAPI_MakeBox(1, 2, 3).Shape(),
                                  BRepPrimAPI_MakeCylinder(1, 2).Shape()};
   for (const TopoDS_Shape& shape : shapes) {

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kArc = std::numbers::pi / 4;
 
-// The largest distance to the curve at native parameters.
+// Returns the largest distance to the curve at equal native parameters.
 double Deviation(const CurvePieces& pieces, const Handle(Geom_Curve) & curve) {
   double worst = 0;
   for (const CurvePiece& piece : pieces.pieces) {

@@ -1,5 +1,5 @@
-// The projection of edges: curves that lie on a surface come out as the curve in its parameters that made them,
-// however the surface is parametrised, around seams and through poles.
+// The projection of edges: a curve that lies on a surface must be projected to the parameter curve from which
+// it was made, for every parametrisation, around seams and through poles.
 #include "import/edge_projection.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 struct Case {
   const char* name;
   Handle(Geom_Surface) surface;
-  double u0, u1, v0, v1;  // where curves are drawn
+  double u0, u1, v0, v1;  // range of the parameters of the curves
 };
 
 gp_Ax3 Placed(std::mt19937_64& random) {
@@ -39,7 +39,7 @@ std::vector<Case> Cases(std::mt19937_64& random) {
       {"cone", new Geom_ConicalSurface(Placed(random), share(random), 5), -5, 5, 1, 20},
       {"sphere", new Geom_SphericalSurface(Placed(random), 10), -5, 5, -1.5, 1.5},
       {"torus", new Geom_ToroidalSurface(Placed(random), 10, 1 + 7 * share(random)), -5, 5, -5, 5}};
-  // A rational B-spline of a sphere's patch, which knows nothing of angles.
+  // A rational B-spline patch of a sphere, whose parameters are not angles.
   const Handle(Geom_Surface) patch =
       new Geom_RectangularTrimmedSurface(new Geom_SphericalSurface(Placed(random), 10), 0.1, 1.9, -1.2, 1.2);
   cases.push_back({"spline", GeomConvert::SurfaceToBSplineSurface(patch), 0.1, 1.9, -1.2, 1.2});
@@ -54,7 +54,7 @@ TEST_P(ProjectedEdges, AreTheCurvesThatTheyWereMadeOf) {
     SCOPED_TRACE(one.name);
     const GeomAdaptor_Surface surface(one.surface);
     std::uniform_real_distribution<double> u(one.u0, one.u1), v(one.v0, one.v1);
-    // A cubic in the plane of parameters, as a curve in space.
+    // A cubic in the parameter plane, as a curve in space.
     const Vec2 points[] = {
         {u(random), v(random)}, {u(random), v(random)}, {u(random), v(random)}, {u(random), v(random)}};
     const auto uv = [&](double s) {
@@ -73,7 +73,7 @@ TEST_P(ProjectedEdges, AreTheCurvesThatTheyWereMadeOf) {
         const Vec3 at = Cartesian(EvaluateBezier(piece.points, i / 10.0));
         EXPECT_LT(surface.Value(at.x, at.y).Distance(edge(s)), 1e-7) << s;
       }
-    // The curve is one: it does not jump by a turn.
+    // The curve must be continuous: it must not jump by a period.
     const Vec3 first = Cartesian(pieces.front().points.front()),
                last = Cartesian(pieces.back().points.back());
     EXPECT_NEAR(last.x - first.x, points[3].x - points[0].x, 1e-6);
@@ -112,7 +112,8 @@ TEST(ProjectEdge, AMeridianKeepsItsAngleIntoThePole) {
 }
 
 TEST(ProjectEdge, GivesUpWhereASeamHasTwoParameters) {
-  // Closed, and not periodic: a point of the seam has two parameters, and the edge alone does not say which.
+  // The surface is closed but not periodic: a point of the seam has two parameters, and the edge alone does
+  // not determine which one is meant.
   Handle(Geom_BSplineSurface) closed = GeomConvert::SurfaceToBSplineSurface(
       new Geom_RectangularTrimmedSurface(new Geom_CylindricalSurface(gp_Ax3(), 3), 0.0, kTurn, 0.0, 5.0));
   closed->SetUNotPeriodic();

@@ -23,7 +23,7 @@ std::vector<TopoDS_Face> BallFaces() {
 
 TEST(ExactIntersector, FindsTheNearestHit) {
   ExactIntersector ball(BallFaces());
-  // Depth is a share of the direction, whatever its length.
+  // The depth is relative to the length of the direction.
   const ExactHit hit = ball.Nearest({3, 4, 50}, {0, 0, -2}, -INFINITY);
   EXPECT_EQ(hit.face, 0);
   EXPECT_FALSE(hit.failed);
@@ -34,7 +34,7 @@ TEST(ExactIntersector, FindsTheNearestHit) {
 
 TEST(ExactIntersector, LinesHaveNoBeginningButNear) {
   ExactIntersector ball(BallFaces());
-  // From inside the far side counts, unless hits behind the origin do.
+  // From inside, the far side is the hit, unless hits behind the origin are allowed.
   EXPECT_NEAR(ball.Nearest({0, 0, 0}, {1, 0, 0}, -INFINITY).depth, -kRadius, 1e-9);
   EXPECT_NEAR(ball.Nearest({0, 0, 0}, {1, 0, 0}, 1e-6).depth, kRadius, 1e-9);
 }

@@ -1,4 +1,5 @@
-// Loops: closed, unwrapped, material on the left; seams, poles, bounds that wind around.
+// Loops: closed, unwrapped, with the material on the left; seams, poles, and bounds that wind around the
+// surface.
 #include "import/face_loops.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +68,7 @@ TEST(FaceLoops, ACylinderWithItsSeamIsARectangle) {
   EXPECT_EQ(loops.loops[0].coedges.size(), 4u);
   ExpectClosed(loops);
   EXPECT_NEAR(SignedArea(loops), 2 * 2 * kPi * 5, 1e-12);
-  // The seam is used twice, by two p-curves a period apart and in opposite sense.
+  // The seam is used twice, by two p-curves that are one period apart and have opposite senses.
   int seams = 0, forward = 0;
   for (const LoopCoedge& coedge : loops.loops[0].coedges) {
     if (!BRep_Tool::IsClosed(coedge.edge,
@@ -119,8 +120,8 @@ TEST(FaceLoops, AHoleRunsTheOtherWay) {
   EXPECT_EQ(loops.repairs.size(), 0u);
 }
 
-// A face on `surface` whose wires are single circles at the given heights, without seams: going around once,
-// up or down.
+// Returns a face on `surface` without a seam. Its wires are single circles at the given heights, each of
+// which goes around once, in either direction.
 TopoDS_Face WithoutSeam(const Handle(Geom_Surface) & surface,
                         const std::vector<std::pair<double, bool>>& circles) {
   BRep_Builder builder;
@@ -164,7 +165,7 @@ TEST(FaceLoops, OneBoundAroundACylinderEnclosesNothing) {
 }
 
 TEST(FaceLoops, EdgesInAnyOrderAreChained) {
-  // The edges of a square, in an order that no walk has.
+  // The edges of a square, in an order in which they do not form a chain.
   const gp_Pnt corners[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   TopoDS_Vertex vertices[4];
   BRep_Builder builder;
@@ -183,7 +184,7 @@ TEST(FaceLoops, EdgesInAnyOrderAreChained) {
 }
 
 TEST(FaceLoops, AGapBecomesASegmentOfTheFollowingCoedge) {
-  // A triangle whose last edge stops 1e-5 short of the first one's start.
+  // The last edge of the triangle ends 1e-5 before the start of the first one.
   const gp_Pnt points[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e-5, 0, 0}};
   BRep_Builder builder;
   TopoDS_Wire wire;

@@ -1,5 +1,5 @@
-// What an IGES file declares and OpenCASCADE makes no shape of: bodies of other kinds, subfigures that are
-// scaled, entities that point to themselves.
+// Entities that an IGES file declares and OpenCASCADE does not convert: bodies of other kinds, scaled
+// subfigures, entities that refer to themselves.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -83,13 +83,14 @@ TEST(MeshFile, TellsWhatTheMesherNeedsWithoutWhatWasReadBefore) {
   const TemporaryFolder folder;
   Result<Conversion> conversion = ConvertShape(BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, 0), 10).Shape());
   ASSERT_TRUE(conversion.ok());
-  // Memory of the process that the mesher has no part in, and memory that was free before it began.
+  // Memory that does not belong to the mesher, and memory that was freed before it began, must not count.
   const std::vector<char> held(64 << 20, 'x');
   { const std::vector<char> freed(64 << 20, 'x'); }
   const Result<MeshReport> report =
       WriteMesh(conversion.value(), {1e-2, 20}, folder.File("a.glb"), [](double) {});
   ASSERT_TRUE(report.ok());
-  // Above its triangles, three indices each, and below what else the process holds.
+  // The peak must be at least the memory of its triangles, with three indices each, and less than the
+  // process's other memory.
   EXPECT_GT(report.value().triangles, 5'000u);
   EXPECT_GT(report.value().peak_bytes, 12 * report.value().triangles);
   EXPECT_LT(report.value().peak_bytes, held.size());
@@ -107,12 +108,12 @@ TEST(MeshFile, SphereNodesLieOnTheSphereWithItsNormals) {
   const std::vector<Vec3> normals = Vectors(gltf, primitive.attributes.at("NORMAL"));
   ASSERT_EQ(positions.size(), normals.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    // The node's translation puts the part back to where it is, in millimetres, Z up.
+    // The node's translation moves the part back to its place, in millimetres, Z up.
     const Vec3 p = positions[i] + Vec3{node[12], node[13], node[14]} - Vec3{100, 200, 300};
     EXPECT_NEAR(Length(p), 10, 1e-5);
     EXPECT_NEAR(Dot(normals[i], Normalized(p)), 1, 1e-5);
   }
-  // The root turns Z up millimetres into Y up metres.
+  // The root node transforms millimetres, Z up, into metres, Y up.
   const std::vector<double>& root = gltf.nodes[0].matrix;
   EXPECT_EQ(root[9], 1e-3);
   EXPECT_EQ(root[6], -1e-3);

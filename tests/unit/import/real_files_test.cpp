@@ -1,5 +1,5 @@
-// Real files: nothing lost, nothing approximated but offsets, gaps no larger than the file's own, areas as a
-// second opinion has them; what is broken gives what can be saved or a sentence.
+// Real files: nothing is lost, only offset surfaces are approximated, gaps are no larger than the file's own,
+// and areas agree with OpenCASCADE's. A broken file gives what can be saved, or an error sentence.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 struct Part {
   const char* file;
   std::size_t faces, placed;
-  double area;         // of all placed faces, mm²; 0: no second opinion
+  double area;         // of all placed faces, mm²; 0: no reference value
   std::size_t closed;  // solids
   std::size_t approximated;
 };
@@ -51,11 +51,11 @@ TEST_P(Parts, ArriveWhole) {
   std::size_t closed = 0;
   for (const Solid& solid : model.solids) closed += solid.closed ? 1 : 0;
   EXPECT_EQ(closed, part.closed);
-  // Faces know where they come from.
+  // Faces must know their entity.
   for (const Face& face : model.faces) EXPECT_FALSE(face.entity.empty());
-  // A p-curve is no farther from its edge than the file says that its entities may be from each other. Where
-  // the file's edges themselves are farther off its surfaces, by a thousandth of their length at most, the edge
-  // is listed as open.
+  // A p-curve must not be farther from its edge than the precision that the file states. Some of the files'
+  // edges lie farther off their surfaces, by at most a thousandth of their length. Such an edge must be
+  // listed as open.
   std::set<std::uint32_t> open;
   for (const OpenEdge& edge : FindOpenEdges(model)) open.insert(edge.edge);
   for (const Face& face : model.faces) {
@@ -76,7 +76,7 @@ TEST_P(Parts, ArriveWhole) {
   EXPECT_NEAR(area, part.area, 1e-3 * part.area);
 }
 
-// Areas are OpenCASCADE's, by its own integration.
+// The areas come from OpenCASCADE's own integration.
 INSTANTIATE_TEST_SUITE_P(
     RealFiles, Parts,
     ::testing::Values(
@@ -103,7 +103,7 @@ struct Broken {
   const char* file;
   std::size_t faces, lost;  // 0 faces: refused
   ErrorCode code;
-  const char* sentence;  // part of the error, or of the first loss's reason
+  const char* sentence;  // part of the error, or of the reason of the first loss
 };
 
 void PrintTo(const Broken& b, std::ostream* out) {
@@ -134,7 +134,7 @@ TEST_P(BrokenFiles, GiveWhatCanBeSavedOrASentence) {
     EXPECT_EQ(loss.entity[0], '#');
     EXPECT_FALSE(loss.reason.empty());
   }
-  // What has lost a face, a bound or an edge is not closed.
+  // A solid that has lost a face, a bound or an edge must not be closed.
   if (broken.lost + model.info.loops_lost.size() + model.info.edges_lost.size() > 0) {
     for (const Solid& solid : model.solids) EXPECT_FALSE(solid.closed);
   }

@@ -18,8 +18,8 @@ constexpr double kNodes[] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384
                              0.9061798459386640};
 constexpr double kWeights[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                                0.2369268850561891};
-// Straight steps that a curved segment is replaced by: a circle of four segments then loses 1.8e-4 of its
-// area.
+// The number of straight steps that replace a curved segment. A circle of four segments then loses 1.8e-4 of
+// its area.
 constexpr int kSteps = 48;
 
 struct Segment {

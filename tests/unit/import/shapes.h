@@ -1,4 +1,4 @@
-// Small shapes with known answers, and the way from a shape to a model without a file.
+// Small shapes with known answers, and the conversion of a shape to a model without a file.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -12,14 +12,14 @@
 namespace facetless {
 
 Result<Conversion> ConvertShape(const TopoDS_Shape& shape);
-// Through the readers, as the command does.
+// Reads the file through the readers, as the command does.
 Result<Conversion> ConvertFile(const std::string& path);
 
-// Twice the signed area that all loops enclose in (u, v), by fine polygons.
+// Returns twice the signed area that all loops enclose in (u, v), measured with fine polygons.
 double SignedArea(const FaceLoops& loops);
 
-// The trimmed area of a face of the model: Gauss-Legendre in v between loop crossings, in u between ends of
-// segments. Good to about 1e-4 of the area.
+// Returns the trimmed area of a face of the model: by Gauss-Legendre quadrature along v between loop
+// crossings, and along u between the ends of segments. The relative error is about 1e-4.
 double TrimmedArea(const Model& model, std::uint32_t face);
 
 }  // namespace facetless

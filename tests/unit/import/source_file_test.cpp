@@ -1,4 +1,4 @@
-// Formats by content; repairs; refusals in one sentence.
+// Formats are recognised by content; files are repaired, or refused with one sentence.
 #include "import/source_file.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ std::string Record(std::string text, char section, int number) {
   return text + section + std::string(7 - digits.size(), ' ') + digits + "\n";
 }
 
-// One direct point of type 116 and a bilinear B-spline surface whose reals are written as integers.
+// A point of type 116 and a bilinear B-spline surface, whose reals are written as integers.
 std::string Iges() {
   std::string text =
       Record("start", 'S', 1) +
@@ -71,7 +71,7 @@ TEST(SourceFile, ASoundFileIsReadWhereItLies) {
 
 TEST(SourceFile, TheHashIsSha256OfTheUsersBytes) {
   const TemporaryFolder folder;
-  // Known from any sha256sum.
+  // The values come from sha256sum.
   EXPECT_EQ(Open(folder, "x.step", kStep).value().sha256, Open(folder, "y.step", kStep).value().sha256);
   EXPECT_NE(Open(folder, "x.step", kStep).value().sha256,
             Open(folder, "y.step", "\xef\xbb\xbf" + kStep).value().sha256);
@@ -90,7 +90,7 @@ TEST(SourceFile, MarksAndLineEndsAreRemovedInACopy) {
     EXPECT_NE(source.value().path, folder.File("a.step"));
     EXPECT_EQ(Content(source.value().path), kStep);
     EXPECT_EQ(source.value().repairs.size(), 1u);
-    EXPECT_EQ(Content(folder.File("a.step")), bytes);  // the user's file is left alone
+    EXPECT_EQ(Content(folder.File("a.step")), bytes);  // the user's file must not change
   }
 }
 
@@ -101,7 +101,7 @@ TEST(SourceFile, IgesIntegersBecomeReals) {
   ASSERT_EQ(source.value().repairs.size(), 1u);
   EXPECT_EQ(source.value().repairs[0].substr(0, 3),
             "28 ");  // 4 + 4 knots, 4 weights, 12 coordinates, 4 limits
-  // The counts stay integers, and every record is 80 columns wide.
+  // The counts must stay integers, and every record must be 80 columns wide.
   const std::string text = Content(source.value().path);
   EXPECT_NE(text.find("128,1,1,1,1,0,0,1,0,0,0.,0.,1.,1.,"), std::string::npos);
   std::size_t begin = 0;
@@ -110,7 +110,7 @@ TEST(SourceFile, IgesIntegersBecomeReals) {
     EXPECT_EQ(end - begin, 80u);
     begin = end + 1;
   }
-  // And OpenCASCADE makes the face of it that it should be: a rectangle of 2 by 3, skewed by nothing.
+  // OpenCASCADE must read the correct face: a rectangle of 2 by 3.
   const Result<Conversion> conversion = ConvertFile(folder.File("a.igs"));
   ASSERT_TRUE(conversion.ok()) << conversion.error().message;
   ASSERT_EQ(conversion.value().model.faces.size(), 1u);
@@ -139,7 +139,7 @@ TEST(SourceFile, ClaimsOfMorePointsThanTheFileHoldsAreRefused) {
   EXPECT_NE(source.error().message.find("D1"), std::string::npos);
 }
 
-// Iges() with another entity in the place of its surface.
+// Opens Iges() with another entity instead of its surface.
 Result<SourceFile> OpenEntity(const TemporaryFolder& folder, const std::string& type,
                               const std::string& parameters) {
   std::string bytes = Iges();

@@ -1,5 +1,5 @@
-// Repairs of STEP text: what goes, what is replaced, what is lost by name. And the same fault in every list
-// of whole files, one by one.
+// Repairs of STEP text: what is removed, what is replaced, what is listed as lost. In addition, the same
+// fault in every list of whole files, one by one.
 #include "import/step_repair.h"
 
 #include <gtest/gtest.h>
@@ -116,7 +116,7 @@ TEST(StepRepair, CutsTextsThatAreTooLongForTheReader) {
     EXPECT_GT(kept.size(), 16300u);
     EXPECT_EQ(kept.size() % letter.size(), 0u);
   }
-  // Short ones with many apostrophes are left.
+  // Short texts with many apostrophes must stay.
   std::string quoted;
   for (int i = 0; i < 4000; ++i) quoted += "''";
   EXPECT_FALSE(RepairStep(File("#1=PRODUCT('a','" + quoted + "',$,());\n")).changed);
@@ -211,11 +211,11 @@ TEST(StepDeclaredFaces, HaveAnyNameOrNone) {
   EXPECT_EQ(faces[3].name, "y");
 }
 
-// Every list of every kind of entity, emptied one by one: the file is read, and what it declares is shown or
-// lost.
+// Every list of every kind of entity is emptied, one by one. The file must be readable, and everything that
+// it declares must be shown or listed as lost.
 class EmptyLists : public ::testing::TestWithParam<const char*> {};
 
-// Where lists of attributes begin and end, below the entity's own parentheses.
+// Returns where lists of attributes begin and end, below the entity's own parentheses.
 std::vector<std::pair<std::size_t, std::size_t>> ListsIn(std::string_view body) {
   std::vector<std::pair<std::size_t, std::size_t>> lists;
   std::vector<std::size_t> open;
@@ -255,7 +255,7 @@ TEST_P(EmptyLists, CostWhatDependsOnThem) {
       ++tried;
       const Result<Conversion> conversion = ConvertFile(path);
       if (!conversion.ok()) {
-        // Whoever holds all faces may take them with it, by name.
+        // If the removed entity contains all faces, all faces may be lost, but they must be named.
         EXPECT_EQ(conversion.error().code, ErrorCode::kNothingUsable)
             << kind << ": " << conversion.error().message;
         continue;

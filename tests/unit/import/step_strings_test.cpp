@@ -1,5 +1,5 @@
-// Texts of STEP files: every spelling of a letter that tools write comes out as that letter, for us and for
-// OpenCASCADE.
+// Texts of STEP files: every spelling of a letter that programs write is decoded to that letter, by our
+// reader and by OpenCASCADE.
 #include "import/step_strings.h"
 
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ TEST(DecodeStepText, KnowsEveryDirective) {
            {"Petit \\X\\E9tui", "Petit étui"},
            {"\\X2\\4F9B7ED97CFB7EDF\\X0\\", "供给系统"},
            {"\\X4\\0001F600\\X0\\", "😀"},
-           {"\\X2\\D83DDE00\\X0\\", "😀"},  // a pair of surrogates
+           {"\\X2\\D83DDE00\\X0\\", "😀"},  // a surrogate pair
            {"Geh\\S\\duse", "Gehäuse"},
            {"\\PE\\\\S\\2", "В"},  // ISO 8859-5
            {"\\PA\\Geh\\S\\duse", "Gehäuse"},
@@ -57,7 +57,7 @@ TEST(DecodeStepText, LetsNoControlCharacterThrough) {
     EXPECT_EQ(text.back(), 'b');
   }
   EXPECT_EQ(DecodeStepText("a\x1b[31m"), "a\xef\xbf\xbd[31m");
-  EXPECT_EQ(DecodeStepText("\\X2\\D83D\\X0\\"), "\xef\xbf\xbd");  // half a pair
+  EXPECT_EQ(DecodeStepText("\\X2\\D83D\\X0\\"), "\xef\xbf\xbd");  // half of a surrogate pair
 }
 
 std::string Normalised(std::string bytes, std::vector<std::string>* warnings) {

@@ -1,4 +1,4 @@
-// STEP as text: declared faces, tokens that are no numbers, texts, files that are cut off.
+// STEP as text: declared faces, tokens that are not finite numbers, texts, files that are cut off.
 #include "import/step_text.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ TEST(StepText, ANumberThatIsNoneNamesItsEntity) {
     EXPECT_EQ(facts.error().code, ErrorCode::kNotFinite);
     EXPECT_NE(facts.error().message.find("#77"), std::string::npos);
   }
-  // Names, enumerators and exponents are none of that.
+  // These are names, enumerators and exponents, which are allowed.
   Scan(File("#1=CARTESIAN_POINT('NAN',(1.E5,2.E+100,INFO(2.)));\n#2=X(.NAN.,.INF.,1.E-400);\n"));
 }
 
@@ -56,7 +56,7 @@ TEST(StepText, ListsInTooManyListsNameTheirEntity) {
   ASSERT_FALSE(facts.ok());
   EXPECT_EQ(facts.error().code, ErrorCode::kFormatBroken);
   EXPECT_NE(facts.error().message.find("#77"), std::string::npos);
-  // Parentheses in texts are none.
+  // Parentheses in texts do not count.
   Scan(File("#77=X('" + std::string(1000, '(') + "');\n"));
 }
 

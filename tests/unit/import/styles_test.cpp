@@ -1,4 +1,4 @@
-// What a file says about how its parts look and are called: hidden items, colours of occurrences,
+// What a file says about the look and the names of its parts: hidden items, colours of occurrences,
 // transparency, names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 class Styles : public ::testing::Test {
  protected:
-  // Skips the test by name where the file is absent.
+  // Reads the file, or skips the test if the file is absent.
   void Read(const std::string& file) {
     const std::string path = CadFile("cases/" + file);
     if (path.empty())
@@ -77,8 +77,8 @@ TEST_F(Styles, AnOccurrencesColourStaysWithIt) {
 
 struct Naming {
   const char* file;
-  const char* name;  // of the part
-  const char* said;  // in a warning; "": nothing is
+  const char* name;  // name of the part
+  const char* said;  // part of a warning; "": there is none
 };
 
 class Names : public Styles, public ::testing::WithParamInterface<Naming> {};

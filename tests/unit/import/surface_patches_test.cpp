@@ -1,4 +1,4 @@
-// Surfaces as patches, against closed forms in native parameters.
+// Surfaces as patches, compared with closed forms in native parameters.
 #include "import/surface_patches.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kUlp = std::numeric_limits<double>::epsilon();
 
-// A frame in no special position; left-handed on demand.
+// A frame in a general position; left-handed if requested.
 gp_Ax3 SomeFrame(bool left_handed = false) {
   gp_Ax3 axes(gp_Pnt(1, 2, 3), gp_Dir(1, 2, -2), gp_Dir(2, 1, 2));
   if (left_handed) axes.YReverse();
@@ -53,7 +53,7 @@ PatchGrid Grid(const Handle(Geom_Surface) & surface, const ParameterBox& box, bo
   return grid.ok() ? std::move(grid.value()) : PatchGrid{};
 }
 
-// The largest distance to the surface at random parameters of the box, and the largest coordinate.
+// Returns the largest distance to the surface at random parameters of the box.
 double Deviation(const PatchGrid& grid, const Handle(Geom_Surface) & surface, const ParameterBox& box) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> u(box.u0, box.u1), v(box.v0, box.v1);
@@ -70,7 +70,7 @@ void ExpectExact(const Handle(Geom_Surface) & surface, const ParameterBox& box, 
   EXPECT_EQ(grid.kind, kind);
   EXPECT_FALSE(grid.approximated);
   EXPECT_LE(Deviation(grid, surface, box), 64 * kUlp * grid.size) << SurfaceKindName(kind);
-  // The grid covers the box without a hole.
+  // The grid must cover the box without gaps.
   EXPECT_LE(grid.u_spans.front().begin, box.u0);
   EXPECT_GE(grid.u_spans.back().end, box.u1);
   EXPECT_LE(grid.v_spans.front().begin, box.v0);
@@ -114,13 +114,13 @@ TEST(SurfacePatches, PolesAreSinglePointsAndNothingLiesBeyondThem) {
   EXPECT_EQ(a.x, 0);
   EXPECT_EQ(b.x, 0);
   EXPECT_DOUBLE_EQ(a.z, b.z);
-  // A cone that is used up to its apex.
+  // The cone is used up to its apex.
   const double apex = -2 / std::sin(0.5);
   const PatchGrid cone = Grid(new Geom_ConicalSurface(gp_Ax3(), 0.5, 2), {0, 6, apex, 3});
   EXPECT_EQ(cone.v_spans.front().begin, apex);
   EXPECT_EQ(Cartesian(Evaluate(cone, 2, apex)).x, 0);
   EXPECT_FALSE(cone.extendable_v);
-  // One that ends before it goes on a little.
+  // A cone that ends before its apex is extended a little.
   EXPECT_TRUE(Grid(new Geom_ConicalSurface(gp_Ax3(), 0.5, 2), {0, 6, 0, 3}).extendable_v);
 }
 

@@ -1,4 +1,4 @@
-// What OpenCASCADE translates is told while it does so, entity by entity.
+// OpenCASCADE's translation is reported while it runs, entity by entity.
 #include "import/transfer_notes.h"
 
 #include <gtest/gtest.h>

@@ -35,7 +35,7 @@ TEST(Continuity, AnotherBendIsG1AndTheJumpIsKnown) {
   const EdgeContinuity edge = OnlyEdge(Joined({.bend = 0.3, .other_bend = -0.1}));
   EXPECT_EQ(edge.grade, Grade::kG1);
   EXPECT_LT(edge.angle_deg.value, 1e-12);
-  // Upwards is outside, so a cup is negative.
+  // The outside is upwards, so a cup has negative curvature.
   EXPECT_NEAR(edge.curvatures[0], -0.6, 1e-12);
   EXPECT_NEAR(edge.curvatures[1], 0.2, 1e-12);
   EXPECT_NEAR(edge.curvature_jump.value, 0.8, 1e-12);
@@ -52,7 +52,7 @@ TEST(Continuity, AStepIsAGapUnlessTheEdgeAllowsIt) {
   Model model = Joined({.step = 0.01});
   EXPECT_EQ(OnlyEdge(model).grade, Grade::kGap);
   EXPECT_NEAR(OnlyEdge(model).gap_mm.value, 0.01, 1e-12);
-  // Each face may use it up.
+  // Each face may use all of the tolerance.
   model.edges[0].tolerance_mm = 0.006;
   EXPECT_EQ(OnlyEdge(model).grade, Grade::kG2);
 }
@@ -65,7 +65,7 @@ TEST(Continuity, FacesAgainstEachOtherAreTurned) {
 }
 
 TEST(Continuity, ASegmentOfNoLengthStandsForItselfOnly) {
-  // As importers leave them at the start of a closed p-curve.
+  // Importers leave such segments at the start of a closed p-curve.
   Model model = Joined({.bend = 0.3, .other_bend = -0.1});
   const std::uint32_t first = model.coedges[1].segments.first;
   const TrimSegment whole = model.trim_segments[first];

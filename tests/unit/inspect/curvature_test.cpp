@@ -1,5 +1,6 @@
-// Curvature against closed forms, from the ray to the number: sphere, torus, cylinder, cone, under placements
-// that turn, scale and mirror; and against differences in extended precision on a rational free-form patch.
+// Curvature from the ray to the number, compared with closed forms: sphere, torus, cylinder, cone, under
+// placements that turn, scale and mirror. A rational free-form patch is compared with differences in extended
+// precision.
 #include "render/inspect/curvature.h"
 
 #include <gtest/gtest.h>
@@ -22,10 +23,10 @@ using testing::Torus;
 using testing::Traced;
 
 constexpr double kRelative = 1e-9;
-// Latitudes this near to a pole lose digits: second derivatives cancel to the square of the distance.
+// Near a pole digits are lost, because second derivatives cancel to the square of the distance.
 constexpr double kAwayFromPole = 0.1;
 
-// Turned about the x axis by `angle`, scaled, moved; mirrored in x if asked for.
+// A placement: turned about the x axis by `angle`, scaled, moved; mirrored in x if requested.
 Placement Turned(double angle, double scale, bool mirrored) {
   Placement placement;
   const double c = scale * std::cos(angle), s = scale * std::sin(angle);
@@ -47,8 +48,8 @@ Model PlacedModel(const testing::PatchGrid& grid, const Placement& placement) {
   return model;
 }
 
-// Compares every hit's number with `expected(u, v)`; NaN there: leave it out. `absolute` is what zero may be
-// off by.
+// Compares every hit's number with `expected(u, v)`, and skips hits for which that is NaN. `absolute` is the
+// tolerance for zero.
 template <typename Expected>
 void ExpectValues(const Traced& traced, const std::string& shade, double absolute, const Expected& expected) {
   const PerSample<double> values = traced.Values(shade);
@@ -101,7 +102,8 @@ TEST(Curvature, OfATorusIsThatOfItsTubeAndOfItsParallel) {
 TEST(Curvature, OfACylinderVanishesAlongIt) {
   constexpr double kRadius = 4;
   const Traced traced(PlacedModel(Frustum({0, 0, 0}, kRadius, kRadius, 15), Turned(0.3, 1, false)));
-  // From inside a wall the same surface is hollow: an open cylinder shows both sides, and has one outside.
+  // Seen from inside, the same surface is concave. An open cylinder shows both sides, but has only one
+  // outside.
   ExpectValues(traced, "curvature:kind=mean", 0, [](double, double) { return 1 / (2 * kRadius); });
   ExpectValues(traced, "curvature:kind=gaussian", 1e-14, [](double, double) { return 0.0; });
   ExpectValues(traced, "curvature:kind=min", 1e-14, [](double, double) { return 0.0; });
@@ -123,8 +125,8 @@ TEST(Curvature, HasNoNumberAtAPole) {
   EXPECT_FALSE(CurvatureAt(sphere.Second(1, pi / 2), 1, 2 * pi, pi));
   EXPECT_FALSE(CurvatureAt(cone.Second(1, 4), 1, 2 * pi, 4));
   EXPECT_TRUE(CurvatureAt(sphere.Second(1, pi / 2 - 1e-3), 1, 2 * pi, pi));
-  // An odd number of pixels from above: the middle one looks at the pole. Whatever it finds is a number or
-  // none.
+  // The number of pixels is odd, so from above the middle one looks at the pole. Its value must be a number
+  // or missing.
   const Traced traced(ModelOf({Sphere({0, 0, 0}, 3)}), "top", Projection::kOrthographic, 33);
   for (const double value : traced.Values("curvature")) EXPECT_FALSE(std::isnan(value));
 }
@@ -144,7 +146,7 @@ TEST(Curvature, OfAFreeFormPatchIsThatOfItsDifferences) {
   const Model model = ModelOf({grid});
   const SurfaceEval surface(model, 0);
 
-  // The same from positions in extended precision: fourth-order differences, then fundamental forms.
+  // Compute the same from positions in extended precision: fourth-order differences, then fundamental forms.
   using Real = long double;
   struct P {
     Real x, y, z;
@@ -199,7 +201,7 @@ TEST(Curvature, OfAFreeFormPatchIsThatOfItsDifferences) {
                mean = (e * nn - 2 * f * m + g * l) / (2 * (e * g - f * f));
     const std::optional<Curvature> curvature = CurvatureAt(surface.Second(double(u), double(v)), 1, 1, 1);
     ASSERT_TRUE(curvature);
-    // The differences are off by the fourth power of their step.
+    // The error of the differences is the fourth power of their step.
     EXPECT_NEAR(curvature->mean(), double(mean), 1e-8 * (1 + std::fabs(double(mean))));
     EXPECT_NEAR(curvature->gaussian(), double(gaussian), 1e-8 * (1 + std::fabs(double(gaussian))));
     EXPECT_GE(curvature->max, curvature->min);
@@ -215,7 +217,7 @@ TEST(Curvature, NormalCurvatureRunsBetweenThePrincipalOnes) {
   const Vec3 along = curvature->max_direction, across = Cross(frame->normal, along);
   EXPECT_NEAR(NormalCurvature(point, *frame, along), curvature->max, 1e-13);
   EXPECT_NEAR(NormalCurvature(point, *frame, across), curvature->min, 1e-13);
-  // Euler: cos² of one and sin² of the other.
+  // Euler's formula: cos² times one curvature plus sin² times the other.
   EXPECT_NEAR(NormalCurvature(point, *frame, Normalized(along + across)), curvature->mean(), 1e-13);
 }
 

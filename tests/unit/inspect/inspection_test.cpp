@@ -1,4 +1,4 @@
-// The text behind --shade: what it may say, and what is said of the rest.
+// The text of --shade: valid values, and the messages for invalid ones.
 #include "render/inspect/inspection.h"
 
 #include <gmock/gmock.h>

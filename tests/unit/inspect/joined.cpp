@@ -8,7 +8,7 @@
 namespace facetless::testing {
 namespace {
 
-// z = square·x² + slope·x + step over [x0, x1], by its polar form.
+// The parabola z = square·x² + slope·x + step over [x0, x1], from its polar form.
 PatchGrid Parabola(double x0, double x1, double square, double slope, double step, double width) {
   PatchGrid grid{SurfaceKind::kBspline, 2, 1, {Span{}}, {Span{}}, {}};
   const double from[3] = {x0, x0, x1}, to[3] = {x0, x1, x1};
@@ -19,7 +19,7 @@ PatchGrid Parabola(double x0, double x1, double square, double slope, double ste
   return grid;
 }
 
-// The four sides of the parameter square; side `shared` belongs to edge 0, which runs along v.
+// The four sides of the parameter square. Side `shared` belongs to edge 0, which runs along v.
 void AddBorder(ModelBuilder* builder, int shared) {
   constexpr Vec3 kCorners[5] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}};
   builder->AddLoop();

@@ -1,4 +1,4 @@
-// What the pictures show, and that they are the same bytes everywhere.
+// The content of the pictures, and that their bytes are the same everywhere.
 #include "render/inspect/picture.h"
 
 #include <gtest/gtest.h>
@@ -21,12 +21,13 @@ using testing::Joined;
 using testing::ModelOf;
 using testing::Traced;
 
-// Whether a pixel is dark; only of black and white patterns.
+// Returns whether a pixel is dark. Only for black and white patterns.
 bool Dark(const Film& film, std::size_t i) {
   return film.pixels[i][0] < 0.3f;
 }
 
-// The share of picture rows in which the pixels left and right of the join are of different stripes.
+// Returns the share of rows in which the pixels on the left and on the right of the join have different
+// stripes.
 double BrokenShare(const Join& join) {
   Camera camera;
   camera.eye = {2, 2, 6};
@@ -56,8 +57,8 @@ TEST(Zebra, StripesMeetAcrossG1AndEndAtG0) {
 }
 
 TEST(Zebra, HasAsManyStripesAsItIsTold) {
-  // Along a meridian of a ball seen from the front, the mirrored ray turns twice as fast as the normal: 180
-  // degrees of it from pole to pole are met between −45 and 45 degrees of latitude.
+  // Along a meridian of a ball seen from the front, the mirrored ray turns twice as fast as the normal. Its
+  // 180 degrees from pole to pole lie between −45 and 45 degrees of latitude.
   const Traced traced(ModelOf({testing::Sphere({0, 0, 0}, 5)}), "front", Projection::kOrthographic, 999);
   for (int stripes : {8, 15}) {
     const Film film = traced.Drawn("zebra:stripes=" + std::to_string(stripes));
@@ -77,13 +78,13 @@ TEST(Isophotes, DependOnTheNormalAlone) {
   const StripePattern pattern(inspection, {}, {{0, 0, 0}, {1, 1, 1}});
   const Vec3 normal = Normalized({1, 2, 3});
   EXPECT_EQ(pattern.At({0, 0, 0}, normal, normal), pattern.At({9, -4, 2}, normal, {0, 0, 1}));
-  // A wall along the light is in the middle of a band, not on a border.
+  // A wall parallel to the light is in the middle of a band, not at its border.
   EXPECT_EQ(pattern.At({}, {1, 0, 0}, {1, 0, 0}), pattern.At({}, {1, 0, 1e-7}, {1, 0, 0}));
   EXPECT_EQ(pattern.At({}, {1, 0, 0}, {1, 0, 0}), pattern.At({}, {1, 0, -1e-7}, {1, 0, 0}));
 }
 
 TEST(Reflection, LinesAllRoundTheTunnel) {
-  // From the middle of the tunnel, a ray that turns once round it passes every lamp once.
+  // From the middle of the tunnel, a ray that turns once around the axis passes every lamp once.
   const Inspection inspection = ParseInspection("reflection:lines=12,direction=z").value();
   const StripePattern pattern(inspection, {}, {{-1, -1, -1}, {1, 1, 1}});
   int borders = 0;

@@ -1,4 +1,4 @@
-// A view of a model with parameters, as the inspections see it.
+// A view of a model with parameters, as the inspections use it.
 #pragma once
 
 #include <gtest/gtest.h>

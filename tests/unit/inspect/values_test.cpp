@@ -1,4 +1,4 @@
-// Draft, thickness, ranges: against closed forms.
+// Draft, thickness, ranges, compared with closed forms.
 #include "render/inspect/values.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using testing::ModelOf;
 using testing::Traced;
 
 TEST(Draft, OfAConeIsItsHalfAngle) {
-  // The wall leans by 5 in 20.
+  // The wall leans by 5 over a height of 20.
   const double draft = std::atan(0.25) * 180 / std::numbers::pi;
   const Traced traced(ModelOf({Frustum({0, 0, 0}, 10, 5, 20)}), "front", Projection::kOrthographic);
   for (const auto& [shade, expected] :
@@ -72,7 +72,7 @@ TEST(Thickness, OfABallIsItsDiameterAndOfATorusThatOfItsTube) {
 }
 
 TEST(Thickness, FollowsThePlacement) {
-  // Of a box, thrice as long in y, turned by 90 degrees about z and mirrored.
+  // A box that is three times as long in y, turned by 90 degrees about z and mirrored.
   Model model = testing::LooseBox({10, 20, 30}, 0, 1);
   Placement placement;
   const double m[3][4] = {{0, -3, 0, 7}, {-1, 0, 0, 2}, {0, 0, 1, -5}};
@@ -106,7 +106,7 @@ TEST(Thickness, OfAnOpenSheetHasNoNumber) {
 }
 
 TEST(Values, OfAMeshNeedNoParameters) {
-  // A mesh's samples hold none: its own normals must do, and what they cannot do is said.
+  // A mesh's samples have no parameters, so its own normals are used, and a note says what they cannot give.
   Traced traced(ModelOf({Frustum({0, 0, 0}, 10, 5, 20)}), "front");
   traced.result.samples.uv.clear();
   const double draft = std::atan(0.25) * 180 / std::numbers::pi;
@@ -134,7 +134,7 @@ TEST(Values, CanBeCancelled) {
 }
 
 TEST(Orient, ByTheViewerTurnsASurfaceThatIsDrawnInsideOut) {
-  // A ball of a file, and the same inside out.
+  // A ball that its file orients outwards, and the same ball inside out.
   Model outward = testing::ModelOf({testing::Sphere({0, 0, 0}, 10)});
   Model inward = outward;
   inward.faces[0].reversed = !inward.faces[0].reversed;
@@ -163,7 +163,7 @@ TEST(Orient, ByTheViewerTurnsASurfaceThatIsDrawnInsideOut) {
     for (std::size_t k = 0; k < file.classes.size(); ++k)
       EXPECT_EQ(turned.classes[k].pixels, file.classes[k].pixels) << file.classes[k].name;
   }
-  // A ball is as thick as it is wide in the middle; from the wrong side there is nothing to meet.
+  // In the middle, a ball is as thick as its diameter. From the wrong side, the ray meets nothing.
   EXPECT_EQ(values(wrong, "thickness", Orient::kFile).statistics.count, 0u);
   const InspectionView thick = values(wrong, "thickness", Orient::kViewer);
   EXPECT_NEAR(thick.statistics.min, 20, 1e-6);

@@ -1,4 +1,5 @@
-// Operations on nets: halving and residuals against their definitions, and the same bits from every build.
+// Operations on nets: halving and residuals are compared with their definitions, and all builds give the same
+// bits.
 #include "render/kernels/net_kernel.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@
 namespace facetless {
 namespace {
 
-// A sheet of about 20 pixels whose coefficients wobble by `bump` of that.
+// A sheet of about 20 pixels. The coefficients deviate randomly by `bump` of that.
 OwnedNet RandomNet(unsigned seed, int degree_u, int degree_v, double bump, bool rational) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -36,7 +37,7 @@ OwnedNet RandomNet(unsigned seed, int degree_u, int degree_v, double bump, bool 
   return owned;
 }
 
-// By de Casteljau.
+// Evaluates by de Casteljau's algorithm.
 double Evaluate(const BezierNet& net, NetComponent c, double u, double v) {
   std::vector<double> row(net.degree_u + 1);
   for (int k = 0; k <= net.degree_u; ++k) {
@@ -101,7 +102,7 @@ RC_GTEST_PROP(NetKernel, ARayThroughAPointOfTheNetIsNeverProvenAway, ()) {
                                    *rc::gen::element(0.0, 0.01, 0.3, 2.0), *rc::gen::arbitrary<bool>());
   const double u = *rc::gen::inRange(0, 101) / 100.0, v = *rc::gen::inRange(0, 101) / 100.0;
   BezierNet net = owned.net;
-  // The point is found with some rounding.
+  // The tolerance covers the rounding of the point.
   for (double& error : net.error) error += 1e-13;
   const double w = Evaluate(net, kW, u, v);
   RC_ASSERT(

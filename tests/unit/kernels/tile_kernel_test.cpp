@@ -1,4 +1,4 @@
-// The tile kernel: the same bytes from every instruction set, and the choice among them.
+// The tile kernel: all instruction sets give the same bytes, and the selection among them works.
 #include "render/kernels/tile_kernel.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using testing::ModelOf;
 
-// Everything that one kernel answers for one view, tile after tile.
+// Returns all answers of one kernel for one view, tile by tile.
 std::vector<unsigned char> Bytes(const TraceShared& shared, TileKernel kernel, TileCounters* counters) {
   std::vector<unsigned char> bytes;
   TileTracer tracer(shared, kernel, /*certify=*/true);
@@ -55,7 +55,7 @@ TEST(TileKernel, EveryInstructionSetGivesTheSameBytes) {
       return precision == Precision::kFast ? k.trace_tile_float : k.trace_tile;
     };
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
-      // 203 is no multiple of a packet or a tile.
+      // 203 is not a multiple of a packet or a tile.
       const Camera camera = NamedView("iso", model.bounds, projection, 203, 201).value();
       const CameraFrame frame = MakeFrame(camera, model.Diagonal()).value();
       DirectOptions options;

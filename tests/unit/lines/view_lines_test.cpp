@@ -1,4 +1,4 @@
-// The lines of a view against closed forms: where they run, what they are called and what hides them.
+// The lines of a view, compared with closed forms: their places, their classes and their visibility.
 #include "render/lines/view_lines.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::vector<ViewLine> LinesOf(const Model& model, const Camera& camera,
                    {.sections = std::move(sections), .execution = {.threads = threads}});
 }
 
-// Pixels of the lines of a kind in the window of size × size.
+// Returns the length, in pixels, of the lines of a class in the window of size × size.
 double LengthOf(const std::vector<ViewLine>& lines, LineClass kind, bool visible, double size = 300) {
   double length = 0;
   for (const ViewLine& line : lines) {
@@ -60,7 +60,7 @@ Camera ViewOf(const Model& model, const char* name, Projection projection, int s
   return NamedView(name, model.bounds, projection, size, size).value();
 }
 
-// Whether all chords of the kind lie within kFlatness of the circle, and they go once around it.
+// Checks that all chords of the class lie within kFlatness of the circle, and that they go around it once.
 void ExpectCircle(const std::vector<ViewLine>& lines, LineClass kind, double x, double y, double radius) {
   double around = 0;
   for (const ViewLine& line : lines) {
@@ -77,7 +77,7 @@ void ExpectCircle(const std::vector<ViewLine>& lines, LineClass kind, double x, 
 
 TEST(ViewLines, OfABallAreItsOutline) {
   const Model model = ModelOf({Sphere({3, -2, 5}, 10)});
-  // Front and top look along the lines in which patches meet, and along the seam.
+  // The views front and top look along the lines in which patches meet, and along the seam.
   for (const char* name : {"iso", "front", "top", "right"}) {
     const Camera camera = ViewOf(model, name, Projection::kOrthographic);
     const auto lines = LinesOf(model, camera);
@@ -99,7 +99,7 @@ TEST(ViewLines, OfABoxAreNineEdgesSeenAndThreeHidden) {
   const Model model = LooseBox({10, 10, 10}, 0, 1);
   const Camera camera = ViewOf(model, "iso", Projection::kOrthographic);
   const auto lines = LinesOf(model, camera);
-  // Seen along the diagonal all edges of a cube have the same length, √(2/3) of their own.
+  // Seen along the diagonal, all edges of a cube have the same projected length, √(2/3) of their own.
   const double edge = 10 * std::sqrt(2.0 / 3) * 300 / camera.height;
   EXPECT_NEAR(LengthOf(lines, LineClass::kFeature, true), 9 * edge, 4);
   EXPECT_NEAR(LengthOf(lines, LineClass::kFeature, false), 3 * edge, 4);
@@ -112,7 +112,7 @@ TEST(ViewLines, OfACylinderAreTwoStraightOnes) {
   const Camera camera = ViewOf(model, "front", Projection::kOrthographic);
   const auto lines = LinesOf(model, camera);
   EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 2 * 20 * 300 / camera.height, 1e-6);
-  // Seen along its axis it turns away everywhere, and nowhere in particular.
+  // Seen along its axis, the whole surface is edge-on, so there is no silhouette line.
   EXPECT_EQ(LinesOf(model, ViewOf(model, "top", Projection::kOrthographic)).size(), 0u);
 }
 
@@ -128,8 +128,8 @@ TEST(ViewLines, ThatLieBehindAreHidden) {
 }
 
 TEST(ViewLines, AreWholeHoweverNearOneLooks) {
-  // Beside the silhouette of a ball of r samples a sample's plane falls by √(r/2) of them from one to the
-  // next.
+  // Beside the silhouette of a ball of r samples, the plane of a sample changes its depth by √(r/2) samples
+  // from one to the next.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   for (const double height : {1e-1, 1e-3, 1e-5}) {
     Camera camera = ViewOf(model, "front", Projection::kOrthographic);
@@ -143,7 +143,7 @@ TEST(ViewLines, AreWholeHoweverNearOneLooks) {
   }
 }
 
-// Lines of pixels, hidden by a picture of n × n samples for each.
+// Returns the lines of pixels, with visibility from a picture that has n × n samples per pixel.
 std::vector<ViewLine> FineLinesOf(const Model& model, const Camera& camera, int n) {
   const Scene scene(model);
   const Camera fine = camera.Supersampled(n, n);
@@ -162,7 +162,7 @@ TEST(ViewLines, OfSmoothBodiesDoNotHideThemselvesHoweverManySamples) {
       ExpectCircle(lines, LineClass::kSilhouette, 150, 150, 10 * 300 / camera.height);
     }
   }
-  // A ring from above: nothing of it is hidden.
+  // Seen from above, nothing of a ring is hidden.
   const Camera camera = ViewOf(ring, "top", Projection::kOrthographic);
   for (const int n : {1, 4, 8}) {
     const auto lines = FineLinesOf(ring, camera, n);
@@ -172,8 +172,9 @@ TEST(ViewLines, OfSmoothBodiesDoNotHideThemselvesHoweverManySamples) {
 }
 
 TEST(Visibility, MakesASmoothEdgeOnTheOutlineASilhouette) {
-  // Samples left of x = 50 show a plane across the view; nothing is to its right. Seen are three lines: on
-  // the outline, inside, and a sharp edge on the outline, which keeps its name.
+  // Samples to the left of x = 50 show a plane that is parallel to the image; there is nothing to the right.
+  // There are three visible lines: on the outline, inside, and a sharp edge on the outline, which keeps its
+  // class.
   Camera camera;
   camera.width_px = camera.height_px = 100;
   camera.eye = {0, 0, 10};
@@ -202,7 +203,7 @@ TEST(Visibility, MakesASmoothEdgeOnTheOutlineASilhouette) {
 }
 
 TEST(ViewLines, AreHiddenToThePixelHoweverFarTheyRunBesideThePicture) {
-  // A wire of ten kilometres, and a ball in front of its right side.
+  // A wire of ten kilometres, with a ball in front of its right side.
   const Model model = ModelOf({Frustum({0, 0, -5e6}, 5, 5, 1e7), Sphere({5, -20, 0}, 4)});
   Camera camera = ViewOf(model, "front", Projection::kOrthographic);
   camera.eye = {0, -100, 0};
@@ -211,7 +212,7 @@ TEST(ViewLines, AreHiddenToThePixelHoweverFarTheyRunBesideThePicture) {
   const auto lines = LinesOf(model, camera);
   EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, false), 8 * 15, 2);
   EXPECT_NEAR(LengthOf(lines, LineClass::kSilhouette, true), 2 * 300 - 8 * 15 + 2 * pi * 4 * 15, 3);
-  // No dash and no number of an SVG file is spent on the rest.
+  // The SVG file contains no dashes and no numbers for the parts outside the window.
   for (const ViewLine& line : lines)
     for (const LinePoint& p : line.points) {
       EXPECT_LE(std::fabs(p.x - 150), 158.001);
@@ -220,7 +221,7 @@ TEST(ViewLines, AreHiddenToThePixelHoweverFarTheyRunBesideThePicture) {
 }
 
 TEST(ViewLines, AreAsMuchHiddenInALargePictureAsInASmallOne) {
-  // From a shallow angle most of the silhouette of a ring's hole is hidden by the ring itself.
+  // At a shallow angle, the ring itself hides most of the silhouette of its hole.
   const Model model = ModelOf({Torus({0, 0, 0}, 20, 6)});
   Camera small = ViewOf(model, "front", Projection::kOrthographic);
   small.eye = small.target + Vec3{0, -96, 28};
@@ -240,12 +241,12 @@ TEST(ViewLines, OfACutAreItsOutline) {
   const auto lines = LinesOf(model, camera, {{{0, 0, 6}, {0, 0, 1}}});
   ExpectCircle(lines, LineClass::kCut, 150, 150, 8 * 300 / camera.height);
   EXPECT_EQ(LengthOf(lines, LineClass::kCut, false), 0);
-  // What is cut away has no outline: all above the widest circle.
+  // The removed part has no outline: everything above the widest circle.
   EXPECT_EQ(LengthOf(LinesOf(model, camera, {{{0, 0, -1}, {0, 0, 1}}}), LineClass::kSilhouette, true), 0);
 }
 
 TEST(ViewLines, SeenEdgeOnKeepTheirDepth) {
-  // The outline of a cut from the front is a straight line, whose points lie on a circle all the same.
+  // Seen from the front, the outline of a cut is a straight line, but its points lie on a circle.
   const Camera camera = ViewOf(ModelOf({Sphere({0, 0, 0}, 10)}), "front", Projection::kOrthographic);
   const double pixel = camera.height / 300;
   const auto expect_circle = [&](const std::vector<ViewLine>& lines, LineClass kind, double radius) {
@@ -262,7 +263,7 @@ TEST(ViewLines, SeenEdgeOnKeepTheirDepth) {
       for (std::size_t i = 1; line.kind == kind && i < line.points.size(); ++i) {
         const LinePoint &a = line.points[i - 1], &b = line.points[i];
         const double x = (0.5 * (a.x + b.x) - 150) * pixel, depth = 0.5 * (a.depth + b.depth) - middle;
-        // Where the circle runs along the ray, half a pixel beside it is more than half a pixel of depth.
+        // Where the circle runs along the ray, half a pixel sideways is more than half a pixel of depth.
         if (std::fabs(x) > 0.9 * radius) continue;
         EXPECT_NEAR(std::hypot(x, depth), radius, 2 * kDepthFlatness * pixel) << "at " << 0.5 * (a.x + b.x);
       }
@@ -284,7 +285,7 @@ TEST(EdgeClasses, AreThoseOfTheirFaces) {
   const Model model = LooseBox({10, 20, 30}, 0, 1);
   for (const LineClass kind : ClassifyEdges(model, 20)) EXPECT_EQ(kind, LineClass::kFeature);
   for (const LineClass kind : ClassifyEdges(model, 91)) EXPECT_EQ(kind, LineClass::kSmooth);
-  // Without its first face four of the twelve are used once.
+  // Without the first face, four of the twelve edges are used once.
   Model open = LooseBox({10, 20, 30}, 0, 1);
   open.faces[0].loops = {};
   std::map<LineClass, int> counts;

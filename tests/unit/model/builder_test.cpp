@@ -1,4 +1,4 @@
-// The builder fills in what follows from the rest, and finishes nothing that Validate() would refuse.
+// The builder derives what follows from other data, and Finish() refuses everything that Validate() refuses.
 #include "render/model/builder.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using testing::Rectangle;
 
 constexpr Vec3 kBorder[5] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}};
 
-// A unit square with a border of four coedges, without part or instance.
+// Adds a unit square with a border of four coedges, without a part or an instance.
 void AddSquare(ModelBuilder& builder) {
   builder.AddFace(Rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   builder.AddLoop();
@@ -88,7 +88,7 @@ TEST(ModelBuilder, GivesEveryElementToItsOwner) {
 }
 
 TEST(ModelBuilder, NumbersPlacedFacesWithoutGaps) {
-  ModelBuilder builder = Square();  // with an instance before the other parts are there
+  ModelBuilder builder = Square();  // its instance comes before the other parts exist
   builder.AddPart("empty");
   builder.AddPart("two");
   for (const double x : {0.0, 1.0}) builder.AddFace(Rectangle({x, 0, 0}, {1, 0, 0}, {0, 1, 0}));
@@ -187,10 +187,10 @@ RC_GTEST_PROP(ModelBuilder, GoesOnWhereAModelEnds, (std::uint64_t seed)) {
   RC_ASSERT(coedges == 4u);
 }
 
-// What Finish() refuses, and how it says so.
+// A case that Finish() refuses, and its message.
 struct Refusal {
   const char* name;
-  std::function<void(ModelBuilder&)> add;  // to a square
+  std::function<void(ModelBuilder&)> add;  // applied to a square
   ErrorCode code;
   const char* sentence;
 };
@@ -318,7 +318,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "a loss names a face out of range"},
         Refusal{"EmptyBounds", [](ModelBuilder& b) { b.SetBounds({}); }, kBroken,
                 "they are empty or infinite"},
-        // Divided by its weight the point is infinite, which no sum of the bounds is.
+        // The point divided by its weight is infinite, although no bound of the sums is.
         Refusal{"InfiniteBounds", WithSurface([](testing::PatchGrid& g) {
                   for (Vec4& p : g.points) p = {1e300, 1e300, 1e300, 1e-200};
                 }),

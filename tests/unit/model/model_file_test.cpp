@@ -1,5 +1,5 @@
-// The model file: what is written is what is read, and no bytes whatever make the reader crash or return an
-// invalid model.
+// The model file: a model that is read back is equal to the one that was written, and no bytes make the
+// reader crash or return an invalid model.
 #include "render/model/model_file.h"
 
 #include <gtest/gtest.h>
@@ -111,7 +111,7 @@ TEST(ModelFile, WhatIsWrittenIsRead) {
   ASSERT_TRUE(WriteModel(model, path).ok());
   const Result<Model> read = ReadModel(path);
   ASSERT_TRUE(read.ok()) << read.error().message;
-  // Spot-check each kind of element, then compare everything: the same model gives the same bytes.
+  // Check some elements of each kind, and then compare everything: the same model gives the same bytes.
   EXPECT_EQ(read.value().info.warnings[0], "Grüße");
   EXPECT_EQ(read.value().info.faces_lost[0].entity, "#7");
   EXPECT_EQ(read.value().info.peak_bytes, 1ull << 33);
@@ -132,13 +132,13 @@ TEST(ModelFile, NamesAndIndicesOfPlacedFaces) {
   const Model model = TwoFaces();
   ASSERT_EQ(model.PlacedFaceCount(), 4u);
   EXPECT_EQ(model.InstanceOfPlacedFace(1), 0u);
-  EXPECT_EQ(model.InstanceOfPlacedFace(2), 2u);  // not the empty instance that starts there as well
+  EXPECT_EQ(model.InstanceOfPlacedFace(2), 2u);  // not the empty instance that starts there, too
   EXPECT_EQ(model.FaceOfPlacedFace(3), 1u);
   EXPECT_EQ(model.PlacedFaceName(0), "a/top #8");
   EXPECT_EQ(model.PlacedFaceName(3), "part/face 1");
-  EXPECT_EQ(model.PlacedFaceColor(2).r, 1);     // the face's own
-  EXPECT_EQ(model.PlacedFaceColor(3).g, 1);     // the instance's
-  EXPECT_EQ(model.PlacedFaceColor(1).g, 0.7f);  // neither
+  EXPECT_EQ(model.PlacedFaceColor(2).r, 1);     // the face's own colour
+  EXPECT_EQ(model.PlacedFaceColor(3).g, 1);     // the instance's colour
+  EXPECT_EQ(model.PlacedFaceColor(1).g, 0.7f);  // neither has a colour
 }
 
 TEST(ModelFile, RefusesWhatIsNoModelFile) {
@@ -163,7 +163,7 @@ TEST(ModelFile, DamagedBytesGiveAnErrorOrAValidModel) {
   int errors = 0;
   for (int round = 0; round < 3000; ++round) {
     std::string changed = bytes;
-    // Cut the file or change up to four bytes, where offsets live as well as where numbers do.
+    // Cut the file, or change up to four bytes, both in offsets and in numbers.
     if (round % 10 == 0) {
       changed.resize(random() % bytes.size());
     } else {
@@ -190,7 +190,7 @@ TEST(ModelFile, WritesInFullOrNotAtAll) {
   EXPECT_FALSE(std::filesystem::exists(folder.File("invalid.flm")));
 }
 
-// Each violation is found, and the message names the element and, for geometry, its face.
+// Each violation is found. The message names the element and, for geometry, its face.
 struct Violation {
   const char* what;
   void (*damage)(Model&);

@@ -1,4 +1,4 @@
-// Valid models of random structure, for tests that count and compare what belongs to what.
+// Valid models of random structure, for tests that count and compare relations between elements.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace facetless::testing {
 
-// Up to four parts, some of them empty, with up to five faces of up to three loops each; coedges share edges
-// at random, and some have none.
+// Returns up to four parts, some of them empty, with up to five faces of up to three loops each. Coedges
+// share random edges, and some have none.
 inline Model RandomStructure(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(engine() % n); };
@@ -45,7 +45,7 @@ inline Model RandomStructure(std::uint64_t seed) {
       builder.AddFace(grid);
       for (std::uint32_t l = below(4); l > 0; --l) {
         builder.AddLoop();
-        // A polygon, some of its corners within a coedge.
+        // A polygon; some of its corners lie within a coedge.
         const std::uint32_t corners = 3 + below(4);
         const auto corner = [&](std::uint32_t i) {
           return Vec3{double(i % corners), double(i % corners % 2), 1};

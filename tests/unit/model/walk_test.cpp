@@ -1,4 +1,4 @@
-// Ranges give what the loops over indices give that they stand for, and in the same order.
+// The ranges give the same elements in the same order as loops over indices.
 #include "render/model/walk.h"
 
 #include <gtest/gtest.h>
@@ -153,7 +153,7 @@ TEST(Walk, OfAModelWithoutAnythingEndsAtOnce) {
 }
 
 TEST(Walk, LoopsWithoutCoedgesArePassedOver) {
-  // No valid model has one, but half-built ones do.
+  // No valid model has such an element, but unfinished models do.
   Model model;
   model.coedges.resize(2);
   model.loops = {{{0, 0}}, {{0, 1}}, {{1, 0}}, {{1, 1}}, {{2, 0}}};
@@ -170,7 +170,7 @@ TEST(Walk, GapsAndLengthsAreMeasuredOverAllOfThem) {
   for (const Edge& edge : box.edges) sum += PolygonLength(box, edge);
   EXPECT_DOUBLE_EQ(sum, 4 * (3 + 4 + 12));
   Model loose = testing::LooseBox({3, 4, 12}, 0.5, 1);
-  loose.coedges[6].gap_mm = 0.75;  // of the second face
+  loose.coedges[6].gap_mm = 0.75;  // a coedge of the second face
   EXPECT_EQ(LargestGap(loose, loose.faces[0]), 0.5);
   EXPECT_EQ(LargestGap(loose, loose.faces[1]), 0.75);
 }

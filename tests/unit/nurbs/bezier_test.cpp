@@ -18,7 +18,7 @@ double Bernstein(const double* b, int degree, double t) {
   return p[0];
 }
 
-// A packed key of both degrees once stood for other pairs: 1×9 ran with the loops of 2×1.
+// A packed key of both degrees was once ambiguous: degrees 1×9 ran with the loops for 2×1.
 TEST(Bezier, EveryPairOfDegreesRunsWithItsOwnLoopsOrWithThoseOfAnyDegree) {
   for (int degree_u = 0; degree_u <= kMaxDegree + 1; ++degree_u) {
     for (int degree_v = 0; degree_v <= kMaxDegree + 1; ++degree_v) {
@@ -41,7 +41,8 @@ TEST(Bezier, MonomialMatrixReproducesTheBernsteinBasisForEveryDegree) {
       for (const double s : {-1.0, -0.5, 0.0, 0.25, 1.0}) {
         double value = 0;
         for (int i = degree; i >= 0; --i) value = value * s + matrix[i][k];
-        // The monomial form of degree 25 cancels ten digits; of the degrees that CAD has, three.
+        // The monomial form of degree 25 loses ten digits by cancellation; for degrees that occur in CAD, it
+        // loses three.
         EXPECT_NEAR(value, Bernstein(basis.data(), degree, 0.5 * (1 + s)), 1e-16 * std::pow(2.5, degree))
             << degree << " " << k;
       }

@@ -1,4 +1,4 @@
-// Places of leaves: the rectangle that follows from the halvings is the splitter's, bit by bit.
+// Places of leaves: the rectangle that follows from the halvings is bitwise equal to the splitter's.
 #include "render/nurbs/leaf_place.h"
 
 #include <gtest/gtest.h>
@@ -29,14 +29,14 @@ TEST(LeafPlace, HalvingsOfOneDirectionLeaveTheOtherAlone) {
   EXPECT_EQ(rect.V(1), 0.75);
 }
 
-// Bounds without a short binary fraction, so that every step rounds; up to the last halving, and in one direction
-// alone.
+// The bounds have no short binary fraction, so that every step rounds. The halvings reach the last level,
+// also in one direction only.
 RC_GTEST_PROP(LeafPlace, TheRectangleIsThatOfHalvingStepByStep, ()) {
   const double tenth = 0.1 / 3;
   const PatchBounds bounds{-*rc::gen::element(0.0, tenth), 1 + *rc::gen::element(0.0, tenth),
                            -*rc::gen::element(0.0, tenth), 1 + *rc::gen::element(0.0, tenth)};
   const int halvings = *rc::gen::inRange(0, kMostPatchHalvings + 1);
-  const int in_u = *rc::gen::element(0, 1, 2);  // of three
+  const int in_u = *rc::gen::element(0, 1, 2);  // one of three values
   LeafPlace place;
   ParameterRect rect = RectOf(place, bounds);
   for (int k = 0; k < halvings; ++k) {

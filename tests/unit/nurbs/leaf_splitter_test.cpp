@@ -1,4 +1,4 @@
-// The leaf splitter's bound on work: what is left of a patch is given up by name, and nothing is dropped.
+// The leaf splitter's limit of work: the rest of a patch is listed as given up, and nothing is dropped.
 #include "render/nurbs/leaf_splitter.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSize = 64;
 
-// A sheet over the whole window that bends too much for one leaf.
+// A sheet over the whole window that is curved too much for one leaf.
 LeafLists LeavesOfASheet(std::uint64_t max_nodes, CoefficientArena* arena) {
   SplitWindow window;
   window.half_width = window.half_height = kSize / 2;
@@ -66,7 +66,8 @@ TEST(LeafSplitter, GivesUpByNameAndDropsNothing) {
   }
 }
 
-// A leaf's place says which part of the patch it is: together the leaves cover all of it, and none twice.
+// The places of leaves say which part of the patch each one covers: together they cover the whole patch,
+// without overlap.
 TEST(LeafSplitter, PlacesOfLeavesTileThePatch) {
   CoefficientArena arena;
   const LeafLists leaves = LeavesOfASheet(1 << 20, &arena);
@@ -91,7 +92,7 @@ TEST(LeafSplitter, PlacesOfLeavesTileThePatch) {
   EXPECT_GT(area, 0.5);
 }
 
-// No bound that a sound patch could meet: more pieces than samples, whatever the degrees.
+// The limit must not affect a sound patch: it allows more pieces than there are samples, for all degrees.
 TEST(LeafSplitter, AllowsMorePiecesThanThereAreSamples) {
   for (int degree_u = 1; degree_u <= kMaxDegree; ++degree_u) {
     for (int degree_v = 1; degree_v <= kMaxDegree; ++degree_v) {

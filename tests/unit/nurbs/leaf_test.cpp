@@ -1,4 +1,4 @@
-// Leaf certificates: what they promise, tried on random patches and rays.
+// Leaf certificates: their guarantees, tested on random patches and rays.
 #include "render/nurbs/leaf.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace facetless {
 namespace {
 
-// A bumpy sheet of about `size` pixels; weights between 1 and 1 + spread.
+// A bumpy sheet of about `size` pixels, with weights between 1 and 1 + spread.
 OwnedNet RandomSheet(unsigned seed, int degree_u, int degree_v, double bump, double spread) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -63,7 +63,7 @@ Point Evaluate(const BezierNet& net, long double u, long double v) {
 RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   const int degree_u = *rc::gen::inRange(1, kMaxDegree + 1), degree_v = *rc::gen::inRange(1, kMaxDegree + 1);
   const double spread = *rc::gen::element(0.0, 0.02);
-  // The slope of what wobbles grows with the degree.
+  // The slope of the bumps grows with the degree.
   const double bump = 0.03 / std::max({degree_u, degree_v, 3});
   const OwnedNet sheet = RandomSheet(*rc::gen::arbitrary<unsigned>(), degree_u, degree_v, bump,
                                      spread / std::max({degree_u, degree_v, 1}));
@@ -79,7 +79,8 @@ RC_GTEST_PROP(Leaf, ARayThroughASurfacePointFindsThatPointAndNoOther, ()) {
   TileHit hit{};
   RC_ASSERT(kernel_scalar::SolveSample(leaf, kDoubleArithmetic, double(p.x / p.w), double(p.y / p.w), &hit) ==
             SampleRoot::kHit);
-  // The pixel itself is rounded: half a unit of 128 over the leaf's size of some ten pixels.
+  // The pixel position itself is rounded: half a unit of 128, relative to the leaf's size of about ten
+  // pixels.
   RC_ASSERT(std::fabs(hit.s - (2 * u - 1)) < 1e-11);
   RC_ASSERT(std::fabs(hit.t - (2 * v - 1)) < 1e-11);
   RC_ASSERT(std::fabs(hit.depth - double(p.q / p.w)) < 1e-11);
@@ -93,7 +94,7 @@ RC_GTEST_PROP(Leaf, ARayBesideTheLeafIsAProvenMiss, ()) {
            .certified)
     RC_DISCARD("not certified");
   leaf.coefficients = monomials;
-  // A point of the surface continued past the leaf's border: off it by 1e-6 of its size or more.
+  // A point of the surface's continuation beyond the leaf's border, outside it by at least 1e-6 of its size.
   const double outside = *rc::gen::element(1e-6, 1e-4, 1e-2, 0.03);
   const double along = *rc::gen::inRange(0, 1001) / 1000.0;
   const Point p = Evaluate(sheet.net, 1 + outside, along);
@@ -137,8 +138,8 @@ TEST(Leaf, HalvingIsPromisedToHelpInTheDirectionThatBends) {
   EXPECT_LT(verdict.kappa_halved_u, verdict.kappa_halved_v);
 }
 
-// A. Sisojevs' step W/M·(M_U, M_V) with the determinants of eq. 12 and 13, as an oracle for the homogeneous
-// form.
+// The step W/M·(M_U, M_V) of A. Sisojevs with the determinants of eq. 12 and 13, as an oracle for the
+// homogeneous form.
 struct ThesisStep {
   long double du, dv;
 };

@@ -1,4 +1,4 @@
-// What the file leaves open: found, named for what it is, in its place, the worst first.
+// Edges that the file leaves open are found, with their cause and place, the worst first.
 #include "render/nurbs/open_edges.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ TEST(OpenEdges, ABoxWhoseGapsAreWithinTolerancesHasNone) {
 
 TEST(OpenEdges, AGapWiderThanTheToleranceIsFoundWhereItIsWidest) {
   Model model = testing::LooseBox({10, 8, 6}, 0, 1);
-  // The middle of one edge is lifted by 2 mm: the parabola by half of that.
+  // The middle control point of one edge is lifted by 2 mm, which lifts the parabola by half of that.
   const EdgeSegment& segment = model.edge_segments[4];
   model.edge_points[segment.first_point + 1].x += 1.2;
   model.edge_points[segment.first_point + 1].z += 1.6;
@@ -36,7 +36,8 @@ TEST(OpenEdges, AGapWiderThanTheToleranceIsFoundWhereItIsWidest) {
   EXPECT_EQ(open[0].faces.size(), 2u);
   EXPECT_EQ(open[0].gap_mm, 1);
   EXPECT_EQ(open[0].tolerance_mm, 0.5);
-  // On the face, beside the middle of the edge; the places that are looked at are a tenth of it apart.
+  // The reported place is on the face, beside the middle of the edge. The places that are tested are a tenth
+  // of the edge apart.
   EXPECT_LE(Length(open[0].at - Vec3{middle.x - 1.2, middle.y, middle.z - 1.6}), 1.1);
 }
 

@@ -25,7 +25,7 @@ TEST(SurfaceEval, SphereInLongitudeAndLatitude) {
   EXPECT_EQ(surface.v_end(), kPi / 2);
   trim_models::Random random(1);
   for (int i = 0; i < 2000; ++i) {
-    // Slightly beyond the grid, too.
+    // Test parameters slightly beyond the grid, too.
     const double u = random.Uniform(-0.05, 2 * kPi + 0.05),
                  v = random.Uniform(-kPi / 2 - 0.05, kPi / 2 + 0.05);
     const double cu = std::cos(u), su = std::sin(u), cv = std::cos(v), sv = std::sin(v);

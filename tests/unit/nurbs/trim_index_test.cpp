@@ -1,5 +1,5 @@
-// The trim index as a specification: even-odd against brute force, conservative rectangles, bands, corners,
-// and the shapes that real files have.
+// The trim index as a specification: the even-odd rule against brute force, conservative rectangles, bands,
+// corners, and shapes that occur in real files.
 #include "render/nurbs/trim_index.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ bool Inside(const FaceTrim& trim, double u, double v) {
   return trim.Query(u, v, 0, 0).inside;
 }
 
-// A closed chain of Bézier segments with random degrees, weights and points in [−1, 1]²; it usually crosses
+// A closed chain of Bézier segments with random degrees, weights and points in [−1, 1]². It usually crosses
 // itself.
 Outline RandomLoop(Random& random, int max_degree) {
   const int segments = random.Integer(1, 8);
@@ -86,7 +86,7 @@ RC_GTEST_PROP(TrimIndex, HighDegreesAgreeWithBruteForce, (std::uint32_t seed)) {
   CompareWithSampling({RandomLoop(random, 25)}, random, 500, 2e-3);
 }
 
-// Heights on which many corners lie exactly, where careless counting sees a corner twice or never.
+// Many corners lie exactly on these heights, where careless counting counts a corner twice or never.
 RC_GTEST_PROP(TrimIndex, CornersOnTheHalfLineCountOnce, (std::uint32_t seed)) {
   Random random(seed);
   std::vector<Vec2> corners;
@@ -165,7 +165,7 @@ TEST(TrimIndex, CircleIsExact) {
   const FaceTrim trim = TrimOf({Circle({0.25, -0.5}, 0.75)});
   Random random(1);
   for (int i = 0; i < 10000; ++i) {
-    // Right next to the curve, from 1e-15 on.
+    // Test points very close to the curve, from a distance of 1e-15 on.
     const double angle = random.Uniform(0, 2 * kPi), off = std::pow(10, random.Uniform(-13.5, -1));
     for (double side : {-1.0, 1.0}) {
       const double r = 0.75 + side * off;
@@ -182,7 +182,7 @@ TEST(TrimIndex, NamesTheTestThatAnswered) {
   EXPECT_EQ(trim.Query(1.5, 0.1, 0, 0).path, TrimPath::kBoxes);
   const double r = 1 - 1e-9;
   EXPECT_EQ(trim.Query(r * std::cos(0.5), r * std::sin(0.5), 0, 0).path, TrimPath::kCurve);
-  // In the box of a piece, but off its strip.
+  // The point is in the box of a piece, but outside its strip.
   bool strip = false;
   for (int i = 0; i < 100; ++i) strip |= trim.Query(0.7 + 0.001 * i, 0.65, 0, 0).path == TrimPath::kStrip;
   EXPECT_TRUE(strip);
@@ -237,7 +237,7 @@ TEST(TrimIndex, FigureOfEightTouchesItself) {
 }
 
 TEST(TrimIndex, GapsBetweenSegmentsAreClosed) {
-  // Each side starts a little beside the end of the one before.
+  // Each side starts a little beside the end of the previous one.
   Outline outline{{Line({0, 0}, {1, 1e-5})},
                   {Line({1, 0}, {1, 1})},
                   {Line({1 + 1e-6, 1}, {0, 1})},
@@ -275,7 +275,7 @@ TEST(TrimIndex, FeaturesOfABillionthKeepTheirShape) {
 }
 
 TEST(TrimIndex, TenThousandSegments) {
-  // A gear in polar coordinates: inside is known without looking at the loop.
+  // A gear in polar coordinates: whether a point is inside is known without looking at the loop.
   constexpr int kTeeth = 5000;
   std::vector<Vec2> corners;
   for (int i = 0; i < 2 * kTeeth; ++i) {
@@ -294,7 +294,7 @@ TEST(TrimIndex, TenThousandSegments) {
 }
 
 TEST(TrimIndex, CurvesThatDegenerateToLinesAndPoints) {
-  // Degree 5 along axes, a collapsed segment, and a cubic with a cusp.
+  // Segments of degree 5 along the axes, a collapsed segment, and a cubic with a cusp.
   const auto straight = [](Vec2 a, Vec2 b) {
     Curve curve;
     for (int i = 0; i <= 5; ++i) {
@@ -341,7 +341,7 @@ TEST(TrimIndex, SphereWithSeamAndPoles) {
       EXPECT_TRUE(trim.Query(u, v, 0, 0).certain);
     }
   EXPECT_FALSE(Inside(trim, -1e-9, 0));
-  // Next to the pole the seam's band reaches all around, at the equator it is as wide as a rounding.
+  // Next to the pole, the seam's band extends all around; at the equator, it is as wide as rounding.
   EXPECT_EQ(trim.Query(1, 0, 0, 0).coedge, kNoIndex);
   EXPECT_EQ(trim.Query(1e-12, 0, 0, 0).coedge, kNoIndex);
   const TrimAnswer seam = trim.Query(1e-16, 0.1, 0, 0);
