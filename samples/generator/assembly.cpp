@@ -25,8 +25,8 @@
 namespace facetless::samples {
 namespace {
 
-// The plate and the spacer are modelled about their middles: OpenCASCADE drops the name of a component that
-// is not moved.
+// The plate and the spacer are modelled about their centres, so that all components are moved: OpenCASCADE
+// drops the name of a component that is not moved.
 constexpr double kPlateX = 80, kPlateY = 60, kPlateZ = 8, kSpacerZ = 25;
 constexpr double kHoleX = 30, kHoleY = 20;  // of the bolts, from the middle
 

@@ -38,8 +38,8 @@ struct Station {
 constexpr std::array<Station, kStations> kStation = {
     {{0, 60, 0, 0}, {30, 56, 6, 1}, {65, 46, 14, 2.5}, {100, 36, 24, 5}, {120, 30, 30, 8}}};
 
-// u runs along the section from the leading to the trailing edge, v along the span. Control points of a
-// station share its z, so both ends are plane.
+// u runs along the section from the leading to the trailing edge, v along the span. All control points of a
+// station have the same z, so both ends are plane.
 Handle(Geom_BSplineSurface) Side(const std::array<SectionPoint, kSectionPoles>& section) {
   TColgp_Array2OfPnt poles(1, kSectionPoles, 1, kStations);
   for (int j = 0; j < kStations; ++j) {

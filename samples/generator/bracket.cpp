@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kLength = 90, kWidth = 60, kHeight = 70, kThickness = 12;
 
-// The straight edges of `shape` whose middle is at `middle`, as fillets want them: one at a time.
+// Returns the straight edge of `shape` whose middle is at `middle`. Fillets take one edge at a time.
 TopoDS_Edge EdgeAt(const TopoDS_Shape& shape, const gp_Pnt& middle) {
   for (TopExp_Explorer edges(shape, TopAbs_EDGE); edges.More(); edges.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(edges.Current());
@@ -48,8 +48,8 @@ TopoDS_Shape RoundCorners(const TopoDS_Shape& block) {
   return corners.Shape();
 }
 
-// Rolls the upper border of the base: tori at its two round corners, found by following tangent edges from
-// the far side.
+// Rounds the upper border of the base. Its two round corners give tori. The edges are found by following
+// tangent edges from the far side.
 TopoDS_Shape RollBase(const TopoDS_Shape& block) {
   BRepFilletAPI_MakeFillet roll(block);
   roll.Add(2.5, EdgeAt(block, gp_Pnt(kLength, kWidth / 2, kThickness)));

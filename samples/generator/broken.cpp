@@ -22,7 +22,8 @@ void WriteText(const fs::path& path, const std::string& text) {
   if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
-// Makes the first coordinate of the first point of the data section NAN, as a careless exporter prints it.
+// Replaces the first coordinate of the first point of the data section by NAN, as a careless exporter writes
+// it.
 std::string WithNan(std::string text) {
   const std::size_t point = text.find("CARTESIAN_POINT('',(");
   const std::size_t begin = text.find(",(", point) + 2, end = text.find(',', begin);

@@ -11,7 +11,7 @@ Handle(Geom_BSplineSurface) ClampedSurface(const TColgp_Array2OfPnt& poles, int 
 Handle(Geom_BSplineSurface) ClampedSurface(const TColgp_Array2OfPnt& poles,
                                            const TColStd_Array2OfReal& weights, int degree_u, int degree_v);
 
-// `value` to a ten-thousandth of a millimetre: the same digits in the file on every machine.
+// Rounds `value` to a ten-thousandth of a millimetre, so that the file has the same digits on every machine.
 double Rounded(double value);
 
 }  // namespace facetless::samples

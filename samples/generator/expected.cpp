@@ -62,7 +62,7 @@ std::map<std::string, int> SurfaceKinds(const std::string& path) {
 
 nlohmann::ordered_json Measure(const TopoDS_Shape& shape, const std::string& path) {
   if (!BRepCheck_Analyzer(shape).IsValid()) throw Standard_Failure("not a valid shape");
-  // Four decimal digits below the millimetre: looser edges would be a poor example, and show as cracks.
+  // The largest tolerance of a sample's edges, in mm. Edges with a larger tolerance would show as cracks.
   constexpr double kLoosest = 1e-4;
   if (ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1) > kLoosest)
     throw Standard_Failure("edges are too loose");

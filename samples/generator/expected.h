@@ -1,6 +1,6 @@
-// What expected.json says about a sample: measured on the shape that was written, so that a reader's mistakes
-// don't become the expectation; only the kinds of surface are those of the file at `path`, for a format may
-// lack some.
+// Computes the entries of expected.json. They are measured on the shape that was written, so that errors of
+// the readers do not become expectations. Only the kinds of surface come from the file at `path`, because a
+// format may lack some.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
@@ -9,7 +9,7 @@
 
 namespace facetless::samples {
 
-// faces, solids, closed solids, kinds of surface, area, volume of the solids, extent. Throws Standard_Failure
+// Returns faces, solids, closed solids, kinds of surface, area, volume of the solids, extent. Throws Standard_Failure
 // for a shape that is not valid or that has an edge or vertex tolerance over 1e-4 mm, and for a file that
 // can't be read.
 nlohmann::ordered_json Measure(const TopoDS_Shape& shape, const std::string& path);

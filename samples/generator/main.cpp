@@ -81,8 +81,8 @@ int main(int argc, char** argv) {
     std::cerr << "usage: facetless-samples FOLDER\n";
     return 64;
   }
-  // OpenCASCADE writes colours in the order of a map that is hashed by address: the same addresses give the
-  // same file.
+  // OpenCASCADE writes colours in the order of a map that is hashed by address. Without address randomisation,
+  // the file is always the same.
   if ((personality(0xffffffff) & ADDR_NO_RANDOMIZE) == 0 && personality(ADDR_NO_RANDOMIZE) != -1) {
     execv("/proc/self/exe", argv);
   }

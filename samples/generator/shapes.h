@@ -3,7 +3,7 @@
 //  1. Every function gives the same shape each time, and a valid one (BRepCheck_Analyzer); what is called
 //  solid is closed.
 //  2. Control points are short decimal numbers, so that the files are short and the same on every machine.
-//  3. OpenCASCADE's exceptions pass through: this is a tool for the people who change the samples.
+//  3. OpenCASCADE's exceptions are not caught, because this is a tool for the developers of the samples.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
@@ -38,7 +38,7 @@ TopoDS_Shape Freeform();
 // height 20), G0 (a groove of 8 degrees), G2, and a corner.
 TopoDS_Shape Vase();
 
-// What the IGES file holds: a curved sheet with a round hole, a trimmed part of a cylinder, a plate with
+// The content of the IGES file: a curved sheet with a round hole, a trimmed part of a cylinder, a plate with
 // holes. Loose faces.
 TopoDS_Shape TrimmedFaces();
 

@@ -1,5 +1,5 @@
-// Faces cut out of larger surfaces by curves that are drawn in parameters: the p-curve is the truth, the 3D
-// curve follows it.
+// Faces that are cut out of larger surfaces by curves in parameter space. The p-curve is exact, and the 3D curve
+// approximates it.
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -66,7 +66,7 @@ Handle(Geom2d_BSplineCurve) FreeOutline() {
     multiplicities(i + 1) = 1;
   }
   const Handle(Geom2d_BSplineCurve) outline = new Geom2d_BSplineCurve(poles, knots, multiplicities, 3, true);
-  // Readers disagree about periodic curves; clamped, it is the same curve.
+  // Readers treat periodic curves differently. The clamped curve is the same curve.
   outline->SetNotPeriodic();
   return outline;
 }

@@ -17,7 +17,7 @@
 namespace facetless::samples {
 namespace {
 
-// Of the profile's plane y = 0: radius and height.
+// A point of the profile's plane y = 0, given by radius and height.
 gp_Pnt At(double radius, double height) {
   return {radius, 0, height};
 }
@@ -26,7 +26,7 @@ gp_Vec Heading(double degrees) {
   return {std::cos(degrees * M_PI / 180), 0, std::sin(degrees * M_PI / 180)};
 }
 
-// Counter-clockwise from `from` to `to`, about the centre.
+// The arc about the centre, counter-clockwise from `from` to `to`.
 Handle(Geom_Curve) Arc(const gp_Pnt& center, double radius, const gp_Pnt& from, const gp_Pnt& to) {
   const gp_Circ circle(gp_Ax2(center, gp_Dir(0, -1, 0), gp_Dir(1, 0, 0)), radius);
   return Handle(Geom_Curve)(GC_MakeArcOfCircle(circle, from, to, true).Value());

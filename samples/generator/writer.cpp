@@ -23,8 +23,7 @@ void SetStepOptions(int assembly) {
   Interface_Static::SetCVal("write.step.unit", "MM");
   Interface_Static::SetIVal("write.surfacecurve.mode", 1);
   Interface_Static::SetIVal("write.step.assembly", assembly);
-  // The tolerance in the file is the least of the shape's, so that a reader asks for no more slack than there
-  // is.
+  // The file states the smallest tolerance of the shape, so that a reader uses no larger one.
   Interface_Static::SetIVal("write.precision.mode", -1);
 }
 
@@ -53,7 +52,7 @@ void WriteStep(const TopoDS_Shape& shape, const std::string& name, const std::st
   if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone) {
     throw Standard_Failure(("cannot convert " + name).c_str());
   }
-  // OpenCASCADE numbers its products by what the process wrote before.
+  // OpenCASCADE continues the numbers of products from earlier files of the process.
   const Handle(StepData_StepModel) model = writer.Model();
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const Handle(StepBasic_Product) product = Handle(StepBasic_Product)::DownCast(model->Value(i));

@@ -1,4 +1,4 @@
-// Writes shapes as CAD files that depend on nothing but the shape: fixed time stamps, no names of persons or
+// Writes shapes as CAD files that depend only on the shape: fixed time stamps, no names of persons or
 // machines. Each call throws Standard_Failure when the file cannot be written.
 #pragma once
 

@@ -350,12 +350,12 @@ TEST(TrimIndex, SphereWithSeamAndPoles) {
   EXPECT_FALSE(pole.certain);
   EXPECT_EQ(model.coedges[pole.coedge].edge, 0u);
   EXPECT_NE(pole.other_coedge, kNoIndex);
-  // The interior is clear for all but a thin frame.
+  // Except in a thin frame, rectangles are known to be inside.
   EXPECT_EQ(trim.Classify(1e-3, 2 * kPi - 1e-3, -kPi / 2 + 1e-3, kPi / 2 - 1e-3), RectClass::kInside);
 }
 
 TEST(TrimIndex, SlitsBoundNothing) {
-  // A square with a square hole, joined by a bridge that is run through to and fro.
+  // A square with a square hole. A bridge, which is followed in both directions, joins the two.
   Model model = PlaneModel(-2, 2, -2, 2);
   AddLoop(model, {{Line({0, 0}, {1, 0})},
                   {Line({1, 0}, {1, 1})},
@@ -384,7 +384,7 @@ TEST(TrimIndex, SlitsBoundNothing) {
 }
 
 TEST(TrimIndex, BandFollowsTheMetric) {
-  // A cylinder of radius 10: 1 mm across is 0.1 rad, 1 mm along is 1.
+  // On a cylinder of radius 10, 1 mm around the axis is 0.1 rad, and 1 mm along the axis is 1.
   Model model = HalfCylinderModel(10, 5);
   AddLoop(model, Polygon({{0.5, 1}, {2.5, 1}, {2.5, 4}, {0.5, 4}}), 0.01);
   const FaceTrim trim = FaceTrim::Build(model, 0);
@@ -397,7 +397,7 @@ TEST(TrimIndex, BandFollowsTheMetric) {
   EXPECT_EQ(in_band(1, 1 - 0.022), kNoIndex);
   EXPECT_EQ(in_band(1, 1 - 0.022, 4), 0u);
   EXPECT_EQ(in_band(1, 1 - 0.009, 0), kNoIndex);
-  // In the band the answer by the p-curve stays certain, and rectangles are mixed.
+  // In the band, the p-curve's answer is still certain, and rectangles are mixed.
   EXPECT_TRUE(trim.Query(1, 1.009, 0, 0).certain);
   EXPECT_EQ(trim.Classify(1, 1.1, 1.009, 1.2), RectClass::kMixed);
   EXPECT_EQ(trim.Classify(1, 1.1, 1.022, 1.2), RectClass::kInside);
@@ -420,7 +420,7 @@ TEST(TrimIndex, MaterialSideFollowsTheCountNotTheFile) {
 
 TEST(TrimIndex, CornersNameBothCoedges) {
   const FaceTrim trim = TrimOf({Polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}})}, 1e-3);
-  // Next to (1, 0): coedge 0 ends there and 1 begins.
+  // The point is next to (1, 0), where coedge 0 ends and coedge 1 begins.
   const TrimAnswer corner = trim.Query(1 - 0.0005, 0.0004, 0, 0);
   EXPECT_EQ(corner.coedge, 0u);
   EXPECT_EQ(corner.other_coedge, 1u);
@@ -438,7 +438,7 @@ TEST(TrimIndex, CornersNameBothCoedges) {
 }
 
 TEST(TrimIndex, BothSidesOfANarrowWedgeAreAsked) {
-  // Far from the corner, where the bands of its two sides still overlap.
+  // The point is far from the corner, but the bands of the two sides still overlap.
   const FaceTrim trim = TrimOf({Polygon({{0, 0}, {1, 0}, {1, 0.001}})}, 1e-3);
   const TrimAnswer wedge = trim.Query(0.5, 0.0001, 0, 0);
   EXPECT_EQ(wedge.coedge, 0u);
@@ -451,7 +451,7 @@ TEST(TrimIndex, EdgeParameterRunsWithTheEdge) {
   Model model = PlaneModel(-2, 2, -2, 2);
   AddLoop(model, Circle({0, 0}, 1), 1e-3);
   const FaceTrim trim = FaceTrim::Build(model, 0);
-  // Four rational quarters; the middle of each is at half its parameter.
+  // Four rational quarters. The middle of each is at the middle of its parameter range.
   for (int quarter = 0; quarter < 4; ++quarter) {
     const double angle = (quarter + 0.5) * kPi / 2;
     const TrimAnswer answer = trim.Query(1.0005 * std::cos(angle), 1.0005 * std::sin(angle), 0, 0);

@@ -76,7 +76,7 @@ Model SphereModel() {
   grid.period_u = 2 * kPi;
   for (int i = 0; i < 4; ++i) grid.u_spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
   for (int i = -1; i < 1; ++i) grid.v_spans.push_back({i * kPi / 2, (i + 1) * kPi / 2, SpanMap::kHalfAngle});
-  // A quarter of a circle in the plane, turned four times; a meridian in two quarters.
+  // A quarter of a circle in the plane, rotated four times; a meridian in two quarters.
   const double w = std::sqrt(0.5);
   const Vec3 turns[4][3] = {{{1, 0, 1}, {w, w, w}, {0, 1, 1}},
                             {{0, 1, 1}, {-w, w, w}, {-1, 0, 1}},
@@ -92,7 +92,7 @@ Model SphereModel() {
   builder.AddFace(grid);
   builder.AddInstance({});
 
-  // The seam, twice, and the two poles.
+  // The seam is used twice, and there are two poles.
   Edge pole;
   pole.degenerate = true;
   const std::uint32_t seam = builder.AddEdge({});
@@ -107,8 +107,8 @@ Model SphereModel() {
   const std::uint32_t edges[4] = {south, seam, north, seam};
   builder.AddLoop();
   for (int i = 0; i < 4; ++i) {
-    // Edge and p-curve agree at the ends and in the middle: each coedge of the seam has the edge's two
-    // segments.
+    // The edge and the p-curve agree at the ends and in the middle: each coedge of the seam has the edge's
+    // two segments.
     Coedge coedge;
     coedge.edge = edges[i];
     coedge.reversed = i == 3;
@@ -146,7 +146,7 @@ void AddLoop(Model& model, const Outline& outline, double gap_mm) {
 }
 
 void AddOpenLoop(Model& model, const Outline& outline, double gap_mm) {
-  // Add it with every curve drawn to the end of the one before, then put its own beginnings in their places.
+  // Add the loop with every curve starting at the end of the previous one, and then restore the given starts.
   Outline closed = outline;
   Vec3 before = outline.back().back().back();
   for (Chain& chain : closed) {

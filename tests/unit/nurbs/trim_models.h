@@ -1,5 +1,5 @@
-// Small models for the tests of trimming: one face on a surface whose shape is known in closed form, with
-// loops given as curves.
+// Small models for tests of trimming: one face on a surface with a closed form, with loops that are given as
+// curves.
 #pragma once
 
 #include <cstdint>
@@ -28,9 +28,9 @@ class Random {
 };
 
 Curve Line(Vec2 a, Vec2 b);
-// Closed polygon, one coedge per side.
+// A closed polygon with one coedge per side.
 Outline Polygon(const std::vector<Vec2>& corners);
-// Four rational quarters, counter-clockwise, one coedge.
+// Four rational quarters, counter-clockwise, in one coedge.
 Outline Circle(Vec2 center, double radius);
 Outline Reversed(const Outline& outline);
 
@@ -38,22 +38,22 @@ Outline Reversed(const Outline& outline);
 Model PlaneModel(double u0, double u1, double v0, double v1);
 // Half of a cylinder of that radius about z: u the angle from 0 to π in two spans, v = z from 0 to `height`.
 Model HalfCylinderModel(double radius, double height);
-// A unit sphere, u the longitude from 0 to 2π in four spans, v the latitude from −π/2 to π/2 in two; bounded
-// by the seam and the poles.
+// A unit sphere. u is the longitude from 0 to 2π in four spans, v the latitude from −π/2 to π/2 in two. The
+// seam and the poles bound it.
 Model SphereModel();
 
-// Adds a loop to the only face. Each coedge gets an edge of its own with the image of its curve on the plane
-// z = 0, and edge parameters 0 … number of segments.
+// Adds a loop to the only face. Each coedge gets an edge of its own: the image of its curve on the plane z =
+// 0, with edge parameters from 0 to the number of segments.
 void AddLoop(Model& model, const Outline& outline, double gap_mm = 0);
-// The same for curves that need not meet. The model is not valid then.
+// The same for curves that need not meet. The model is then invalid.
 void AddOpenLoop(Model& model, const Outline& outline, double gap_mm = 0);
 
-// Even-odd by brute force: loops as polygons through points at equal parameters of every segment.
+// The even-odd rule by brute force: loops are polygons through points at equal parameters of every segment.
 class Sampled {
  public:
   Sampled(const std::vector<Outline>& loops, int points_per_segment);
   bool Inside(Vec2 q) const;
-  // Distance to the nearest side.
+  // Returns the distance to the nearest side.
   double Distance(Vec2 q) const;
 
  private:

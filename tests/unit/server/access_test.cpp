@@ -1,4 +1,4 @@
-// Who may do what, without a socket.
+// Tests which key permits which request, without a socket.
 #include "server/service/access/access.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ class Access : public testing::Test {
     EXPECT_TRUE(ParseScopes(scopes, key).ok());
     return keys_.Create(key).value();
   }
-  // The status of the refusal, or 0.
+  // Returns the status of the refusal, or 0.
   int Decide(const std::string& method, const std::string& path, const std::string& authorization,
              bool anonymous = false) {
     AccessControl access(keys_, anonymous);

@@ -1,4 +1,4 @@
-// `facetless bench` as a whole, on a sample. No test asks how fast anything is.
+// Tests `facetless bench` as a whole, on a sample. No test depends on how fast anything is.
 #include "server/run/bench.h"
 
 #include <gmock/gmock.h>
@@ -50,7 +50,7 @@ TEST_F(BenchProgram, MeasuresAFileAgainstTheAims) {
                                            "trace_fine_mesh", "trace_default_mesh", "trace_default_mesh_fast",
                                            "trace_exact_intersector", "next_view", "memory"}));
   const Json& view = report.at("files").at(0).at("views").at(0);
-  // OpenCASCADE's intersector, the mesh and the direct renderer see the same part.
+  // OpenCASCADE's intersector, the mesh and the direct renderer must agree on the part.
   const Json& exact = view.at("exact_intersector");
   EXPECT_GT(exact.at("rays"), 1000);
   EXPECT_GE(exact.at("same").get<double>(), 0.999 * exact.at("rays").get<double>());

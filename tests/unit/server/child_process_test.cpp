@@ -75,7 +75,7 @@ TEST_F(ChildProcess, KeepsOnlySoMuchOfAFlood) {
 }
 
 TEST_F(ChildProcess, IsKilledWithItsGroupWhenTheTimeIsOver) {
-  // The grandchild would write after a second, had it lived.
+  // If the grandchild were alive, it would write the file after a second.
   const std::string file = directory_.File("alive");
   ChildRequest request = Shell("trap '' TERM; (sleep 1; echo yes > " + file + ") & wait", directory_);
   request.limits.wall_seconds = 0.2;

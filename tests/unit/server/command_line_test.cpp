@@ -1,4 +1,4 @@
-// The program as a process: exit codes, and what it prints where.
+// Tests the program as a process: exit codes, and what it prints to which stream.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -23,7 +23,7 @@ class CommandLine : public testing::Test {
   ChildOutcome Run(const std::vector<std::string>& arguments) {
     return RunProgram(Program("facetless"), arguments, directory_.path(), environment_);
   }
-  // Runs on a file with the given text, which tells the stand-in for the importer what to do
+  // Runs a command on a file with the given text, which selects the behaviour of the fake importer
   // (tests/support/fake_importer).
   ChildOutcome RunFake(const std::string& command, const std::string& text,
                        std::vector<std::string> arguments) {
@@ -70,7 +70,7 @@ TEST_F(CommandLine, MeshIsWrittenInTheFormatOfItsNameAndSaysWhetherItIsClosed) {
     EXPECT_TRUE(std::filesystem::exists(out));
   }
   EXPECT_TRUE(std::filesystem::exists(directory_.File("part.mtl")));
-  // The first bytes are those of the formats.
+  // The first bytes must be those of the format.
   EXPECT_EQ(ReadText(directory_.File("part.glb")).substr(0, 4), "glTF");
   EXPECT_EQ(ReadText(directory_.File("part.stl")).size(), 84u + 2 * 50);
   EXPECT_EQ(ReadText(directory_.File("part.3mf")).substr(0, 4), "PK\3\4");
@@ -155,7 +155,7 @@ TEST_F(CommandLine, RenderWritesItsFilesAndPrintsThePathOfTheReport) {
   EXPECT_EQ(report.at("views").size(), 2u);
   EXPECT_EQ(report["views"][0].at("camera").at("width"), 40);
   EXPECT_EQ(report["views"][0].at("files").at("direct"), "top.direct.png");
-  // The camera of a report gives the same picture again.
+  // The camera of a report must give the same picture again.
   const std::string camera = WriteText(directory_.File("camera.json"), report["views"][0]["camera"].dump());
   const std::string again = directory_.File("again");
   ASSERT_EQ(RunFake("render", "ok", {"--out", again, "--camera", "@" + camera}).exit_code, kExitDone);
@@ -202,14 +202,14 @@ TEST_F(CommandLine, RegressWritesReferencesPassesAndNoticesAChange) {
                 R"({"defaults": {"size": "48x48", "samples": 1, "tolerances": {"depth_mm": 0}},
                                              "files": [{"file": "part.step", "view": ["top", "iso"]}]})");
   environment_ = {"FACETLESS_IMPORTER=" + Program("facetless-fake-importer")};
-  EXPECT_EQ(Run({"regress", manifest}).exit_code, kExitFailed) << "no references yet";
+  EXPECT_EQ(Run({"regress", manifest}).exit_code, kExitFailed) << "there are no references yet";
   const ChildOutcome updated = Run({"regress", manifest, "--update"});
   ASSERT_EQ(updated.exit_code, kExitDone) << updated.error_tail << updated.out;
   const ChildOutcome passed = Run({"regress", manifest});
   EXPECT_EQ(passed.exit_code, kExitDone) << passed.out;
   EXPECT_TRUE(Json::parse(passed.out).at("passed").get<bool>());
 
-  // One view has another reference.
+  // Change the reference of one view.
   const std::string references = directory_.File("references/");
   std::filesystem::copy_file(references + "part.iso.png", references + "part.top.png",
                              std::filesystem::copy_options::overwrite_existing);
@@ -223,7 +223,7 @@ TEST_F(CommandLine, RegressWritesReferencesPassesAndNoticesAChange) {
     EXPECT_TRUE(std::filesystem::exists(directory_.File("failures/part.top." + std::string(role) + ".png")))
         << role;
 
-  // Another size.
+  // Change the size.
   WriteText(manifest, R"({"files": [{"file": "part.step", "view": "iso", "size": "32x32", "samples": 1}]})");
   EXPECT_EQ(Run({"regress", manifest}).exit_code, kExitSize);
 }
@@ -238,14 +238,14 @@ TEST_F(CommandLine, StopsOnCtrlCAndLeavesNothing) {
     execl(program.c_str(), program.c_str(), "inspect", file.c_str(), nullptr);
     _exit(127);
   }
-  // The importer's directory appears when it is about to start.
+  // The importer's directory appears just before the importer starts.
   for (int i = 0; i < 1000 && std::filesystem::is_empty(scratch_.path()); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(child, SIGINT);
   int status = 0;
   waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status)) << "it died of signal " << WTERMSIG(status);
+  ASSERT_TRUE(WIFEXITED(status)) << "the program died of signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), kExitSignal + SIGINT);
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }

@@ -1,4 +1,4 @@
-// Tests of the importer's process run a stand-in, which does what the first word of its input says
+// Tests of the importer's process use a fake importer, whose behaviour the first word of its input selects
 // (tests/support/fake_importer).
 #pragma once
 

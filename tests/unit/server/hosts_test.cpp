@@ -1,4 +1,4 @@
-// Hosts and origins that a service answers for.
+// Tests the hosts and origins that a service accepts.
 #include "server/service/protocol/hosts.h"
 
 #include <gmock/gmock.h>

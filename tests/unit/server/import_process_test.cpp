@@ -1,5 +1,5 @@
-// The importer's launcher, with a stand-in that does what the first word of its input says
-// (tests/support/fake_importer).
+// Tests the launcher of the importer with a fake importer, whose behaviour the first word of its input
+// selects (tests/support/fake_importer).
 #include "server/importer/import_process.h"
 
 #include <gmock/gmock.h>
@@ -62,7 +62,7 @@ TEST_F(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
 }
 
 TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
+  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than a limit allows";
   ImportRequest request = Request("memory");
   request.limits.memory_mb = 300;
   const Error error = ErrorOf(request);
@@ -155,7 +155,7 @@ TEST_F(ImportProcess, GivesOnlyWhatIsNeeded) {
   EXPECT_THAT(environment, Not(HasSubstr("FACETLESS_SECRET")));
   EXPECT_THAT(environment, Not(HasSubstr("PATH=/usr")));
   EXPECT_EQ(files.value().summary.at("directory"), files.value().directory.path());
-  // Standard input, output and error; nothing else of ours is open.
+  // Only standard input, output and error of this process may be open.
   EXPECT_EQ(files.value().summary.at("files"), 3);
 }
 

@@ -1,6 +1,6 @@
-// What a file that has taken over the importer could try: one test per threat, with a stand-in that tries it
-// (tests/support/fake_importer). Each must end in one clear error or in a refusal, and leave the caller as it
-// was.
+// Tests what a file could try if it had taken over the importer: one test per threat, with a fake importer
+// that tries it (tests/support/fake_importer). Each must end in one clear error or in a refusal, and must not
+// affect the caller.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -18,7 +18,7 @@ namespace {
 using testing::AnyOf;
 using testing::HasSubstr;
 
-// What this process holds.
+// The resources that this process holds.
 struct Holdings {
   std::size_t open_files = 0, threads = 0, resident = 0;
   static std::size_t Entries(const char* directory) {
@@ -36,14 +36,14 @@ struct Holdings {
   }
 };
 
-// An output of one megabyte, its reports, and what the allocator keeps of both; a sanitizer's keeps what is
-// freed, and a shadow of it.
+// The memory that may stay allocated: an output of one megabyte, its reports, and the allocator's copies of
+// both. A sanitizer's allocator also keeps freed memory and its shadow.
 constexpr std::size_t kKeptBytes = std::size_t{kSanitized ? 128 : 16} << 20;
 
 class ImportThreats : public FakeImport {
  protected:
   void SetUp() override {
-    // The first run pays for what stays: locale, allocator.
+    // The first run allocates what stays allocated: locale, allocator.
     (void)RunImporter(Request("ok"));
     before_ = Holdings::Now();
   }
@@ -52,7 +52,7 @@ class ImportThreats : public FakeImport {
     EXPECT_EQ(after.open_files, before_.open_files);
     EXPECT_EQ(after.threads, before_.threads);
     EXPECT_LE(after.resident, before_.resident + kKeptBytes);
-    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child process still runs";
     EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "something was left behind";
   }
   void ExpectDenied(const std::string& mode) {
@@ -134,7 +134,7 @@ TEST_F(ImportThreats, LeavingItsGroupDoesNotSaveItFromTheClock) {
 
 TEST_F(ImportThreats, FilesOfOthersCanBeNeitherReadNorListedNorRun) {
   if (LandlockVersion() == 0)
-    GTEST_SKIP() << "this kernel has no Landlock: files of the same user stay readable";
+    GTEST_SKIP() << "this kernel has no Landlock, so files of the same user remain readable";
   const TempDir others = TempDir::Create().value();
   const std::string secret = WriteText(others.File("secret"), "nobody's business");
   const std::string parent = "/proc/" + std::to_string(getpid());
@@ -196,7 +196,8 @@ TEST_F(ImportThreats, AnErrorThatIsNoneIsStillAnError) {
 }
 
 TEST_F(ImportThreats, TheOthersThatImportProcessTestNames) {
-  // Crash, hang against SIGTERM, memory, one large file, floods: here for what they leave of the caller.
+  // Other tests check the answers to a crash, a process that ignores SIGTERM, memory, one large file and
+  // floods. This test checks that the caller is not affected.
   ImportRequest request = Request("crash");
   EXPECT_EQ(ErrorOf(request).code, ErrorCode::kImporterCrashed);
   for (const char* mode : {"hang", "spin", "flood"}) {

@@ -1,4 +1,4 @@
-// The table of kinds of jobs, and that a request may say what its kind takes and nothing else.
+// Tests the table of kinds of jobs, and that a request may contain only what its kind accepts.
 #include "server/service/jobs/job_kinds.h"
 
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ Result<Submission> Parsed(const HttpRequest& request, JobKind kind) {
   return ParseSubmission(request, kind, kAnySamples);
 }
 
-// A JSON body with one option.
+// Returns a request whose JSON body has one option.
 HttpRequest RequestWith(const std::string& name, const Json& value) {
   HttpRequest request;
   request.parts.push_back({});
@@ -34,7 +34,7 @@ HttpRequest RequestWith(const std::string& name, const Json& value) {
   return request;
 }
 
-// The file of a model, and another part.
+// Returns a request with a model file and another part.
 HttpRequest FileWith(const std::string& part, const std::string& text) {
   HttpRequest request;
   request.headers["content-type"] = "multipart/form-data; boundary=x";
@@ -59,7 +59,7 @@ TEST(JobKinds, HaveARowEachInTheirOrder) {
       EXPECT_EQ(route.job, row.kind) << address;
       EXPECT_TRUE(route.Allows("POST")) << address;
     }
-    EXPECT_EQ(row.commands == 0, row.run == nullptr) << row.name << ": what runs takes options";
+    EXPECT_EQ(row.commands == 0, row.run == nullptr) << row.name << ": a kind that runs must have options";
   }
   EXPECT_EQ(JobKindOf("diff-of-tomorrow"), JobKind::kUnknown);
   EXPECT_EQ(JobKindName(JobKind::kUnknown), "unknown");
@@ -78,7 +78,7 @@ TEST(JobKinds, TakeTheOptionsOfTheirCommandAndRefuseTheOthersByName) {
       SCOPED_TRACE(row.name + ", " + option.name);
       if (takes) {
         ++taken;
-        // These are about a part that is not there.
+        // These options refer to a part that the request does not have.
         if (option.name.starts_with("mesh_u"))
           EXPECT_THAT(submission.error().message, HasSubstr("about the part \"mesh\""));
         else
@@ -94,7 +94,7 @@ TEST(JobKinds, TakeTheOptionsOfTheirCommandAndRefuseTheOthersByName) {
         EXPECT_THAT(said, HasSubstr("the operator of the service sets it"));
         continue;
       }
-      // The remedy: the addresses that take it.
+      // The message must name the addresses that accept the option.
       for (const JobKindRow& other : JobKinds())
         if ((other.commands & option.commands) != 0)
           EXPECT_THAT(said, HasSubstr(other.addresses.front()));

@@ -24,7 +24,7 @@ TEST_P(JobStoreConformance, AJobGoesFromQueuedToDoneAndStaysThere) {
   EXPECT_TRUE(Finish(running));
   EXPECT_EQ(jobs().Find(queued.id)->state, JobState::kDone);
   EXPECT_EQ(jobs().Find(queued.id)->result, "/answer/x");
-  EXPECT_FALSE(Finish(running, JobState::kFailed)) << "it ended already";
+  EXPECT_FALSE(Finish(running, JobState::kFailed)) << "the job had already ended";
   EXPECT_FALSE(Claim().has_value());
   EXPECT_FALSE(jobs().Find("nonsense").has_value());
 }
@@ -53,7 +53,7 @@ TEST_P(JobStoreConformance, ARetryKeyStandsForOneSubmission) {
   other.body = "another body";
   EXPECT_EQ(Outcome(other), SubmitOutcome::kKeyReused);
   other.owner = "somebody else";
-  EXPECT_EQ(Outcome(other), SubmitOutcome::kAccepted) << "keys are each owner's own";
+  EXPECT_EQ(Outcome(other), SubmitOutcome::kAccepted) << "each owner has idempotency keys of their own";
 }
 
 TEST_P(JobStoreConformance, AKnownAnswerMakesAJobThatIsDone) {
@@ -73,16 +73,18 @@ TEST_P(JobStoreConformance, IsBoundedForAllAndForEach) {
   EXPECT_EQ(Outcome(Asking("c", "anna")), SubmitOutcome::kShareFull);
   EXPECT_EQ(Outcome(Asking("c", "bert")), SubmitOutcome::kAccepted);
   EXPECT_EQ(Outcome(Asking("d", "bert")), SubmitOutcome::kQueueFull);
-  EXPECT_EQ(Outcome(Asking("a", "anna")), SubmitOutcome::kSame) << "takes no place";
+  EXPECT_EQ(Outcome(Asking("a", "anna")), SubmitOutcome::kSame)
+      << "a repeated question takes no place in the queue";
   ASSERT_TRUE(Claim().has_value());
-  EXPECT_EQ(Outcome(Asking("d", "bert")), SubmitOutcome::kAccepted) << "what runs does not wait";
+  EXPECT_EQ(Outcome(Asking("d", "bert")), SubmitOutcome::kAccepted)
+      << "a running job takes no place in the queue";
 }
 
 TEST_P(JobStoreConformance, OwnersTakeTurns) {
   for (const char* question : {"a1", "a2", "a3", "a4"}) Submit(Asking(question, "anna"));
   Submit(Asking("b1", "bert"));
   EXPECT_EQ(Next(), "a1");
-  EXPECT_EQ(Next(), "b1") << "anna's four don't come first";
+  EXPECT_EQ(Next(), "b1") << "anna's four jobs must not come first";
   Submit(Asking("b2", "bert"));
   Submit(Asking("c1", "cleo"));
   std::vector<std::string> order;
@@ -98,7 +100,7 @@ TEST_P(JobStoreConformance, ACrashGivesRunningJobsBack) {
   EXPECT_EQ(jobs().Find(id)->state, JobState::kQueued);
   const Job after = Claim().value();
   EXPECT_EQ(after.attempts, 2);
-  EXPECT_FALSE(Finish(before)) << "the dead attempt's end is not the job's";
+  EXPECT_FALSE(Finish(before)) << "the end of a lost attempt must not end the job";
   EXPECT_TRUE(Finish(after));
 }
 
@@ -110,7 +112,7 @@ TEST_P(JobStoreConformance, ALeaseThatIsOverGivesTheJobBack) {
   EXPECT_FALSE(jobs().Renew(slow, kLease).value());
   EXPECT_FALSE(Finish(slow));
   EXPECT_TRUE(jobs().Renew(again, kLease).value());
-  EXPECT_FALSE(Claim().has_value()) << "the lease is good";
+  EXPECT_FALSE(Claim().has_value()) << "the lease is still valid";
 }
 
 TEST_P(JobStoreConformance, GivesUpAfterThreeAttemptsAndSaysSo) {
@@ -126,15 +128,15 @@ TEST_P(JobStoreConformance, GivesUpAfterThreeAttemptsAndSaysSo) {
 }
 
 TEST_P(JobStoreConformance, TheLastAttemptRunsAlone) {
-  constexpr double kOver = -1;  // a lease that is over at once
+  constexpr double kOver = -1;  // a lease that expires at once
   Submit(Asking("dangerous"));
   Submit(Asking("third"));
   Submit(Asking("other", "bert"));
   ASSERT_EQ(Claim(kOver).value().question, "dangerous");
   const Job other = Claim().value();
-  ASSERT_EQ(other.question, "other") << "it is another owner's turn";
+  ASSERT_EQ(other.question, "other") << "it must be another owner's turn";
   ASSERT_EQ(Claim(kOver).value().question, "dangerous");
-  // While another runs, it waits; while it runs, others wait.
+  // While another job runs, this one waits; while it runs, others wait.
   const Job third = Claim().value();
   EXPECT_EQ(third.question, "third");
   EXPECT_FALSE(Claim().has_value());
@@ -165,7 +167,7 @@ TEST_P(JobStoreConformance, CancelsWhatWaitsAtOnceAndWhatRunsEvenThroughACrash) 
   ASSERT_TRUE(Claim().has_value());
   EXPECT_EQ(jobs().Cancel(running).value()->state, JobState::kRunning);
   ASSERT_TRUE(jobs().Recover().ok());
-  EXPECT_EQ(jobs().Find(running)->state, JobState::kCancelled) << "and is not tried again";
+  EXPECT_EQ(jobs().Find(running)->state, JobState::kCancelled) << "a cancelled job must not be tried again";
   EXPECT_FALSE(jobs().Cancel("nonsense").value().has_value());
 }
 

@@ -1,5 +1,5 @@
-// The laws of the queue (server/service/jobs/job_store.h), for any implementation: a file of tests brings a
-// host of its own and says
+// Tests the laws of the queue (server/service/jobs/job_store.h) for any implementation. A file of tests
+// defines a host of its own, and contains
 //
 //   INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreConformance, testing::Values(&MakeSqlJobStoreHost));
 #pragma once
@@ -15,11 +15,11 @@
 
 namespace facetless {
 
-// Where an implementation keeps its jobs; nothing is in there at first.
+// The place where an implementation stores its jobs. It is empty at first.
 class JobStoreHost {
  public:
   virtual ~JobStoreHost() = default;
-  // Opens what is kept there, after closing what the last call returned.
+  // Closes the store that the last call returned, and opens the stored jobs again.
   virtual JobStore& Open(const QueueLimits& limits) = 0;
 };
 
@@ -41,7 +41,7 @@ class JobStoreConformance : public testing::TestWithParam<std::unique_ptr<JobSto
   Submitted Submit(const NewJob& job) { return jobs().Submit(job).value(); }
   SubmitOutcome Outcome(const NewJob& job) { return Submit(job).outcome; }
   std::optional<Job> Claim(double lease_s = kLease) { return jobs().Claim("worker", lease_s).value(); }
-  // The question of the next claim; "" if there is none.
+  // Claims the next job and returns its question; "" if there is none.
   std::string Next() {
     const auto job = Claim();
     return job ? job->question : "";

@@ -1,4 +1,4 @@
-// What `facetless mesh` writes: hidden placements, rounding, and the same solid in every format.
+// Tests what `facetless mesh` writes: hidden placements, rounding, and the same solid in every format.
 #include "server/run/mesh_output.h"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A triangle of 1 mm² that `placements` say; the second one is hidden.
+// A triangle of 1 mm² at each of `placements`; the second one is hidden.
 struct Triangles {
   Model model;
   Mesh mesh;
@@ -41,7 +41,7 @@ struct Triangles {
 
 class MeshOutputFiles : public ::testing::Test {
  protected:
-  // What is written there, read back.
+  // Reads a written mesh.
   Mesh Read(const std::string& name) {
     auto mesh = LoadMesh(directory_.File(name), {}, nullptr);
     EXPECT_TRUE(mesh.ok()) << mesh.error().message;
@@ -100,7 +100,7 @@ TEST_F(MeshOutputFiles, StlThatRoundsTooMuchIsSaid) {
   EXPECT_THAT(ReadText(directory_.File("a.obj")), HasSubstr("v 10000002 0 0"));
 }
 
-// Signed, so that a solid inside out has a negative one.
+// Returns the signed volume, so that a solid that is inside out has a negative one.
 double VolumeOf(const Mesh& mesh) {
   double sum = 0;
   for (const MeshNode& node : mesh.nodes)

@@ -1,5 +1,6 @@
-// A representation that the program does not know (tests/support/box_method: one file and one line of
-// registration) shows up wherever the others do: in compare, in trade, in the report and in report.html.
+// A representation that the program does not know (tests/support/box_method: one file with one line of
+// registration) must appear in the same places as the others: in compare, in trade, in the report and in
+// report.html.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +36,7 @@ TEST_F(WithBox, CompareShowsEveryCandidate) {
                                     "64x64", "--view", "front", "--sheet"});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
   const Json view = Report().at("views").at(0);
-  // The roles of the baseline are as they always were.
+  // The roles of the baseline must not have changed.
   EXPECT_TRUE(view.contains("baseline") && view.contains("difference"));
   ASSERT_EQ(view.at("candidates").size(), 2u);
   const Json &box = view.at("candidates").at(0), &fast = view.at("candidates").at(1);
@@ -43,17 +44,17 @@ TEST_F(WithBox, CompareShowsEveryCandidate) {
   EXPECT_EQ(box.at("title"), "Box 100");
   EXPECT_EQ(box.at("facts").at("boxes"), 1);
   EXPECT_EQ(fast.at("name"), "fast");
-  // The front of a sphere's box is a square that touches the sphere once: everything else is nearer, by up to
-  // the radius at the outline.
+  // The front of a sphere's box is a square that touches the sphere in one point. Everywhere else it is
+  // nearer to the eye, by up to the radius at the outline.
   const double radius = Report().at("model").at("bounds_mm").at(1).at(0).get<double>() / 2 -
                         Report().at("model").at("bounds_mm").at(0).at(0).get<double>() / 2;
   const Json& depth = box.at("difference").at("depth_mm");
   EXPECT_LT(depth.at("mean").get<double>(), -0.3 * radius);
   EXPECT_GT(depth.at("mean").get<double>(), -0.36 * radius)
-      << "the mean over a disc is a third of the radius";
+      << "the mean over a disc must be a third of the radius";
   EXPECT_GT(box.at("hits").get<int>(), view.at("direct").at("hits").get<int>());
   EXPECT_LT(fast.at("difference").at("deviation_mm").at("max").get<double>(), 1e-4 * radius);
-  // Files of each, and each in the report that is one file.
+  // There must be files of each candidate, and report.html must contain each.
   std::map<std::string, std::string> files = view.at("files");
   for (const char* role :
        {"direct", "baseline", "difference", "box-100", "box-100-difference", "box-100-depth",
@@ -88,7 +89,7 @@ TEST_F(WithBox, TradeMeasuresEverySetting) {
   EXPECT_EQ(points.at("Box 50").at("setting"), 50);
   EXPECT_GT(points.at("Box 100").at("deviation_mm").at("p99").get<double>(),
             points.at("mesh 1e-2, 30°").at("deviation_mm").at("p99").get<double>());
-  // In the table, in the answer to the limit that it keeps, and in the page.
+  // The method must appear in the table, in the answer to the limit that it meets, and in the page.
   EXPECT_THAT(outcome.error_tail, HasSubstr("Box 100"));
   EXPECT_THAT(outcome.error_tail, testing::ContainsRegex("Box (50|100) keeps it for"));
   EXPECT_THAT(ReadText(out_ + "/report.html"), HasSubstr("Box 100"));

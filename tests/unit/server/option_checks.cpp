@@ -36,7 +36,7 @@ bool IsPartOfWord(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// Whether `text` has `words` and no more of the first and last one: "0 … 0.4" is not in "0 … 0.45".
+// Returns whether `text` contains `words` as whole words: "0 … 0.4" is not contained in "0 … 0.45".
 bool Says(const std::string& text, const std::string& words) {
   for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) {
     const std::size_t end = at + words.size();
@@ -49,7 +49,7 @@ bool Says(const std::string& text, const std::string& words) {
   return false;
 }
 
-// The cells of a row of a table, without the spaces around them.
+// Returns the cells of a row of a table, without surrounding spaces.
 std::vector<std::string> CellsOf(const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream text(line.substr(1));
@@ -61,7 +61,7 @@ std::vector<std::string> CellsOf(const std::string& line) {
   return cells;
 }
 
-// The rows of tables under each heading that begin with code.
+// Returns the rows of tables under each heading that begin with code.
 std::map<std::string, std::vector<std::string>> RowsByHeading(const std::string& text) {
   std::map<std::string, std::vector<std::string>> rows;
   std::istringstream lines(text);
@@ -73,7 +73,7 @@ std::map<std::string, std::vector<std::string>> RowsByHeading(const std::string&
   return rows;
 }
 
-// "`--margin SHARE`".
+// Returns "`--margin SHARE`".
 std::string FirstCell(const OptionRow& row) {
   return "`" + CommandLineName(row) + (row.value.empty() ? "" : " " + row.value) + "`";
 }
@@ -86,7 +86,7 @@ std::vector<std::string> CellDifferences(const OptionRow& row, const std::vector
     differences.push_back(what + " is written " + cells[0] + ", not " + FirstCell(row));
   if (const std::string range = RangeText(row); !range.empty() && !Says(cells[1], range))
     differences.push_back(what + " lacks its range, " + range);
-  // Views are listed in cameras.md.
+  // cameras.md lists the views.
   for (const std::string& choice : row.choices)
     if (row.name != "view" && !Says(cells[1], choice))
       differences.push_back(what + " lacks its choice " + choice);
@@ -139,7 +139,7 @@ std::vector<std::string> SchemaDifferences(const OptionTable& table, const Json&
     Json written = properties[row.name];
     written.erase("description");
     const Json expected = OptionSchema(row);
-    // What is in the lists of those that have a form of their own is not the table's.
+    // The table does not determine the elements of lists that have a form of their own.
     if (!expected.contains("items")) written.erase("items");
     if (written != expected)
       differences.push_back("openapi.json says of " + row.name + " " + written.dump() + ", not " +
@@ -156,7 +156,7 @@ std::vector<std::string> CliDocsDifferences(const OptionTable& table, const std:
   const auto rows = RowsByHeading(text);
   std::vector<std::string> differences;
   std::set<std::string> groups;
-  // From the table to the documentation.
+  // Check that the documentation contains every row of the table.
   for (const OptionRow& row : table) {
     groups.insert(row.group);
     const auto under = rows.find(row.group);
@@ -172,7 +172,7 @@ std::vector<std::string> CliDocsDifferences(const OptionTable& table, const std:
       differences.push_back("docs/cli.md has " + std::to_string(found) + " rows of " + row.name +
                             " under \"" + row.group + "\", not one");
   }
-  // And back.
+  // Check that the table contains every row of the documentation.
   for (const std::string& group : groups) {
     const auto under = rows.find(group);
     for (const std::string& line : under == rows.end() ? std::vector<std::string>() : under->second) {

@@ -1,5 +1,5 @@
-// Where openapi.json and the documentation differ from the option table: one sentence for each difference,
-// which names the option. They are written by people; the table is what the program does.
+// Finds differences of openapi.json and the documentation from the option table. Each difference is a
+// sentence that names the option. People write those texts; the table determines what the program does.
 #pragma once
 
 #include <string>
@@ -11,19 +11,20 @@
 
 namespace facetless {
 
-// What openapi.json says about the option: type, range, choices and default. Without a description.
+// Returns what openapi.json must say about the option: type, range, choices and default, without a
+// description.
 nlohmann::json OptionSchema(const OptionRow& row);
 
-// `properties`: of the schema "Options". Every option of requests is there as OptionSchema says it, and
-// nothing else.
+// `properties` are those of the schema "Options". They must contain every option of requests as OptionSchema
+// returns it, and nothing else.
 std::vector<std::string> SchemaDifferences(const OptionTable& table, const nlohmann::json& properties);
 
-// `text`: of docs/cli.md. Under the heading that is the option's group there is one row "| `--margin SHARE` |
-// … | `0.05` |", whose second cell has the range or the choices, and no row of an option that there is not.
+// `text` is that of docs/cli.md. Under the heading of the option's group there must be one row "| `--margin
+// SHARE` | … | `0.05` |", whose second cell has the range or the choices, and no row of an unknown option.
 std::vector<std::string> CliDocsDifferences(const OptionTable& table, const std::string& text);
 
-// `text`: of docs/api.md. The table under "Options of a request" has the rows that ApiRow makes, in the order
-// of the option table.
+// `text` is that of docs/api.md. The table under "Options of a request" must have the rows that ApiRow makes,
+// in the order of the option table.
 std::vector<std::string> ApiDocsDifferences(const OptionTable& table, const std::string& text);
 
 }  // namespace facetless

@@ -7,7 +7,7 @@
 
 namespace facetless {
 
-// Null for an option that nothing is known of.
+// Returns null for an unknown option.
 inline nlohmann::json AnotherValueOf(const OptionRow& row) {
   using Json = nlohmann::json;
   for (const auto& [name, value] : {std::pair<const char*, Json>{"view", "top"},

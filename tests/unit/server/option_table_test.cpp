@@ -1,5 +1,5 @@
-// One row of the option table is an option everywhere: on the command line, in --help, in requests; and
-// openapi.json and the documentation are held to it.
+// One row of the option table makes an option available everywhere: on the command line, in --help and in
+// requests. openapi.json and the documentation are checked against it.
 #include "server/options/option_table.h"
 
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ std::string ApiDocs() {
   return ReadText(SourceRoot() / "docs/api.md");
 }
 
-// The command's --help, of the options of `table` alone.
+// Returns the command's --help for the options of `table` alone.
 std::string PrintedHelp(Commands command, const OptionTable& table) {
   CLI::App app;
   OptionCollector collected;
@@ -49,17 +49,17 @@ std::string PrintedHelp(Commands command, const OptionTable& table) {
   return app.help();
 }
 
-// What the command line `words` gives to ParseOptions.
+// Returns what the command line `words` passes to ParseOptions.
 Json CollectedFrom(Commands command, std::vector<std::string> words, const OptionTable& table) {
   CLI::App app;
   OptionCollector collected;
   AddOptions(&app, command, collected, table);
-  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  std::reverse(words.begin(), words.end());  // CLI11 requires the reverse order
   app.parse(words);
   return collected.CollectedOptions().value();
 }
 
-// The usual table and one option more.
+// The normal table with one additional option.
 OptionTable WithGain() {
   OptionTable table = AllOptions();
   table.push_back({.name = "gain_factor",
@@ -79,7 +79,7 @@ OptionTable WithGain() {
 TEST(OptionTable, HasSoundRows) {
   std::set<std::string> names;
   for (const OptionRow& row : AllOptions()) {
-    EXPECT_TRUE(names.insert(row.name).second) << row.name << " is there twice";
+    EXPECT_TRUE(names.insert(row.name).second) << row.name << " occurs twice";
     EXPECT_NE(row.commands, 0u) << row.name;
     EXPECT_FALSE(row.help.empty() || row.help.ends_with(".")) << row.name;
     EXPECT_EQ(row.value.empty(), row.kind == OptionKind::kFlag) << row.name;
@@ -110,7 +110,7 @@ TEST(OptionTable, ReadsBackWhatIsStored) {
     if (row.kind == OptionKind::kNumber || row.kind == OptionKind::kInteger)
       other = std::isinf(row.high) ? 12345.0 : row.high;
     if (row.kind == OptionKind::kNumbers) other = Json::array({row.high, row.low});
-    if (other.is_null()) continue;  // a form of its own
+    if (other.is_null()) continue;  // the option has a form of its own
     RunOptions options;
     ASSERT_TRUE(row.binding.store(row, other, options).ok()) << row.name;
     EXPECT_EQ(row.binding.read(row, options), other) << row.name;
@@ -163,16 +163,16 @@ TEST(OptionTable, IsWhatTheDocumentationSays) {
 TEST(OptionTable, OneMoreRowIsOneMoreOptionEverywhere) {
   const OptionTable table = WithGain();
   const OptionRow& row = table.back();
-  // --help.
+  // The option must appear in --help.
   EXPECT_THAT(PrintedHelp(kRender, table), HasSubstr("--gain-factor GAIN"));
   EXPECT_THAT(PrintedHelp(kRender, table), HasSubstr("Multiplies what pictures show (1 … 8; default: 2)"));
   EXPECT_THAT(PrintedHelp(kTrade, table), Not(HasSubstr("--gain-factor")));
   EXPECT_THAT(PrintedHelp(kRender, AllOptions()), Not(HasSubstr("--gain-factor")));
-  // The command line.
+  // The command line must accept the option.
   const Json collected = CollectedFrom(kCompare, {"--gain-factor", "3"}, table);
   EXPECT_EQ(collected, Json({{"gain_factor", 3.0}}));
   EXPECT_THROW(CollectedFrom(kTrade, {"--gain-factor", "3"}, table), CLI::ParseError);
-  // Requests.
+  // Requests must accept the option.
   const auto options = ParseOptions(collected, table);
   ASSERT_TRUE(options.ok()) << options.error().message;
   EXPECT_EQ(row.binding.read(row, options.value()), 3.0);
@@ -182,15 +182,15 @@ TEST(OptionTable, OneMoreRowIsOneMoreOptionEverywhere) {
               HasSubstr("give either gain_factor or edges"));
   EXPECT_THAT(ParseOptions({{"gain_facto", 3}}, table).error().message,
               HasSubstr("did you mean gain_factor?"));
-  EXPECT_FALSE(ParseOptions(collected).ok()) << "the usual table has no such option";
+  EXPECT_FALSE(ParseOptions(collected).ok()) << "the normal table has no such option";
   EXPECT_THAT(CollectionsOf(row), ElementsAre("renders", "comparisons"));
-  // What people have not written yet is missed, by name.
+  // Texts that are not written yet must be reported as missing, by name.
   EXPECT_THAT(SchemaDifferences(table, OpenApiProperties()),
               ElementsAre(HasSubstr("openapi.json lacks gain_factor")));
   EXPECT_THAT(CliDocsDifferences(table, CliDocs()),
               ElementsAre(HasSubstr("0 rows of gain_factor under \"Pictures\"")));
   EXPECT_THAT(ApiDocsDifferences(table, ApiDocs()), ElementsAre(HasSubstr("| `gain_factor` |")));
-  // And found once they have.
+  // Once they are written, nothing must be reported.
   Json properties = OpenApiProperties();
   properties["gain_factor"] = {{"type", "number"}, {"minimum", 1}, {"maximum", 8}, {"default", 2}};
   EXPECT_THAT(SchemaDifferences(table, properties), IsEmpty());
@@ -205,14 +205,14 @@ TEST(OptionTable, OneMoreRowIsOneMoreOptionEverywhere) {
 }
 
 TEST(OptionTable, WhatIsWrittenWronglyIsFound) {
-  // A row less: what is written about it has no option.
+  // Remove a row: the texts about it then have no option.
   OptionTable table = AllOptions();
   std::erase_if(table, [](const OptionRow& row) { return row.name == "newton_tolerance"; });
   EXPECT_THAT(SchemaDifferences(table, OpenApiProperties()),
               ElementsAre(HasSubstr("has newton_tolerance, which is no option")));
   EXPECT_THAT(CliDocsDifferences(table, CliDocs()), ElementsAre(HasSubstr("has --newton-tolerance")));
   EXPECT_THAT(ApiDocsDifferences(table, ApiDocs()), ElementsAre(HasSubstr("`newton_tolerance`")));
-  // Another range, default, choice, value or group.
+  // Change the range, default, choice, value or group.
   const auto changed = [](const char* name, const std::function<void(OptionRow&)>& change) {
     OptionTable other = AllOptions();
     for (OptionRow& row : other)

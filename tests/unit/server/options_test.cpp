@@ -136,7 +136,7 @@ TEST(Cameras, AreNamedViewsOrGivenByNumbers) {
   EXPECT_EQ(side.target.x, 0);
   EXPECT_EQ(side.up.z, 1);
   EXPECT_GE(side.height, kBounds.diagonal());
-  // Looking straight down, Z can't be up.
+  // When the camera looks straight down, Z cannot be up.
   const Camera& above = given.value()[1];
   EXPECT_EQ(above.name, "above");
   EXPECT_EQ(above.up.y, 1);

@@ -1,6 +1,6 @@
-// Comparisons whose mesh is not made: the exact half comes first and stays. The importer is a stand-in that
-// writes its model, begins to mesh and then does what its input says (tests/support/fake_importer); the last
-// test has the real one.
+// Comparisons whose mesh is not made: the exact half comes first and is kept. A fake importer writes its
+// model, begins to mesh and then does what its input says (tests/support/fake_importer). The last test uses
+// the real importer.
 #include "server/run/own_mesh.h"
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ class OwnMesh : public FakeImport {
   bool Exists(const std::string& name) const {
     return std::filesystem::exists(out_.File("compared/" + name));
   }
-  // The exact half is there, and one sentence says why the other is not.
+  // Checks that the exact half is there, and that one sentence says why the other half is missing.
   void ExpectExactHalf(const ChildOutcome& outcome, const std::string& reason, const std::string& words,
                        const std::string& remedy) {
     EXPECT_EQ(outcome.exit_code, kExitNoBaseline) << outcome.error_tail;
@@ -81,7 +81,7 @@ TEST_F(OwnMesh, ThatTakesTooLongLeavesTheExactHalf) {
   ExpectExactHalf(Compare("mesh-hang", {"--mesh-timeout", "0.3"}), "timeout",
                   "meshing took longer than 0.3 s",
                   "use --mesh-timeout to allow more, and a coarser --deflection needs less");
-  // The same after the exact pictures were made early.
+  // The result must be the same if the exact pictures were made early.
   ExpectExactHalf(Compare("mesh-spin", {"--mesh-timeout", "2.5"}), "timeout",
                   "meshing took longer than 2.5 s",
                   "a render (facetless render, POST /v1/renders) needs no mesh");
@@ -93,7 +93,7 @@ TEST_F(OwnMesh, ThatCrashesLeavesTheExactHalf) {
 }
 
 TEST_F(OwnMesh, ThatNeedsTooMuchMemoryLeavesTheExactHalf) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
+  if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than a limit allows";
   ExpectExactHalf(Compare("mesh-memory", {"--import-memory", "300"}), "memory",
                   "meshing needs more than 300 MB of memory", "use --import-memory to allow more");
 }
@@ -109,7 +109,7 @@ TEST_F(OwnMesh, DoesNotExcuseAFileThatCannotBeRead) {
 }
 
 TEST_F(OwnMesh, HasABudgetBesideThatOfTheImport) {
-  // Reading may take less than a second here, and meshing takes longer than that.
+  // Reading may take at most a second here, and meshing takes longer than that.
   EXPECT_EQ(Compare("mesh-slow 1200", {"--import-timeout", "1", "--mesh-timeout", "60"}).exit_code,
             kExitDone);
 }
@@ -142,11 +142,11 @@ TEST_F(OwnMesh, IsNotWaitedForByTheExactPictures) {
           nullptr);
     _exit(127);
   }
-  // The mesher never ends; the report is written last.
+  // The mesher never ends. The report is written last.
   while (!Exists("report.html")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(Exists("iso.direct.png"));
   EXPECT_EQ(Report().at("no_baseline").at("reason"), "pending");
-  EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "the comparison has ended";
+  EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "the comparison ended too early";
   kill(child, SIGTERM);
   int status = 0;
   waitpid(child, &status, 0);
@@ -157,7 +157,7 @@ TEST_F(OwnMesh, IsNotWaitedForByTheExactPictures) {
 
 TEST_F(OwnMesh, OfARealFileMayTakeLongerThanItsBudget) {
   unsetenv("FACETLESS_IMPORTER");
-  // A chord error of 1e-6 of its size keeps the mesher busy for a good part of a minute.
+  // A chord error of 1e-6 of its size keeps the mesher busy for a large part of a minute.
   const ChildOutcome outcome =
       RunProgram(Program("facetless"),
                  {"compare", Sample("sphere.step"), "--out", out_.File("compared"), "--size", "32x24",
@@ -190,7 +190,7 @@ TEST_F(OwnMesh, WhoseSearchTreeIsTooLargeLeavesTheExactHalf) {
 
 TEST_F(OwnMesh, WhoseSearchTreeLeavesTooLittleForTheLeavesLeavesTheExactHalf) {
   unsetenv("FACETLESS_IMPORTER");
-  // The tree takes 9 MB, and 14 MB while it is built; the view's leaves need more than 12 MB, and less than
+  // The tree takes 9 MB, and 14 MB while it is built. The view's leaves need more than 12 MB, and less than
   // 14.
   const ChildOutcome outcome =
       RunProgram(Program("facetless"),

@@ -1,4 +1,4 @@
-// What the tests of options share: the text of a request, parsed.
+// Shared by the tests of options: parses the text of a request.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ inline RunOptions ParsedOptions(const std::string& json) {
   return options.ok() ? options.value() : RunOptions{};
 }
 
-// What is wrong with it; "" if nothing is.
+// Returns the error message; "" if there is none.
 inline std::string OptionsMessage(const std::string& json) {
   auto options = ParseOptions(nlohmann::json::parse(json));
   if (options.ok()) return "";

@@ -25,7 +25,7 @@ TEST(PictureOptions, MarginAndUpReachTheCameras) {
   const Camera camera = ResolveCameras(options, kBounds).value().front();
   EXPECT_EQ(camera.up.y, 1);
   EXPECT_GT(camera.eye.z, kBounds.high.z);
-  // 40 mm high in the middle half of the picture.
+  // The model is 40 mm high and fills the middle half of the picture.
   EXPECT_NEAR(camera.height, 80, 1e-12);
   const RunOptions numbers = ParsedOptions(R"({"camera":{"eye":[100,0,0]},"margin":0.25,"up":"y"})");
   const Camera given = ResolveCameras(numbers, kBounds).value().front();
@@ -42,7 +42,7 @@ TEST(PictureOptions, AreReadByName) {
   EXPECT_EQ(options.coloring.one.r, 1);
   EXPECT_NEAR(options.coloring.one.g, 128.0 / 255, 1e-6);
   EXPECT_EQ(options.arrangement.parts, std::vector<std::string>{"bolt, M8"})
-      << "a comma is a part of the name";
+      << "the comma must be part of the name";
   EXPECT_EQ(options.arrangement.hide, (std::vector<std::string>{"a", "b*"}));
   EXPECT_EQ(options.arrangement.explode, 0.5);
   EXPECT_TRUE(options.scale_bar && options.axes && options.sheet);

@@ -1,4 +1,4 @@
-// Pictures as people expect them, by the program itself on an assembly of 13 occurrences.
+// Tests pictures that the program makes of an assembly of 13 occurrences.
 #include "server/run/pictures.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 
 class Pictures : public testing::Test {
  protected:
-  // The report of a run on the sample of that name.
+  // Runs a command on the sample of that name, and returns the report.
   Json Run(const std::string& command, const std::string& out, std::vector<std::string> arguments,
            const std::string& sample = "assembly.step") {
     const std::vector<std::string> common = {command, Sample(sample), "--out", out};
@@ -29,7 +29,7 @@ class Pictures : public testing::Test {
     EXPECT_EQ(outcome_.exit_code, kExitDone) << outcome_.error_tail;
     return Json::parse(Read(out + "/report.json"), nullptr, false);
   }
-  // What it says of options that cannot be.
+  // Returns the message for invalid options.
   std::string Refusal(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin() + 1, {Sample("assembly.step"), "--out", "refused"});
     outcome_ = RunProgram(Program("facetless"), arguments, directory_.path());
@@ -60,7 +60,7 @@ TEST_F(Pictures, PartsAndHideDivideTheFacesAndBothTracersAgreeOnWhatIsLeft) {
     const Json& view = report.at("views").at(0);
     EXPECT_GT(view.at("direct").at("hits"), 500);
     EXPECT_EQ(view.at("direct").at("unresolved"), 0);
-    // A mesh of another arrangement would be off by the size of a bolt.
+    // If the mesh had another arrangement, the deviation would be the size of a bolt.
     EXPECT_LT(view.at("difference").at("deviation_mm").at("max"), 0.5);
     EXPECT_LT(view.at("difference").at("silhouette").at("max_distance_px"), 2);
   }
@@ -74,7 +74,7 @@ TEST_F(Pictures, ExplodedModelAndMeshMoveAlikeAndTheCameraShowsThem) {
   EXPECT_GT(apart.at("model").at("diagonal_mm"), together.at("model").at("diagonal_mm"));
   EXPECT_LT(apart.at("views")[0].at("difference").at("deviation_mm").at("max"), 0.5);
   EXPECT_EQ(apart.at("model").at("faces"), together.at("model").at("faces"));
-  // Nothing touches the border.
+  // No part may touch the border.
   const Image8 picture = Picture("apart/front.direct.png");
   for (int x = 0; x < picture.width; ++x) {
     EXPECT_EQ(picture.at(x, 0)[0], picture.at(0, 0)[0]);
@@ -117,7 +117,7 @@ TEST_F(Pictures, OneColourIsTheOnlyOne) {
       if (p[3] < 255) continue;
       ++seen;
       EXPECT_GT(p[0], p[1]);
-      EXPECT_NEAR(p[1], p[2], 8) << "but for the light, which is nearly white";
+      EXPECT_NEAR(p[1], p[2], 8) << "the light is nearly white";
     }
   EXPECT_GT(seen, 500);
   Run("render", "part", {"--size", "64x64", "--color", "part"});
@@ -155,7 +155,7 @@ TEST_F(Pictures, TheTurntableIsTheSameForAnyNumberOfThreads) {
     frames.insert(Read("one" + name));
     EXPECT_EQ(Read("one" + name), Read("three" + name));
   }
-  EXPECT_EQ(frames.size(), 5u) << "each shows another side";
+  EXPECT_EQ(frames.size(), 5u) << "each frame must show another side";
   EXPECT_EQ(report.at("files").at("turntable"), "turntable.webp");
   EXPECT_EQ(Read("one/turntable.webp").substr(8, 4), "WEBP");
   EXPECT_EQ(Read("one/turntable.webp"), Read("three/turntable.webp"));

@@ -113,10 +113,11 @@ TEST_F(Manifest, WithoutAFileIsRefused) {
   EXPECT_THAT(ErrorOf(R"({"files": []})"), testing::HasSubstr("it lists no file"));
 }
 
-// A manifest's options are those of its rows in the option table.
+// The options of a manifest are those of its rows in the option table.
 class ManifestOptions : public testing::Test {
  protected:
-  // The exit code of a manifest whose one file is `sample` with these options; -1 where the manifest is wrong.
+  // Returns the exit code for a manifest whose only file is `sample` with these options; −1 if the manifest
+  // is invalid.
   int Regress(const std::string& sample, nlohmann::json options, bool update) {
     options["file"] = Sample(sample);
     RegressRequest request;
@@ -131,7 +132,8 @@ class ManifestOptions : public testing::Test {
     result_ = verdict.value();
     return result_.exit_code;
   }
-  // With the option `name` another picture or depth comes out than without it, and the same one with it again.
+  // Checks that the option `name` changes the picture or the depth, and that a second run with it gives the
+  // same result.
   void ExpectFollowed(const std::string& sample, const nlohmann::json& base, const std::string& name,
                       const nlohmann::json& value) {
     nlohmann::json with = base;
@@ -149,7 +151,7 @@ class ManifestOptions : public testing::Test {
 
 TEST_F(ManifestOptions, AreEachTakenOrRefusedAsTheTableSays) {
   for (const OptionRow& row : AllOptions()) {
-    if (row.name == "tolerances") continue;  // a key of the manifest's own
+    if (row.name == "tolerances") continue;  // a key of the manifest itself
     SCOPED_TRACE(row.name);
     message_.clear();
     (void)Regress("no such file.step", {{row.name, AnotherValueOf(row)}}, false);
@@ -165,7 +167,7 @@ TEST_F(ManifestOptions, ShadeIsFollowed) {
 }
 
 TEST_F(ManifestOptions, OrientIsFollowed) {
-  // A sheet, from below: the side that the file calls outside is not the one that is seen.
+  // A sheet seen from below shows the side that the file does not call the outside.
   ExpectFollowed("wavy_sheet.step", {{"size", "48x40"}, {"view", "bottom"}, {"shade", "curvature:kind=mean"}},
                  "orient", "viewer");
 }

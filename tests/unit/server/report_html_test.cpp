@@ -50,7 +50,7 @@ TEST_F(ReportPage, DoesNotRunWhatAFileCarries) {
   EXPECT_THAT(html.value(), Not(HasSubstr("<script>alert")));
   EXPECT_THAT(html.value(), Not(HasSubstr("<!--")));
   EXPECT_THAT(html.value(), HasSubstr("&lt;/title&gt;"));
-  // What looks like a placeholder stays text.
+  // Text that looks like a placeholder must stay unchanged.
   EXPECT_THAT(html.value(), HasSubstr("{{pictures}}"));
 }
 
@@ -62,7 +62,7 @@ TEST_F(ReportPage, IsOneScriptWithoutModulesToFetch) {
 }
 
 TEST_F(ReportPage, CarriesPixelDataReducedAndNoPictureOfTheDifference) {
-  // 2000 × 1000 pixels are too many for a report: every second one is in it.
+  // 2000 × 1000 pixels are too many for a report, so it contains every second one.
   Image8 plane = {2000, 1000, 3, std::vector<std::uint8_t>(6'000'000, 7)};
   ASSERT_TRUE(WriteDataPng(directory_.File("iso.pixel-deviation.png"), plane).ok());
   WriteText(directory_.File("iso.difference.png"), "PNG");

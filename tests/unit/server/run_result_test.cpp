@@ -1,4 +1,4 @@
-// A run says in its result what it has left and measured, so that no program has to read its report.
+// The result of a run lists what it has written and measured, so that no program has to read its report.
 #include "server/run/run_result.h"
 
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ class RunResults : public testing::Test {
     request.input = Sample(sample);
     return request;
   }
-  // What lies in the directory is what the result names, each file once, and as the report names it.
+  // The files in the directory must be those that the result names, each once, with the names of the report.
   void ExpectAllFilesNamed(const RunResult& result) {
     std::set<std::string> named, there;
     for (const RunFile& file : result.files.list()) {
@@ -79,7 +79,7 @@ TEST_F(RunResults, OfAComparisonNameTheFilesOfTheMeshToo) {
   const RunOptions options = ParsedOptions(
       R"({"size":"48x40","mesh_deviation":true,"sheet":true,"fail_deviation_mm":1e-9,"shade":"curvature"})");
   const auto result = RunCompare(imported.value(), imported.value().meshes.front(), options, out_, {});
-  ASSERT_FALSE(result.ok()) << "no mesh has curvature";
+  ASSERT_FALSE(result.ok()) << "a mesh has no curvature";
   RunOptions studio = options;
   studio.inspection = {};
   const auto compared = RunCompare(imported.value(), imported.value().meshes.front(), studio, out_, {});
@@ -124,7 +124,7 @@ TEST_F(RunResults, OfATradeNameThePlots) {
 }
 
 TEST_F(RunResults, WarnOfTheSideThatIsMeasured) {
-  // A sheet shows its back from below.
+  // Seen from below, a sheet shows its back.
   const auto imported = Import(RequestFor("wavy_sheet.step"));
   ASSERT_TRUE(imported.ok()) << imported.error().message;
   const auto result = RunRender(

@@ -1,4 +1,4 @@
-// Section planes as people write them.
+// Section planes in the notation of the options.
 #include "server/options/section_options.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Where the options of `facetless serve` come from: --print-config says it.
+// Tests the sources of the options of `facetless serve`, as --print-config reports them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ TEST_F(ServeConfiguration, ReadsTomlAndJsonAlike) {
       R"({"listen": "0.0.0.0:80", "max-age": 1.5, "require_keys": true, "log": "json"})",
       R"( {"serve": {"listen": "0.0.0.0:80", "max_age": 1.5, "require-keys": true, "log": "json"}})"};
   for (const std::string& text : texts) {
-    // The file may be named by the environment, too.
+    // The environment may name the configuration file, too.
     const Json config = Print({}, {"FACETLESS_SERVE_CONFIG=" + File(text)});
     EXPECT_EQ(config.at("listen").at("value"), "0.0.0.0:80") << text;
     EXPECT_EQ(config.at("max-age").at("value"), 1.5) << text;
@@ -76,7 +76,7 @@ TEST_F(ServeConfiguration, SaysWhatOfAFileIsUnknown) {
   ExpectRefused(Run({"--config", File(R"({"jobs": 3, "colour": "red"})")}), "\"colour\"");
   ExpectRefused(Run({"--config", File("[paint]\njobs = 3\n")}), "paint.jobs");
   ExpectRefused(Run({"--config", File("config = other.toml\n")}), "\"config\"");
-  // Also where it would change nothing.
+  // An unknown option must be refused even if it would change nothing.
   ExpectRefused(Run({"--config", File("colour = red\n"), "--jobs", "1"}), "\"colour\"");
 }
 

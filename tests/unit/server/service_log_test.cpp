@@ -1,4 +1,4 @@
-// What a log may say, and which trace a request belongs to.
+// Tests the content of the log, and the trace to which a request belongs.
 #include "server/service/http/service_log.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The job store in SQLite keeps the laws of the queue.
+// Tests that the job store in SQLite obeys the laws of the queue.
 #include "server/service/jobs/sql_job_store.h"
 
 #include <set>

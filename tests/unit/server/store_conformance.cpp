@@ -9,7 +9,7 @@ namespace {
 
 TEST_P(StoreConformance, FilesAreNamedAfterTheirContentAndStayAsLongAsSomebodyHoldsThem) {
   std::optional<StoredFile> file = Kept("abc");
-  // FIPS 180-2, appendix B.1.
+  // This is the example of FIPS 180-2, appendix B.1.
   EXPECT_EQ(file->sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(file->bytes, 3u);
   EXPECT_EQ(ReadText(file->path), "abc");
@@ -17,9 +17,9 @@ TEST_P(StoreConformance, FilesAreNamedAfterTheirContentAndStayAsLongAsSomebodyHo
   EXPECT_EQ(same->path, file->path);
   const std::string path = file->path;
   file.reset();
-  EXPECT_EQ(ReadText(path), "abc") << "somebody still holds it";
+  EXPECT_EQ(ReadText(path), "abc") << "the file is still held";
   same.reset();
-  EXPECT_FALSE(std::filesystem::exists(path)) << "nothing was put together with it";
+  EXPECT_FALSE(std::filesystem::exists(path)) << "no entry refers to the file";
 }
 
 TEST_P(StoreConformance, NothingIsFoundUnderANameThatIsNone) {
@@ -60,8 +60,9 @@ TEST_P(StoreConformance, ArtifactsAreServedUnderTheirNameAndNothingElseIs) {
   PutModel("source");
   const std::string picture = Sha256Hex("question..");
   EXPECT_EQ(store().FindArtifact("", picture + ".png").value().bytes, 10u);
-  EXPECT_FALSE(store().FindArtifact("", picture + ".html").has_value()) << "the browser would run it";
-  EXPECT_FALSE(store().FindArtifact("", Sha256Hex("source") + ".png").has_value()) << "somebody's CAD file";
+  EXPECT_FALSE(store().FindArtifact("", picture + ".html").has_value()) << "the browser would execute it";
+  EXPECT_FALSE(store().FindArtifact("", Sha256Hex("source") + ".png").has_value())
+      << "this is an uploaded CAD file";
 }
 
 TEST_P(StoreConformance, AnOwnerFindsOnlyWhatIsTheirs) {
@@ -76,7 +77,7 @@ TEST_P(StoreConformance, GivesUpWhatWasUsedLongestAgo) {
   PutAnswer("one", 300);
   PutAnswer("two", 300);
   PutAnswer("three", 300);
-  EXPECT_TRUE(HasAnswer("one")) << "this use makes two the oldest";
+  EXPECT_TRUE(HasAnswer("one")) << "after this use, two is the oldest";
   PutAnswer("four", 300);
   EXPECT_TRUE(HasAnswer("one"));
   EXPECT_FALSE(HasAnswer("two"));
@@ -86,7 +87,7 @@ TEST_P(StoreConformance, GivesUpWhatWasUsedLongestAgo) {
   const auto too_large = store().MakeRoom(1001);
   ASSERT_FALSE(too_large.ok());
   EXPECT_EQ(too_large.error().code, ErrorCode::kWriteFailed);
-  EXPECT_TRUE(HasAnswer("four")) << "nothing is given up in vain";
+  EXPECT_TRUE(HasAnswer("four")) << "nothing may be deleted without need";
 }
 
 TEST_P(StoreConformance, NeverGivesUpWhatAJobNeeds) {
@@ -98,10 +99,10 @@ TEST_P(StoreConformance, NeverGivesUpWhatAJobNeeds) {
   job.question = "question";
   job.needs = {ModelItem("", id)};
   ASSERT_TRUE(jobs().Submit(job).ok());
-  EXPECT_FALSE(store().MakeRoom(500).ok()) << "only the model could go";
+  EXPECT_FALSE(store().MakeRoom(500).ok()) << "only the model could be deleted";
   ASSERT_TRUE(store().FindModel("", id).has_value());
 
-  // Nobody needs it after the job's end.
+  // After the job's end, the model is no longer needed.
   Job claimed = jobs().Claim("worker", 60).value().value();
   EXPECT_FALSE(store().MakeRoom(500).ok());
   claimed.state = JobState::kCancelled;

@@ -1,5 +1,5 @@
-// The laws of what is kept (server/service/store/store.h), for any implementation: a file of tests brings a
-// host of its own and says
+// Tests the laws of the store (server/service/store/store.h) for any implementation. A file of tests defines
+// a host of its own, and contains
 //
 //   INSTANTIATE_TEST_SUITE_P(Files, StoreConformance, testing::Values(&MakeFileStoreHost));
 #pragma once
@@ -17,13 +17,13 @@
 
 namespace facetless {
 
-// Where an implementation keeps its files; nothing is in there at first.
+// The place where an implementation stores its files. It is empty at first.
 class StoreHost {
  public:
   virtual ~StoreHost() = default;
-  // Opens what is kept there, after closing what the last call returned.
+  // Closes the store that the last call returned, and opens the stored data again.
   virtual Store& Open(const StoreLimits& limits) = 0;
-  // The jobs that hold on to what they need in the open store.
+  // The jobs that hold files of the open store.
   virtual JobStore& jobs() = 0;
 };
 
@@ -37,7 +37,7 @@ class StoreConformance : public testing::TestWithParam<std::unique_ptr<StoreHost
   Store& store() { return *store_; }
   JobStore& jobs() { return host_->jobs(); }
 
-  // A file of the store with this text.
+  // Returns a file of the store with this text.
   StoredFile Kept(const std::string& text) {
     scratch_.push_back(store().Scratch().value());
     return store().AddFile(WriteText(scratch_.back().File("file"), text), "").value();
@@ -48,7 +48,7 @@ class StoreConformance : public testing::TestWithParam<std::unique_ptr<StoreHost
         store().PutModel(owner, Sha256Hex(source), "part.step", {{"faces", 3}}, Kept(source), Kept(model));
     ASSERT_TRUE(put.ok()) << put.error().message;
   }
-  // An answer with a picture of so many bytes.
+  // Stores an answer with a picture of the given number of bytes.
   void PutAnswer(const std::string& question, std::size_t bytes) {
     const StoredFile picture = Kept(question + std::string(bytes - question.size(), '.'));
     const auto put = store().PutAnswer("", Sha256Hex(question), "{}", {{picture.sha256 + ".png", picture}});

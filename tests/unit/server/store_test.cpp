@@ -44,7 +44,7 @@ std::unique_ptr<StoreHost> MakeFileStoreHost() {
 
 INSTANTIATE_TEST_SUITE_P(Files, StoreConformance, testing::Values(&MakeFileStoreHost));
 
-// What is of the files alone: where they lie, what a crash leaves, who owns the directory.
+// Tests properties of the files: their places, the state after a crash, the owner of the directory.
 class Stored : public testing::Test {
  protected:
   Stored() { Open(); }
@@ -57,7 +57,7 @@ class Stored : public testing::Test {
     store_.reset();
     data_directory_.reset();
   }
-  // A file of the store with this text.
+  // Returns a file of the store with this text.
   StoredFile Kept(const std::string& text) {
     scratch_.push_back(store_->Scratch().value());
     return store_->AddFile(WriteText(scratch_.back().File("file"), text), "").value();
@@ -68,7 +68,7 @@ class Stored : public testing::Test {
         store_->PutModel(owner, Sha256Hex(source), "part.step", {{"faces", 3}}, Kept(source), Kept(model));
     ASSERT_TRUE(put.ok()) << put.error().message;
   }
-  // An answer with a picture of so many bytes.
+  // Stores an answer with a picture of the given number of bytes.
   void PutAnswer(const std::string& question, std::size_t bytes) {
     const StoredFile picture = Kept(question + std::string(bytes - question.size(), '.'));
     const auto put = store_->PutAnswer("", Sha256Hex(question), "{}", {{picture.sha256 + ".png", picture}});
@@ -175,7 +175,7 @@ class Checked : public Stored {
     std::filesystem::permissions(source_, std::filesystem::perms::owner_write,
                                  std::filesystem::perm_options::add);
   }
-  // What the check finds, as kinds.
+  // Returns the kinds of faults that the check finds.
   std::vector<std::string> Faults() {
     scratch_.clear();
     Close();

@@ -1,4 +1,4 @@
-// Which requests are the same question.
+// Tests which requests are the same question.
 #include "server/service/jobs/submission.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(Submission, OtherwiseTheQuestionIsAnother) {
   EXPECT_NE(QuestionOf({{"color", "#102030"}}), QuestionOf({{"color", "#102031"}}));
   EXPECT_NE(QuestionOf({{"section", "z=50%"}}), QuestionOf({{"section", "z=50"}}));
   EXPECT_NE(QuestionOf({{"shade", "zebra:stripes=7"}}), QuestionOf({{"shade", "zebra:stripes=8"}}));
-  // A budget that is named is cut less than one that is not.
+  // A budget that the request names is reduced less than the default budget.
   EXPECT_NE(QuestionOf({{"budget_seconds", 60}}, JobKind::kTrade),
             QuestionOf(Json::object(), JobKind::kTrade));
 }

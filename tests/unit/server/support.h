@@ -1,5 +1,5 @@
-// What the tests of the server share: where files and programs are, files with a given text, and running a
-// program.
+// Shared by the tests of the server: finds files and programs, writes files with a given text, and runs
+// programs.
 #pragma once
 
 #include <cstdlib>
@@ -38,7 +38,7 @@ inline std::vector<std::string> Environment() {
   return environment;
 }
 
-// Runs a program to its end, with this process's environment and `extra`.
+// Runs a program until it ends, with this process's environment and `extra`.
 inline ChildOutcome RunProgram(const std::string& program, const std::vector<std::string>& arguments,
                                const std::string& directory, const std::vector<std::string>& extra = {}) {
   ChildRequest request;
@@ -54,7 +54,7 @@ inline ChildOutcome RunProgram(const std::string& program, const std::vector<std
                       : ChildOutcome{.exit_code = -1, .out = {}, .error_tail = outcome.error().message};
 }
 
-// The environment variable `name` is `value` as long as this lives.
+// Sets the environment variable `name` to `value` while this object lives.
 class ScopedEnvironment {
  public:
   ScopedEnvironment(const char* name, const std::string& value) : name_(name) {

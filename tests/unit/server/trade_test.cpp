@@ -1,4 +1,4 @@
-// `facetless trade` as a whole, on a sample: its files, and numbers that agree with each other.
+// Tests `facetless trade` as a whole, on a sample: its files, and the consistency of its numbers.
 #include "server/run/trade.h"
 
 #include <gmock/gmock.h>
@@ -45,7 +45,7 @@ TEST_F(Trade, MeasuresBothTracersAndAnswers) {
                                           "trade-time.png", "trade-memory.svg", "trade-memory.png"}));
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "temporary files were left behind";
 
-  // Every point is there, complete, and adds up.
+  // Every point must be there, complete, and its times must add up.
   const Json report = Report();
   std::set<std::string> names;
   for (const Json& point : report.at("trade").at("points")) {
@@ -67,15 +67,16 @@ TEST_F(Trade, MeasuresBothTracersAndAnswers) {
   EXPECT_EQ(names, (std::set<std::string>{"fast", "standard, tolerance 1e-3", "standard", "certified",
                                           "mesh 1e-2, 30°", "mesh 1e-3, 30°"}));
 
-  // The exact one is exact, and a finer mesh is better: by what the deflection promises, 1e-3 of the
-  // diagonal.
+  // The certified point is exact. A finer mesh is better, by as much as the deflection promises, which is
+  // 1e-3 of the diagonal.
   EXPECT_EQ(PointOf(report, "certified").at("depth_mm").at("max"), 0);
   const Json coarse = PointOf(report, "mesh 1e-2, 30°"), fine = PointOf(report, "mesh 1e-3, 30°");
   EXPECT_LT(fine.at("deviation_mm").at("p99"), coarse.at("deviation_mm").at("p99"));
   EXPECT_GT(fine.at("triangles"), coarse.at("triangles"));
   EXPECT_LE(fine.at("deviation_mm").at("p99").get<double>(), 2 * fine.at("deflection_mm").get<double>());
 
-  // Something is on each front, the answers name points that exist, and everyone reads the same sentences.
+  // Each front must contain points, the answers must name existing points, and all outputs must have the same
+  // sentences.
   for (const char* front : {"time", "memory"}) {
     bool any = false;
     for (const Json& point : report.at("trade").at("points"))
@@ -109,7 +110,7 @@ TEST_F(Trade, GivesEachViewItsPlots) {
 }
 
 TEST_F(Trade, SkipsWhatExceedsItsBudgetAndSaysSo) {
-  // The wavy sheet takes seconds at 1e-4, and at 1e-5 it is not tried any more.
+  // The wavy sheet takes seconds at 1e-4. At 1e-5 it is no longer tried.
   const ChildOutcome outcome = Run({"--deflections", "3e-2,1e-4,1e-5", "--angles", "30", "--tolerances",
                                     "1e-3", "--size", "48x48", "--budget-seconds", "0.4"},
                                    Sample("wavy_sheet.step"));
@@ -135,7 +136,7 @@ TEST_F(Trade, SaysInOneSentenceWhatIsWrong) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }
 
-// The bolts of the assembly, placed eight times, are made invisible.
+// The bolts of the assembly, which are placed eight times, are hidden.
 TEST_F(Trade, MeasuresWhatIsShown) {
   std::string text = ReadText(Sample("assembly.step"));
   const std::size_t styled = text.find("STYLED_ITEM('color',(#1584),#765)");
@@ -157,7 +158,8 @@ TEST_F(Trade, MeasuresWhatIsShown) {
   const Json mesh = PointOf(shown, "mesh 1e-2, 30°"), whole_mesh = PointOf(whole, "mesh 1e-2, 30°");
   EXPECT_LT(mesh.at("triangles"), whole_mesh.at("triangles"));
   EXPECT_LT(PointOf(shown, "certified").at("leaves"), PointOf(whole, "certified").at("leaves"));
-  // Both tracers see the same: what one of them alone saw would be off by millimetres.
+  // Both tracers must see the same parts: a part that only one of them saw would give an error of
+  // millimetres.
   EXPECT_LE(mesh.at("deviation_mm").at("p99").get<double>(), 2 * mesh.at("deflection_mm").get<double>());
 }
 

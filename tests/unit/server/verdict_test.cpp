@@ -1,4 +1,4 @@
-// The verdict on a run, and the sentences that it owes.
+// The verdict on a run, and the sentences that explain it.
 #include "server/run/verdict.h"
 
 #include <gmock/gmock.h>

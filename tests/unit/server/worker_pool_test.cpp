@@ -34,7 +34,7 @@ TEST(WorkerPool, EndsWhereNothingEverRan) {
 }
 
 TEST(WorkerPool, ThoseThatWaitForEachOtherAllRun) {
-  // As many as there are threads, far more than processors: none ends before the last has begun.
+  // There are as many jobs as threads, far more than processors. None ends before the last one has begun.
   constexpr int kThreads = 64;
   std::latch all(kThreads);
   WorkerPool pool(kThreads);

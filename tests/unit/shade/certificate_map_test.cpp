@@ -1,4 +1,4 @@
-// Each sample's colour, and a legend that counts them.
+// The colour of each sample, and a legend that counts them.
 #include "render/shade/certificate_map.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Hatching: lines of one width, one distance and a direction for each solid.
+// Hatching: all lines have the same width and distance, and each solid has a direction of its own.
 #include "render/shade/hatch.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ TEST(Hatch, CoversTheShareThatItsLinesHave) {
 }
 
 TEST(Hatch, RunsAlongItsOwnDirectionOnly) {
-  // 45° downwards to the left for the first solid: along it nothing changes.
+  // The lines of the first solid run downwards to the left at 45°, so nothing changes in this direction.
   for (int i = 0; i < 50; ++i) {
     EXPECT_NEAR(HatchCover(i, 50 - i, 0), HatchCover(0, 50, 0), 1e-5);
     EXPECT_NEAR(HatchCover(i, i, 1), HatchCover(0, 0, 1), 1e-5);

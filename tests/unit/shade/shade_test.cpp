@@ -1,4 +1,4 @@
-// Shading: what it may depend on, where its lines run, and that it is the same everywhere.
+// Shading: what it depends on, where its lines run, and that it is the same on every machine.
 #include "render/shade/shade.h"
 
 #include <gtest/gtest.h>
@@ -18,13 +18,13 @@ Camera FrontCamera(int width, int height) {
   Camera camera;
   camera.eye = {0, -10, 0};
   camera.up = {0, 0, 1};
-  camera.height = height;  // a millimetre per pixel
+  camera.height = height;  // one millimetre per pixel
   camera.width_px = width;
   camera.height_px = height;
   return camera;
 }
 
-// Samples of a plane at depth 10 that faces the viewer, seen by FrontCamera.
+// Samples of a plane at depth 10 that is parallel to the image, seen by FrontCamera.
 SampleBuffer FacingPlane(int width, int height) {
   SampleBuffer samples;
   samples.Resize(width, height);
@@ -42,7 +42,7 @@ Film Shaded(const SampleBuffer& samples, const ShadeOptions& options = {},
   return film.value();
 }
 
-// The columns of row `y` where `options`, with edges, change the picture.
+// Returns the columns of row `y` in which `options`, with edges, change the picture.
 std::vector<int> LineColumns(const SampleBuffer& samples, ShadeOptions options, int y) {
   options.edges = true;
   const Film with = Shaded(samples, options);
@@ -80,7 +80,7 @@ TEST(Studio, TheKeyIsAboveLeftAndWarmTheFillIsCool) {
 }
 
 TEST(Studio, ShadingIsContinuous) {
-  // Neighbouring normals, a tenth of a degree apart, differ by less than what an eye sees.
+  // Normals that differ by a tenth of a degree must differ in colour by less than the eye sees.
   const Vec3 view{0, 0, 1};
   Vec3 last = StudioView(view).Light({-1, 0, 0}, {0.45, 0.45, 0.45});
   for (int i = 1; i <= 1800; ++i) {
@@ -93,7 +93,7 @@ TEST(Studio, ShadingIsContinuous) {
 }
 
 TEST(Shade, DependsOnlyOnNormalViewAndFace) {
-  // The same sample, anywhere and at any depth, has the same colour in an orthographic view.
+  // In an orthographic view, the same sample has the same colour at any place and at any depth.
   SampleBuffer samples = FacingPlane(4, 1);
   for (std::size_t i = 0; i < 4; ++i) samples.normal[i] = {0.6f, -0.8f, 0};
   samples.depth = {10, 1e6, -5, 3};
@@ -152,7 +152,7 @@ TEST(Shade, RefusesWhatIsNoNumber) {
   SampleBuffer samples = FacingPlane(4, 4);
   samples.depth[6] = nan;
   EXPECT_NE(Shade(samples, frame, {}, {}).error().message.find("(2, 1)"), std::string::npos)
-      << "names the pixel";
+      << "the message must name the pixel";
   ShadeOptions bad;
   bad.edge_angle_deg = nan;
   EXPECT_EQ(Shade(FacingPlane(4, 4), frame, {}, bad).error().code, ErrorCode::kBadUsage);
@@ -179,18 +179,18 @@ TEST(Edges, ASilhouetteIsOnePixelWideAndBelongsToTheNearerSide) {
     for (int x = 6; x < 12; ++x) samples.depth[y * 12 + x] = INFINITY;
   ShadeOptions options;
   EXPECT_EQ(LineColumns(samples, options, 1), std::vector<int>{5});
-  // Before a surface farther away: the same.
+  // In front of a surface that is farther away, the result is the same.
   for (int y = 0; y < 3; ++y)
     for (int x = 6; x < 12; ++x) samples.depth[y * 12 + x] = 40;
   EXPECT_EQ(LineColumns(samples, options, 1), std::vector<int>{5});
-  // With samples, as many samples wide, on both sides.
+  // With several samples per pixel, the line is as many samples wide, on both sides.
   options.samples_x = 4;
   EXPECT_EQ(LineColumns(samples, options, 1), (std::vector<int>{4, 5, 6, 7}));
 }
 
 TEST(Edges, ACreaseNeedsTwoFacesAndTheAngle) {
   const auto lines = [](double angle_deg, std::uint32_t other_face) {
-    // A roof: two planes that meet in the middle, each turned by half the angle.
+    // A roof: two planes that meet in the middle, each tilted by half the angle.
     SampleBuffer samples = FacingPlane(12, 1);
     const double half = angle_deg / 2 * 3.14159265358979 / 180;
     for (int x = 0; x < 12; ++x) {
@@ -206,12 +206,12 @@ TEST(Edges, ACreaseNeedsTwoFacesAndTheAngle) {
   EXPECT_EQ(lines(90, 1), 2u);
   EXPECT_EQ(lines(21, 1), 2u);
   EXPECT_EQ(lines(19, 1), 0u);
-  EXPECT_EQ(lines(90, 0), 0u) << "one face bends as it likes";
+  EXPECT_EQ(lines(90, 0), 0u) << "within one face there are no lines";
 }
 
 TEST(Edges, SlopesAndBendsAreNoSilhouettes) {
   const ShadeOptions options;
-  // A plane of up to 85 degrees.
+  // A plane tilted by up to 85 degrees.
   for (double degrees : {30.0, 60.0, 80.0, 85.0}) {
     const double slope = std::tan(degrees * 3.14159265358979 / 180);
     SampleBuffer samples = FacingPlane(40, 1);
@@ -222,7 +222,8 @@ TEST(Edges, SlopesAndBendsAreNoSilhouettes) {
     }
     EXPECT_TRUE(LineColumns(samples, options, 0).empty()) << degrees;
   }
-  // A sphere, whose depth changes ever faster towards its rim: a line at the rim and nowhere else.
+  // The depth of a sphere changes ever faster towards its rim. There must be a line at the rim and nowhere
+  // else.
   for (double shift : {0.0, 0.01, 0.3, 0.49}) {
     SampleBuffer samples;
     samples.Resize(100, 1);
@@ -238,7 +239,7 @@ TEST(Edges, SlopesAndBendsAreNoSilhouettes) {
 }
 
 TEST(Edges, SupersampledLinesAreSoft) {
-  // A slanted border through 4 × 4 samples: the resolved line has intermediate values.
+  // With 4 × 4 samples, the line along a slanted border must have intermediate values after resolving.
   SampleBuffer samples = FacingPlane(64, 64);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x)

@@ -1,4 +1,4 @@
-// The audit: closed is closed, open is noticed, and both directions see the same.
+// The audit accepts closed solids, notices open ones, and finds the same crossings in both directions.
 #include "render/trace/audit.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(Audit, AClosedSphereHasNoOddRayFromAnySide) {
 }
 
 TEST(Audit, AHoleMakesEveryRayThroughItOdd) {
-  // A rectangle is crossed once by each ray that meets it: nothing could be more open.
+  // A rectangle that is declared a closed solid: every ray that meets it crosses it once.
   const Model model = ClosedSolid(ModelOf({testing::Rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 1})}));
   const DirectStats stats = AuditOf(model, "iso", Projection::kOrthographic, 100);
   EXPECT_GT(stats.hits, 1000u);
@@ -47,7 +47,7 @@ TEST(Audit, WithoutAClosedSolidThereIsNothingToCount) {
 }
 
 TEST(Audit, PlacementsAreSolidsOfTheirOwn) {
-  // Two placements of one sphere that overlap: each is crossed twice, the rays through both four times.
+  // Two placements of one sphere overlap. Each is crossed twice, and rays through both cross four times.
   ModelBuilder builder(ClosedSolid(ModelOf({testing::Sphere({0, 0, 0}, 5)})));
   Instance other;
   other.placement.m[0][3] = 3;

@@ -1,4 +1,5 @@
-// A view's work is bounded, whatever numbers a model holds: what would go on without end is given up by name.
+// The work of a view is bounded, whatever numbers a model contains. Work that would not end is given up, and
+// listed.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -30,12 +31,12 @@ Result<DirectResult> Render(const Model& model) {
   return TraceDirect(Scene(model), camera, options);
 }
 
-// A number of any size between 10^low and 10^high: what is left of a double in a damaged file.
+// Returns a number between 10^low and 10^high, as a damaged file may contain.
 double DamagedNumber(int low, int high, std::mt19937_64* random) {
   return std::pow(10.0, std::uniform_real_distribution<double>(low, high)(*random));
 }
 
-// A sphere of which `count` control points from `first` on are damaged.
+// Returns a sphere of which `count` control points from `first` on are damaged.
 testing::PatchGrid DamagedSphere(std::uint64_t seed, std::size_t first, std::size_t count) {
   std::mt19937_64 random(seed);
   testing::PatchGrid grid = testing::Sphere({0, 0, 0}, 10);
@@ -47,7 +48,7 @@ testing::PatchGrid DamagedSphere(std::uint64_t seed, std::size_t first, std::siz
 }
 
 Model ModelOfSpheres(const std::vector<testing::PatchGrid>& spheres) {
-  // No builder takes their numbers: they replace those of sound spheres.
+  // The builder rejects such numbers, so they replace those of sound spheres afterwards.
   Model model =
       testing::ModelOf(std::vector<testing::PatchGrid>(spheres.size(), testing::Sphere({0, 0, 0}, 10)));
   auto point = model.control_points.begin();
@@ -55,8 +56,8 @@ Model ModelOfSpheres(const std::vector<testing::PatchGrid>& spheres) {
   return model;
 }
 
-// How often hard leaves may ask the fallback solver in a view of such a model: each patch as often as its
-// pieces allow, and once for each piece that it was given up with, at each sample.
+// The number of times that hard leaves may call the fallback solver in a view of such a model: for each
+// patch, the number of its pieces, and one call at each sample for each piece that was given up.
 std::uint64_t MostFallbacks(const Model& model) {
   const double samples = kSize * kSize;
   std::uint64_t most = 0;
@@ -78,8 +79,8 @@ RC_GTEST_PROP(BoundedWork, HoldsForDamagedNumbers, ()) {
   RC_ASSERT(stats.fallbacks <= MostFallbacks(model));
 }
 
-// Each such sphere leaves some hundred leaves that no ray can be told to miss. Many of them together use up
-// what a ray may spend.
+// Each such sphere leaves some hundred leaves that the ray cannot be proven to miss. Together, many of them
+// exceed the limit of work of a ray.
 TEST(BoundedWork, EndsARayByName) {
   std::vector<testing::PatchGrid> spheres;
   for (std::uint64_t seed = 0; seed < 20; ++seed) spheres.push_back(DamagedSphere(seed, 0, 72));

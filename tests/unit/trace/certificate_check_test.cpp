@@ -1,4 +1,4 @@
-// The independent check of certificates: agrees with what is right, and contradicts what is wrong.
+// The independent check of certificates agrees with correct roots, and contradicts wrong ones.
 #include "render/trace/certificate_check.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 using testing::ModelOf;
 
 Placement Turned(double scale, Vec3 shift) {
-  // A turn about (1, 1, 1) by a third: the axes change places.
+  // A rotation about (1, 1, 1) by a third of a turn, which permutes the axes.
   Placement placement;
   const double m[3][4] = {{0, 0, scale, shift.x}, {scale, 0, 0, shift.y}, {0, scale, 0, shift.z}};
   for (int r = 0; r < 3; ++r)
@@ -84,7 +84,7 @@ class PlaneCheck : public ::testing::Test {
     camera.width_px = camera.height_px = 8;
     frame_ = MakeFrame(camera, model_.Diagonal()).value();
   }
-  // The pixel (x, y) meets (x − 2, 6 − y, 0): u and v are that over 4.
+  // The ray of pixel (x, y) meets (x − 2, 6 − y, 0). u and v are these coordinates divided by 4.
   StatedRoot RootAt(double x, double y) const {
     StatedRoot root;
     root.u = (x - 2) / 4;
@@ -138,7 +138,7 @@ TEST_F(PlaneCheck, ANearerHitIsFound) {
   EXPECT_EQ(check.CheckRay(1.5, 4.25, INFINITY, 0), RayCheck::kClear);  // beside the plane
 }
 
-// Whatever the degree and the sides of a patch that are equal: a closed one has no width between its corners.
+// Patches of any degree with two equal sides: a closed patch has no width between its corners.
 TEST(CertificateCheck, AHitOnAClosedPatchIsFound) {
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     const Model model = ModelOf({testing::Sphere({0, 0, 0}, 5)});

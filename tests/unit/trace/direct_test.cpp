@@ -1,4 +1,5 @@
-// The direct renderer against closed forms. Every sample is checked: hit or miss, depth, normal, certificate.
+// The direct renderer, compared with closed forms. Every sample is checked: hit or miss, depth, normal,
+// certificate.
 #include "render/trace/direct.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@ using testing::Sphere;
 using testing::Torus;
 
 struct Analytic {
-  // The nearest hit's depth along the ray, or nothing; NaN where rounding may decide either way.
+  // Returns the nearest hit's depth along the ray, or nothing. Returns NaN if rounding may decide either way.
   std::function<std::optional<double>(const Ray&)> depth;
   std::function<Vec3(Vec3)> normal;
 };
@@ -29,7 +30,7 @@ Camera ViewOf(const Model& model, const char* name, Projection projection, int s
   return NamedView(name, model.bounds, projection, size, size).value();
 }
 
-// Renders and compares each sample.
+// Renders the model and compares each sample.
 void ExpectMatches(const Model& model, const Camera& camera, const Analytic& analytic, double tolerance,
                    std::uint64_t max_uncertain) {
   const Scene scene(model);
@@ -96,9 +97,9 @@ TEST(Direct, SphereFromEveryNamedView) {
 }
 
 TEST(Direct, PoleUnderThePixelCentre) {
-  // An odd image puts the pole of the top view exactly under the middle pixel, and a row and a column of
-  // pixels exactly on borders of patches, one of them the seam: nothing proves on which side of them a hit
-  // lies, but none may be lost.
+  // With an odd number of pixels, the pole is exactly under the middle pixel of the top view, and a row and a
+  // column of pixels lie exactly on borders of patches, one of which is the seam. It cannot be proven on
+  // which side of a border a hit lies, but no hit may be lost.
   const Model model = ModelOf({Sphere({0, 0, 0}, 10)});
   ExpectMatches(model, ViewOf(model, "top", Projection::kOrthographic, 201), SphereAt({0, 0, 0}, 10), 1e-8,
                 402);
@@ -135,8 +136,8 @@ TEST(Direct, CylinderAlongAndAcrossItsAxis) {
 }
 
 TEST(Direct, TorusAgainstItsQuartic) {
-  // The depth is refined from the answer itself: a root of the torus' implicit form must lie within 1e-9 of
-  // it.
+  // The expected depth is refined from the answer itself: a root of the torus' implicit form must lie within
+  // 1e-9 of it.
   const double major = 10, minor = 3;
   const Model model = ModelOf({Torus({0, 0, 0}, major, minor)});
   const auto implicit = [=](Vec3 p) {
@@ -151,7 +152,7 @@ TEST(Direct, TorusAgainstItsQuartic) {
     for (std::size_t i = 0; i < direct.samples.size(); ++i) {
       const Ray ray =
           PixelRay(direct.frame, double(i % camera.width_px) + 0.5, double(i / camera.width_px) + 0.5);
-      // March along the ray with the distance to the torus: the first root, or none.
+      // March along the ray with the distance to the torus, to find its first root, if any.
       double t = 0, distance = 0;
       const double speed = Length(ray.direction), far = 4 * model.Diagonal() + Length(ray.origin);
       for (int step = 0; step < 20000 && t * speed < far; ++step) {
@@ -208,7 +209,7 @@ TEST(Direct, CameraInsideTheModelSeesTheWallsAllAround) {
 }
 
 TEST(Direct, FacesThatNoRayCanSeeAreNamed) {
-  // The second rectangle is narrower than the distance between pixel centres and lies between two of them.
+  // The second rectangle is narrower than the distance between pixel centres, and lies between two of them.
   const double size = 100;
   Model model = ModelOf(
       {Rectangle({0, 0, 0}, {size, 0, 0}, {0, size, 0}), Rectangle({50.01, 20, 1}, {0.2, 0, 0}, {0, 20, 0})});
@@ -256,8 +257,8 @@ TEST(Direct, StopsWhenItIsToldToOrWouldTakeTooMuchMemory) {
 }
 
 TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
-  // A broken file claimed a gap of a fifth of the model's size; every leaf at the border then held half the
-  // image.
+  // A broken file claimed a gap of a fifth of the model's size. Every leaf at the border then covered half of
+  // the image.
   ModelBuilder builder(ModelOf({Sphere({0, 0, 0}, 10)}));
   const Vec3 corners[] = {{0, -1.5, 1}, {6.25, -1.5, 1}, {6.25, 1.5, 1}, {0, 1.5, 1}, {0, -1.5, 1}};
   builder.AddLoop();
@@ -273,8 +274,8 @@ TEST(Direct, AnAbsurdGapAtAnEdgeCostsNoMoreThanAnyOther) {
 }
 
 TEST(Direct, APlaneSeenEdgeOnIsNotSplitForever) {
-  // Pixel centres lie in the plane, and neither of its parameters runs along a ray: every piece holds some of
-  // them and none has a certificate. In a close-up the pieces were millions.
+  // Pixel centres lie in the plane, and neither of its parameters runs along a ray. Every piece contains some
+  // of the centres and none has a certificate. In a close-up there were millions of pieces.
   const Model model = ModelOf({Rectangle({0, 0, 0}, {10, 3, 0}, {-2, 10, 0})});
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     Camera camera;
@@ -294,8 +295,9 @@ TEST(Direct, APlaneSeenEdgeOnIsNotSplitForever) {
 }
 
 TEST(Direct, APatchThatItsErrorsPlaceAnywhereIsInDoubtAndNotSplitForever) {
-  // One corner is so far or so heavy that rounding swallows the rest: no piece can be culled, and none has a
-  // certificate. Such were split without an end, or until the memory was full.
+  // One corner is so far away, or has such a large weight, that rounding removes all other points. No piece
+  // can be culled, and none has a certificate. Such patches were once split without end, or until the memory
+  // was full.
   const Vec4 corners[][2] = {{{5, 5, 0, 1e161}, {1e151, 1e248, 1e223, 1}},
                              {{5, 5, 0, 1}, {1e230, 1e240, 0, 1e-167}},
                              {{1e254, 1e254, 0, 1e-56}, {5, 5, 0, 1}},
@@ -341,7 +343,7 @@ TEST(Direct, FarFromTheOriginByAPlacementLosesNoDigits) {
 }
 
 TEST(Direct, FromVeryFarOnlyTheDistancesOwnDigitsAreLost) {
-  // A rational surface from 6e7 times its size: its weights vary, its depth hardly does.
+  // A rational surface from a distance of 6e7 times its size: its weights vary, but its depth hardly changes.
   const Model model = ModelOf({Sphere({0, 0, 0}, 1)});
   Camera camera;
   camera.projection = Projection::kPerspective;
@@ -355,8 +357,8 @@ TEST(Direct, FromVeryFarOnlyTheDistancesOwnDigitsAreLost) {
 }
 
 TEST(Direct, NoMissIsCertifiedBetweenPiecesBesideAnApex) {
-  // Pixels on the diagonals, a hundred thousand millionth of the cone's size from its apex: there the pieces
-  // of a leaf without a certificate are not much larger than the error of a root.
+  // These pixels lie on the diagonals, at 1e-11 of the cone's size from its apex. There, the pieces of a leaf
+  // without a certificate are not much larger than the error of a root.
   const Model model = ModelOf({Frustum({0, 0, 0}, 1, 0, 1)});
   const Scene scene(model);
   for (const double window : {1e-5, 1e-6, 1e-7, 1e-8}) {
@@ -365,14 +367,14 @@ TEST(Direct, NoMissIsCertifiedBetweenPiecesBesideAnApex) {
     camera.height = window;
     camera.width_px = camera.height_px = 33;
     const DirectStats stats = TraceDirect(scene, camera, {}).value().stats;
-    EXPECT_GE(stats.hits, stats.rays - 1) << window;  // one ray on the seam may be left in doubt
+    EXPECT_GE(stats.hits, stats.rays - 1) << window;  // one ray on the seam may stay in doubt
     EXPECT_EQ(stats.certified, stats.certified_hits) << window;
   }
 }
 
 TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
-  // The middle column runs along meridians in which two patches meet; a silhouette or a corner of patches is
-  // not certain.
+  // The middle column runs along meridians in which two patches meet. A silhouette, or a corner of patches,
+  // is not certain.
   const Model model = ModelOf({Sphere({0, 0, 0}, 1)});
   for (const char* view : {"front", "top"}) {
     for (const Precision precision : {Precision::kFast, Precision::kStandard, Precision::kCertified}) {
@@ -386,8 +388,8 @@ TEST(Direct, RaysThroughABorderOfPatchesAreCertifiedWhereTheSurfaceGoesOn) {
 }
 
 TEST(Direct, TheEndsOfAnOpenSpiralDoNotVouchForEachOther) {
-  // One turn of a ramp: from above, the ray through its one end passes the other, 20 mm deeper. The middle
-  // row runs along both ends on the right, and on the left along a border of patches within the ramp.
+  // One turn of a ramp. Seen from above, the ray through one end passes the other end, 20 mm deeper. The
+  // middle row runs along both ends on the right, and along a border of patches within the ramp on the left.
   testing::PatchGrid spiral = testing::Frustum({0, 0, 0}, 10, 4, 1);
   spiral.kind = SurfaceKind::kBspline;
   for (std::size_t i = 0; i < spiral.points.size(); ++i) {

@@ -1,4 +1,4 @@
-// Whether a border winds around a pixel: by its edges' crossings of a half-line.
+// Tests whether a border winds around a pixel, by counting its edges' crossings of a half-line.
 #include "render/trace/edge_winding.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace trim_models;
 
-// Seen from +z with y up on the screen, 64 pixels to the unit: (0,0) is pixel (128, 128).
+// Seen from +z, with y upwards on the screen and 64 pixels per unit: (0,0) is pixel (128, 128).
 CameraFrame FromAbove() {
   Camera camera;
   camera.eye = {0, 0, 5};
@@ -64,7 +64,7 @@ TEST(EdgeWinding, OfAPolygonAsBruteForceHasIt) {
 }
 
 TEST(EdgeWinding, EdgesThatMissTheirVertexMeetInIt) {
-  // A triangle whose edges' ends miss each other; every pixel around a corner sees one closed border.
+  // The ends of the triangle's edges do not meet. Every pixel around a corner must see one closed border.
   Model model = PlaneModel(-2, 2, -2, 2);
   AddLoop(model, Polygon({{-1, -1}, {1, -1}, {0, 1}}));
   Random random(5);
@@ -76,7 +76,8 @@ TEST(EdgeWinding, EdgesThatMissTheirVertexMeetInIt) {
   }
   for (Vec4& p : model.edge_points) p.x += random.Uniform(-0.2, 0.2), p.y += random.Uniform(-0.2, 0.2);
   const ProjectedEdges edges(model, Placement(), FromAbove());
-  // A border that is closed is crossed as often to the left as to the right, mod 2: turn the picture round.
+  // A closed border has the same number of crossings to the left and to the right, modulo 2. Turn the picture
+  // to test this.
   Camera camera;
   camera.eye = {0, 0, 5};
   camera.up = {0, -1, 0};

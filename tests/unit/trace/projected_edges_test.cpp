@@ -1,4 +1,5 @@
-// The rule at shared edges: sides of projected curves, and faces that tile the image without overlap or gap.
+// The rule at shared edges: sides of projected curves, and faces that tile the image without overlap and
+// without a gap.
 #include "render/trace/projected_edges.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ CameraFrame FrameOf(Vec3 eye, Projection projection = Projection::kOrthographic)
   return frame.value();
 }
 
-// Seen from +z with y up on the screen: x runs to the right, rows downwards.
+// Seen from +z, with y upwards on the screen: x runs to the right, rows run downwards.
 CameraFrame FromAbove() {
   Camera camera;
   camera.eye = {0, 0, 5};
@@ -53,7 +54,8 @@ TEST(ProjectedEdges, SideOfALine) {
   Model model = PlaneModel(-2, 2, -2, 2);
   AddLoop(model, Polygon({{-1, 0}, {1, 0}, {0, 1}}));
   const ProjectedEdges edges(model, Placement(), FromAbove());
-  // The edge runs to the right through row 128; with y down the positive side is below it on the screen.
+  // The edge runs to the right through row 128. Since rows run downwards, the positive side is below it on
+  // the screen.
   const EdgeSide below = edges.SideOf(0, 0.2, 128, 130), above = edges.SideOf(0, 0.9, 128, 125);
   EXPECT_EQ(below.side, Side::kPositive);
   EXPECT_EQ(above.side, Side::kNegative);
@@ -62,7 +64,7 @@ TEST(ProjectedEdges, SideOfALine) {
   EXPECT_NEAR(below.parameter, 0.5, 1e-9);
   EXPECT_NEAR(below.tangent.x, 128, 1e-12);
   EXPECT_NEAR(below.tangent.y, 0, 1e-12);
-  // Beyond the end the tangent line goes on.
+  // Beyond the end, the tangent line is used.
   const EdgeSide beyond = edges.SideOf(0, 0.5, 250, 129);
   EXPECT_EQ(beyond.parameter, 1);
   EXPECT_EQ(beyond.side, Side::kPositive);
@@ -78,8 +80,8 @@ TEST(ProjectedEdges, OnTheLineOneSideIsChosen) {
 }
 
 TEST(ProjectedEdges, KinksAreDecidedByBothTangents) {
-  // One edge of two straight segments with a right angle at (0, 0), turning to the left and then, reversed,
-  // to the right.
+  // One edge consists of two straight segments with a right angle at (0, 0). It turns to the left and then,
+  // reversed, to the right.
   for (bool back : {false, true}) {
     Outline bent{{Line({-1, 0}, {0, 0}), Line({0, 0}, {0, 1})}};
     if (back) bent = Reversed(bent);
@@ -88,7 +90,7 @@ TEST(ProjectedEdges, KinksAreDecidedByBothTangents) {
     const ProjectedEdges edges(model, Placement(), FromAbove());
     for (double x : {-1.0, 1.0})
       for (double y : {-1.0, 1.0}) {
-        // Only the quarter x < 0, y > 0 (up) is inside the angle, on the left; in pixels that is the negative
+        // Only the quarter x < 0, y > 0 (up) is inside the angle, on the left. In pixels that is the negative
         // side.
         const bool inside = x < 0 && y > 0;
         const Side expected = inside != back ? Side::kNegative : Side::kPositive;
@@ -110,7 +112,7 @@ TEST(ProjectedEdges, CircleIsClosedAndExact) {
       const double quarter = angle / (kPi / 2);
       const double guess = std::fmod(quarter + random.Uniform(-0.3, 0.3) + 4, 4);
       const EdgeSide answer = edges.SideOf(0, guess, 128 + r * std::cos(angle), 128 - r * std::sin(angle));
-      // Counter-clockwise in (x, y up) is clockwise in pixels: the inside is the negative side.
+      // Counter-clockwise with y upwards is clockwise in pixels, so the inside is the negative side.
       EXPECT_EQ(answer.side, sign > 0 ? Side::kPositive : Side::kNegative) << angle << " " << off;
       EXPECT_NEAR(answer.distance_px, off, 1e-9);
     }
@@ -146,7 +148,7 @@ TEST(ProjectedEdges, BehindTheEyeIsUnknown) {
   camera.width_px = camera.height_px = 256;
   const CameraFrame frame = MakeFrame(camera, 4).value();
   const ProjectedEdges edges(model, Placement(), frame);
-  // The edge crosses the eye plane x = 0: its far half is seen, its near half isn't.
+  // The edge crosses the eye plane x = 0: its far half is visible, its near half is not.
   const PixelPoint seen = Project(frame, {0.5, 0, 0});
   const Side over = edges.SideOf(0, 0.75, seen.x + 1, seen.y - 1).side,
              under = edges.SideOf(0, 0.75, seen.x - 1, seen.y + 1).side;
@@ -166,8 +168,8 @@ TEST(ProjectedEdges, SeenEndOnIsUnknown) {
   EXPECT_EQ(edges.SideOf(0, 0.5, 100, 100).side, Side::kUnknown);
 }
 
-// A fan of flat faces around one vertex, all seen at once: every pixel near the vertex must be kept by
-// exactly one of them.
+// Checks a fan of flat faces around one vertex, which are all visible: exactly one of them must keep every
+// pixel near the vertex.
 void ExpectFanTiles(Random& random, int spokes) {
   std::vector<double> angles;
   for (int i = 0; i < spokes; ++i) angles.push_back(2 * kPi * (i + random.Uniform(0.05, 0.95)) / spokes);
@@ -191,8 +193,8 @@ void ExpectFanTiles(Random& random, int spokes) {
   };
   for (int i = 0; i < spokes; ++i) add_edge({0, 0}, at(angles[i]));
   for (int i = 0; i < spokes; ++i) {
-    // P-curves beside the true edges, differently for each face; the rim goes around so that reflex corners
-    // are possible.
+    // The p-curves deviate from the true edges, differently for each face. The rim varies, so that reflex
+    // corners may occur.
     const Vec2 shift{random.Uniform(-5e-4, 5e-4), random.Uniform(-5e-4, 5e-4)};
     const auto shifted = [&](double angle) { return at(angle) + shift; };
     const double turn = (angles[i + 1] - angles[i]) / 3;
@@ -242,7 +244,7 @@ RC_GTEST_PROP(ProjectedEdges, FansOfFacesTileTheImage, (std::uint32_t seed)) {
   ExpectFanTiles(random, random.Integer(3, 9));
 }
 
-// Two halves of a disc on either side of a curved edge whose p-curves are off by up to the gap.
+// Two halves of a disc on either side of a curved edge. Their p-curves deviate by up to the gap.
 RC_GTEST_PROP(ProjectedEdges, NeighboursAreComplementaryAlongACurve, (std::uint32_t seed)) {
   Random random(seed);
   const Curve arc{{-1, 0, 1}, {-0.3, random.Uniform(-1, 1), 1}, {0.4, random.Uniform(-1, 1), 1}, {1, 0, 1}};
@@ -253,7 +255,7 @@ RC_GTEST_PROP(ProjectedEdges, NeighboursAreComplementaryAlongACurve, (std::uint3
   };
   const Curve upper = shifted(arc, random.Uniform(-0.7, 0.7) * gap),
               lower = shifted(arc, random.Uniform(-0.7, 0.7) * gap);
-  // The upper face runs along the arc, the lower one against it.
+  // The upper face follows the arc, the lower one runs against it.
   Model above = PlaneModel(-2, 2, -2, 2), below = above;
   AddOpenLoop(above,
               {{upper}, {Line({1, 0}, {1, 1.5})}, {Line({1, 1.5}, {-1, 1.5})}, {Line({-1, 1.5}, {-1, 0})}},

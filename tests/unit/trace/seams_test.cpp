@@ -1,5 +1,5 @@
-// No light through the seams: faces that meet only to within a gap, from all sides, and with no tolerance for
-// a ray that is crossed an odd number of times.
+// Faces that meet only to within a gap must let no light through, seen from all sides. No ray may cross a
+// solid an odd number of times.
 #include "render/trace/seams.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace facetless {
 namespace {
 
-// A camera that sees the whole of `bounds` from `toward_eye`.
+// A camera that sees the whole of `bounds` from the direction `toward_eye`.
 Camera From(Vec3 toward_eye, const Box3& bounds, Projection projection, int size) {
   Camera camera;
   camera.target = bounds.center();
@@ -23,7 +23,7 @@ Camera From(Vec3 toward_eye, const Box3& bounds, Projection projection, int size
   return camera;
 }
 
-// The directions of a cube's faces, edges and corners.
+// Returns the directions of a cube's faces, edges and corners.
 std::vector<Vec3> Directions() {
   std::vector<Vec3> directions;
   for (double x = -1; x <= 1; ++x)
@@ -47,15 +47,16 @@ std::size_t SeamsIn(const Model& model, const Camera& camera) {
 }
 
 TEST(Seams, AGapThatIsWideInThePictureIsSeenAsWhatItIs) {
-  // Edges that lie off their faces by some hundredths of their length: near by, the samples in the gap are as
-  // many as the picture has.
+  // The edges lie off their faces by some hundredths of their length. From nearby, the number of samples in
+  // the gap is as large as that of the picture.
   const Model model = testing::LooseBox({10, 8, 6}, 0.25, 1);
   EXPECT_GT(SeamsIn(model, From({1, 2, 3}, model.bounds, Projection::kOrthographic, 48)), 0u);
   EXPECT_EQ(SeamsIn(model, From({1, 2, 3}, model.bounds, Projection::kOrthographic, 4096)), 0u);
 }
 
 TEST(Seams, ALooseBoxLetsNoLightThroughFromAnySide) {
-  // The gaps are pixels wide, and from most sides some faces are seen edge-on: no root is there to be kept.
+  // The gaps are several pixels wide, and from most sides some faces are seen edge-on, so that they have no
+  // root that could be kept.
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const Model model = testing::LooseBox({10, 8, 6}, 0.25, seed);
     ASSERT_TRUE(Validate(model).ok());
@@ -98,7 +99,7 @@ TEST(Seams, ABoxWithoutGapsHasNone) {
 }
 
 TEST(Seams, TheyAreThePixelsWithinReachOfAnEdge) {
-  // From above, of the four edges around the top and the four around the bottom, and of the upright ones.
+  // Seen from above, there are four edges around the top, four around the bottom, and the vertical ones.
   const double gap = 0.05;
   const Model model = testing::LooseBox({10, 8, 6}, gap, 2);
   const Camera camera = From({0, 0, 1}, model.bounds, Projection::kOrthographic, 400);
@@ -111,9 +112,10 @@ TEST(Seams, TheyAreThePixelsWithinReachOfAnEdge) {
     const Vec3 at = PixelRay(frame, sample.column + 0.5, sample.row + 0.5).origin;
     const double x = std::min(std::fabs(at.x), std::fabs(at.x - 10)),
                  y = std::min(std::fabs(at.y), std::fabs(at.y - 8));
-    // The edge is a gap off the box; a ray passes it within two, or a corner within two that add up.
+    // The edge is at most a gap away from the box. A ray passes the edge within two gaps, or a corner within
+    // the sum of two such distances.
     EXPECT_LE(std::min(x, y), 5 * gap) << sample.column << " " << sample.row;
-    // The depth is the edge's: the top or the bottom, or between them.
+    // The depth is that of the edge: at the top, at the bottom, or in between.
     const double height = camera.eye.z - sample.depth;
     EXPECT_GE(height, -gap);
     EXPECT_LE(height, 6 + gap);
@@ -121,8 +123,8 @@ TEST(Seams, TheyAreThePixelsWithinReachOfAnEdge) {
 }
 
 TEST(Seams, AnOddFaceBesideAnEdgeIsGivenACrossingOnTheEdge) {
-  // Looked at along y, at an edge that bulges out of a face seen edge-on: rays under the bulge meet nothing
-  // of the faces themselves.
+  // The view is along y, at an edge that bulges out of a face seen edge-on. Rays under the bulge do not meet
+  // the faces themselves.
   Model model = testing::LooseBox({10, 8, 6}, 0, 1);
   for (Vec4& p : model.edge_points)
     if (p.x == 5 && p.y == 0 && p.z == 6) p.z += 1;
@@ -135,7 +137,7 @@ TEST(Seams, AnOddFaceBesideAnEdgeIsGivenACrossingOnTheEdge) {
   camera.height = 14;
   const Result<DirectResult> picture = TraceDirect(Scene(model), camera, {});
   ASSERT_TRUE(picture.ok());
-  // The pixel at x = 5, z = 6.2: under the parabola, whose middle is half a millimetre up.
+  // The pixel at x = 5, z = 6.2 is under the parabola, whose middle is half a millimetre higher.
   const PixelPoint pixel = Project(picture.value().frame, {5, 0, 6.2});
   const std::size_t k = std::size_t(pixel.y) * 100 + std::size_t(pixel.x);
   EXPECT_NEAR(picture.value().samples.depth[k], Project(picture.value().frame, {5, 0, 6.5}).depth, 1);

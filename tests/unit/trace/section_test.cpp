@@ -1,4 +1,4 @@
-// Section planes against closed forms: areas of cuts, and what a view of a cut model shows.
+// Section planes, compared with closed forms: areas of cuts, and views of a cut model.
 #include "render/view/section.h"
 
 #include <gtest/gtest.h>
@@ -41,14 +41,14 @@ void ExpectArea(const SectionArea& area, double expected, double share) {
       << "rows " << area.error_parts.rows << ", odd " << area.error_parts.odd << ", move "
       << area.error_parts.move << ", gaps " << area.error_parts.gaps << ", missed " << area.error_parts.missed
       << ", undecided " << area.undecided_rows;
-  // Only what touches a surface may come out odd, and then it says so.
+  // Only a row that touches a surface may have an odd number of crossings, and it must be marked as doubtful.
   EXPECT_LE(area.odd_rows, area.doubtful_rows);
   EXPECT_LE(area.odd_rows, 8u);
 }
 
 TEST(SectionArea, OfASphereIsThatOfItsCircle) {
   const Model model = ClosedSolid(ModelOf({Sphere({1, 2, 3}, 25)}));
-  // Through the middle, where patches meet; off the middle; obliquely.
+  // Cut through the middle, where patches meet; off the middle; and obliquely.
   ExpectArea(Measure(model, {Plane({1, 2, 3}, {0, 0, 1})}), pi * 625, 1e-9);
   ExpectArea(Measure(model, {Plane({1, 2, 10}, {0, 0, 1})}), pi * (625 - 49), 1e-9);
   const Vec3 normal = Normalized({1, -2, 0.7});
@@ -57,10 +57,10 @@ TEST(SectionArea, OfASphereIsThatOfItsCircle) {
 
 TEST(SectionArea, OfATorus) {
   const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6)}));
-  // Across: two circles. Along: a ring.
+  // Across the tube there are two circles, and along it a ring.
   ExpectArea(Measure(model, {Plane({0, 0, 0}, {1, 0, 0})}), 2 * pi * 36, 1e-9);
   ExpectArea(Measure(model, {Plane({0, 0, 0}, {0, 0, -1})}), pi * (26 * 26 - 14 * 14), 1e-9);
-  // Above the middle at height h: between the radii 20 ± √(36 − h²).
+  // Above the middle at height h, the cut lies between the radii 20 ± √(36 − h²).
   ExpectArea(Measure(model, {Plane({0, 0, 3}, {0, 0, 1})}), pi * 4 * 20 * std::sqrt(27.0), 1e-9);
 }
 
@@ -94,7 +94,7 @@ TEST(SectionArea, OfOverlappingSolidsCountsOnceAndForEach) {
   builder.SetSolid(1, builder.AddSolid(true, "other"));
   const Model model = testing::Finished(std::move(builder));
   const SectionArea area = Measure(model, {Plane({0, 0, 0}, {0, 0, 1})});
-  // Two circles whose centres are one radius apart share 2r²·(π/3 − √3/4).
+  // Two circles whose centres are one radius apart share the area 2r²·(π/3 − √3/4).
   const double circle = 100 * pi, lens = 200 * (pi / 3 - std::sqrt(3.0) / 4);
   ExpectArea(area, 2 * circle - lens, 1e-9);
   ASSERT_EQ(area.solids.size(), 2u);
@@ -104,7 +104,7 @@ TEST(SectionArea, OfOverlappingSolidsCountsOnceAndForEach) {
 
 TEST(SectionArea, OfAFaceThatLiesInThePlaneIsThatOfTheKeptSide) {
   const Model model = LooseBox({10, 20, 30}, 0, 1);
-  // The top, with the box on the kept side; and with nothing there.
+  // The plane of the top, with the box on the kept side, and with nothing on it.
   const SectionArea kept = Measure(model, {Plane({0, 0, 30}, {0, 0, 1})});
   ExpectArea(kept, 200, 1e-9);
   EXPECT_EQ(kept.coincident_faces.size(), 1u);
@@ -114,14 +114,14 @@ TEST(SectionArea, OfAFaceThatLiesInThePlaneIsThatOfTheKeptSide) {
   EXPECT_EQ(removed.coincident_faces, kept.coincident_faces);
 }
 
-// A ring in the plane z = base: a cone's grid, flattened.
+// A ring in the plane z = base, from a cone's grid that is flattened.
 testing::PatchGrid Ring(double base, double outer, double inner) {
   testing::PatchGrid grid = Frustum({0, 0, 0}, outer, inner, 1);
   for (Vec4& p : grid.points) p.z = base * p.w;
   return grid;
 }
 
-// The area is within its own error of the closed form, and was found without a fight.
+// Checks that the area is within its own error of the closed form, and that it was found in a short time.
 void ExpectCovered(const SectionArea& area, double expected, const std::string& what) {
   EXPECT_LE(std::fabs(area.area_mm2 - expected), area.error_mm2)
       << what << ": " << area.area_mm2 << " for " << expected << ", moved " << area.moved_mm << ", rows "
@@ -133,12 +133,12 @@ void ExpectCovered(const SectionArea& area, double expected, const std::string& 
                              << area.area_mm2 << ", error " << area.error_mm2;
 }
 
-// The area of the part of a circle of radius r that lies beyond distance d from its centre.
+// Returns the area of the part of a circle of radius r that lies beyond the distance d from its centre.
 double Segment(double r, double d) {
   return d >= r ? 0 : d <= -r ? pi * r * r : r * r * std::acos(d / r) - d * std::sqrt((r - d) * (r + d));
 }
 
-// How far beyond (negative: before) the tangent plane the plane lies, mm.
+// Returns the distances of the plane beyond (negative: before) the tangent plane, in mm.
 std::vector<double> Offsets() {
   std::vector<double> offsets = {0};
   for (int e = -14; e <= -3; ++e)
@@ -151,12 +151,12 @@ TEST(SectionArea, TangentToACylinderAlongAGeneratorOrNearlySo) {
   const Model model = ClosedSolid(ModelOf({Frustum({0, 0, 0}, r, r, h), Ring(0, r, 0), Ring(h, r, 0)}));
   for (const double offset : Offsets()) {
     for (const double sign : {1.0, -1.0}) {
-      const double inside = -offset;  // how deep the plane lies within the cylinder
+      const double inside = -offset;  // depth of the plane within the cylinder
       const double expected = inside > 0 ? h * 2 * std::sqrt(inside * (2 * r - inside)) : 0;
       const SectionArea area = Measure(model, {Plane({r + offset, 0, 0}, {sign, 0, 0})});
       ExpectCovered(area, expected,
                     "cylinder " + std::to_string(sign) + " " + std::to_string(offset * 1e9) + " nm");
-      // The error is worth something, too.
+      // The stated error must be small, too.
       EXPECT_LE(area.error_mm2, 0.02) << offset;
     }
   }
@@ -188,8 +188,8 @@ TEST(SectionArea, TangentToATorusAlongItsTopOrNearlySo) {
 }
 
 TEST(SectionArea, BitangentToATorusIsTwoCirclesOfVillarceau) {
-  // The plane through the centre at the angle asin(r/R): two circles of radius R that overlap between the
-  // tangent points. The solid's cut is what lies in exactly one of them.
+  // The plane goes through the centre at the angle asin(r/R). It cuts two circles of radius R that overlap
+  // between the tangent points. The solid's cut consists of the points that lie in exactly one of them.
   const double major = 20, minor = 6;
   const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, major, minor)}));
   const double sine = minor / major, cosine = std::sqrt(1 - sine * sine);
@@ -202,7 +202,7 @@ TEST(SectionArea, BitangentToATorusIsTwoCirclesOfVillarceau) {
 }
 
 TEST(SectionArea, TangentToAHoleKeepsTheWholePlate) {
-  // Two coaxial cylinders: the plane touches the inner one, and cuts the outer one.
+  // Two coaxial cylinders: the plane touches the inner one and cuts the outer one.
   const double inner = 3, outer = 8, h = 4;
   const Model model =
       ClosedSolid(ModelOf({Frustum({0, 0, 0}, inner, inner, h), Frustum({0, 0, 0}, outer, outer, h),
@@ -220,7 +220,7 @@ TEST(SectionArea, TouchingASolidIsNamed) {
   const Model model = ClosedSolid(ModelOf({Torus({0, 0, 0}, 20, 6)}));
   const SectionArea area = Measure(model, {Plane({0, 0, 6}, {0, 0, 1})});
   EXPECT_EQ(area.touching_faces, (std::vector<std::uint32_t>{0}));
-  EXPECT_LT(area.moved_mm, 0) << "to the removed side, where nothing changes";
+  EXPECT_LT(area.moved_mm, 0) << "the plane must move to the removed side, where nothing changes";
   EXPECT_EQ(area.area_mm2, 0);
   EXPECT_GT(area.error_parts.move, 0);
 }
@@ -234,34 +234,34 @@ TEST(SectionArea, OfARandomPlaneIsWithinItsError) {
   std::uniform_real_distribution<double> even(-1, 1);
   for (int i = 0; i < 25; ++i) {
     Vec3 normal = Normalized({even(random), even(random), even(random)});
-    const double depth = std::pow(10.0, 4 * even(random) - 4);  // below a tangent plane: 1e-8 … 1 mm
+    const double depth = std::pow(10.0, 4 * even(random) - 4);  // distance below a tangent plane: 1e-8 … 1 mm
     const auto covered = [&](const Model& model, const SectionPlane& plane, double expected,
                              const char* what) {
       ExpectCovered(Measure(model, {plane}), expected, std::string(what) + " " + std::to_string(i));
     };
-    // Balls, near their tangent planes and through their middle.
+    // Balls, cut near their tangent planes and through their middle.
     for (const double d : {10 - depth, 10 * even(random)})
       covered(sphere, Plane(Vec3{1, 2, 3} + d * normal, normal), pi * (10 - d) * (10 + d), "sphere");
-    // A box above a corner: the triangle that the plane cuts off, and its middle by its four sides.
+    // A box, cut above a corner: the plane cuts off a triangle. A cut through its middle has four sides.
     const Vec3 corner{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
     const double legs = corner.x * corner.y * corner.z;
     const double cut = std::min({depth, corner.x * 10, corner.y * 20, corner.z * 30});
     covered(box, Plane(cut * corner, corner), cut * cut / (2 * legs), "corner of a box");
-    // Across the torus, parallel to its axis, and at right angles to it.
+    // A torus, cut parallel to its axis and at right angles to it.
     const double turn = pi * even(random), x = (20 - 6) * even(random);
     const Vec3 across{std::cos(turn), std::sin(turn), 0};
     const double height = 6 - std::min(depth, 11.0);
     covered(torus, Plane({0, 0, height}, {0, 0, 1}), 4 * pi * 20 * std::sqrt((6 - height) * (6 + height)),
             "torus");
     if (x == 0) continue;
-    // An ellipse of a long cylinder.
+    // An ellipse on a long cylinder.
     normal = Normalized({across.x, across.y, 0.05 + std::fabs(even(random))});
     covered(cylinder, Plane({0, 0, 100 * even(random)}, normal), pi * 100 / normal.z, "cylinder");
   }
 }
 
 TEST(SectionArea, OfAThinPinFarBelowTheSpacingOfTheFirstRows) {
-  // Two balls a metre apart fix the extent; the pin between them is 0.05 mm thick.
+  // Two balls that are a metre apart determine the extent. The pin between them is 0.05 mm thick.
   const Model model = ClosedSolid(
       ModelOf({Sphere({-500, -500, 0}, 1), Sphere({500, 500, 0}, 1), Frustum({3, 5, -10}, 0.05, 0.05, 20)}));
   const SectionArea area = Measure(model, {Plane({0, 0, 0}, {0, 0, 1})});
@@ -269,7 +269,7 @@ TEST(SectionArea, OfAThinPinFarBelowTheSpacingOfTheFirstRows) {
 }
 
 TEST(SectionArea, OfAnOpenShellIsNothingAndSaysSo) {
-  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});  // of no solid
+  const Model model = ModelOf({Sphere({0, 0, 0}, 10)});  // belongs to no solid
   const SectionArea area = Measure(model, {Plane({0, 0, 1}, {0, 0, 1})});
   EXPECT_EQ(area.area_mm2, 0);
   EXPECT_EQ(area.open_faces, (std::vector<std::uint32_t>{0}));
@@ -314,7 +314,7 @@ DirectResult View(const Model& model, const Camera& camera, std::vector<SectionP
   return std::move(result).value();
 }
 
-// What a ball that is cut at height `h`, its top removed, shows to a ray.
+// What a ray sees of a ball whose top is removed at height `h`.
 struct BallCut {
   double depth = INFINITY;
   bool cap = false;
@@ -325,7 +325,7 @@ BallCut CutBall(const Ray& ray, double radius, double h) {
   if (disc < 0) return {};
   for (const double root : {(-b - std::sqrt(disc)) / a, (-b + std::sqrt(disc)) / a}) {
     if (ray.origin.z + root * ray.direction.z > h) continue;
-    // Entered through the ball, or through the plane.
+    // The ray enters through the ball or through the plane.
     const double plane = (h - ray.origin.z) / ray.direction.z;
     const bool through_plane = ray.direction.z < 0 && plane > (-b - std::sqrt(disc)) / a;
     return through_plane ? BallCut{plane, true} : BallCut{root, false};
@@ -344,7 +344,7 @@ TEST(SectionView, OfACutBallShowsItsCapAndWhatIsKept) {
       std::uint64_t caps = 0, hits = 0;
       for (std::size_t i = 0; i < view.samples.size(); ++i) {
         const BallCut expected = CutBall(PixelRay(view.frame, i % 160 + 0.5, i / 160 + 0.5), radius, h);
-        // Rays that graze the ball, or its rim, are anybody's.
+        // Rays that graze the ball or its rim may have either answer.
         if (!std::isfinite(expected.depth) && view.samples.certificate[i] != Certificate::kCertified)
           continue;
         ASSERT_EQ(std::isfinite(view.samples.depth[i]), std::isfinite(expected.depth)) << name << " " << i;
@@ -431,7 +431,7 @@ TEST(SectionView, OfAnOpenShellHasNoCap) {
   const Camera camera = NamedView("top", model.bounds, Projection::kOrthographic, 64, 64).value();
   const DirectResult view = View(model, camera, {Plane({0, 0, 0}, {0, 0, 1})});
   EXPECT_EQ(view.stats.caps, 0u);
-  // One looks into the lower half.
+  // The camera looks into the lower half.
   EXPECT_NEAR(view.samples.depth[32 * 64 + 32] - camera.eye.z, 10, 0.2);
 }
 

@@ -1,4 +1,4 @@
-// The plot as files, and where its labels go.
+// The plot as files, and the places of its labels.
 #include "render/trade/plot.h"
 
 #include <gmock/gmock.h>
@@ -107,7 +107,7 @@ TEST(PlotLabels, StayInside) {
 }
 
 RC_GTEST_PROP(PlotLabelsProperty, AvoidEachOtherWhereThereIsRoom, ()) {
-  // Up to ten points in the middle of the paper.
+  // Place up to ten points in the middle of the paper.
   const auto points = *rc::gen::container<std::vector<std::pair<int, int>>>(
       rc::gen::pair(rc::gen::inRange(200, 600), rc::gen::inRange(150, 350)));
   std::vector<LabelRequest> requests;

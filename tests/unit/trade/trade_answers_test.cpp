@@ -1,4 +1,4 @@
-// What measured points answer, number for number and word for word.
+// The answers that measured points give: each number and each sentence.
 #include "render/trade/trade_answers.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,8 @@ using testing::Not;
 
 const TradeQuestionContext kContext = {"iso", ErrorMeasure::kP99, 1e-12, 1};
 
-// Error falls with the deflection, time grows with its inverse: both powers, so that interpolation is exact.
+// The error falls with the deflection, and the time grows with its inverse. Both are powers, so that
+// interpolation is exact.
 std::vector<TradePoint> PowerLaw() {
   return {DirectPoint(Precision::kStandard, 0, 100, 50'000'000), MeshPoint(1e-2, 1, 10, 20'000'000),
           MeshPoint(1e-3, 0.1, 40, 30'000'000), MeshPoint(1e-4, 0.01, 160, 40'000'000),
@@ -50,7 +51,7 @@ TEST(LimitAnswer, InterpolatesBetweenMeshesOfOneAngleOnly) {
   points.push_back(MeshPoint(1e-3, 0.02, 50, 30'000'000, 12));
   const LimitAnswer answer = AnswerLimit(points, false, 0.05, kContext);
   EXPECT_EQ(answer.angular_deg, 12);
-  EXPECT_FALSE(answer.deflection.has_value()) << "there is one mesh of 12° alone";
+  EXPECT_FALSE(answer.deflection.has_value()) << "there is only one mesh of 12°";
   EXPECT_THAT(answer.sentence, Not(HasSubstr("interpolation")));
 }
 
@@ -97,7 +98,7 @@ TEST(Crossover, LiesWhereTheInterpolatedCostsMeet) {
   EXPECT_EQ(answer.kind, Crossover::kAt);
   EXPECT_EQ(answer.coarser, 2u);
   EXPECT_EQ(answer.finer, 3u);
-  // Time is 40·4^k for an error of 0.1·10^−k.
+  // The time is 40·4^k for an error of 0.1·10^−k.
   ASSERT_TRUE(answer.error_mm.has_value());
   EXPECT_NEAR(*answer.error_mm, 0.1 * std::pow(10, -std::log(2.5) / std::log(4)), 1e-9);
   EXPECT_EQ(answer.sentence,
@@ -127,7 +128,7 @@ TEST(Crossover, SaysWhereTheMeasuredRangeEnds) {
 
 TEST(Crossover, UsesTheCheapestDirectSettingThatIsAccurateEnough) {
   std::vector<TradePoint> points = PowerLaw();
-  // Cheap, and good enough for anything coarser than 0.05 mm only.
+  // This point is cheap, but accurate enough only for limits above 0.05 mm.
   points.push_back(DirectPoint(Precision::kFast, 0.05, 20, 1));
   const CrossoverAnswer answer = AnswerCrossover(points, TradeCost::kTime, kContext);
   EXPECT_EQ(answer.finer, 3u);

@@ -1,4 +1,4 @@
-// Points measured on a ball, whose mesh has a known error.
+// Points that are measured on a ball, whose mesh has a known error.
 #include "render/trade/trade_measure.h"
 
 #include <gtest/gtest.h>
@@ -51,10 +51,10 @@ TEST_F(TradeOnABall, ReferenceKnowsItsPixels) {
   EXPECT_EQ(reference_.samples, 16);
   EXPECT_EQ(reference_.view.image.width, 96);
   EXPECT_NEAR(reference_.mm_per_pixel, reference_.camera.height / 96, 1e-12);
-  // The outline of a disc has 4·√2 pixels for each pixel of its radius when corners join them.
+  // The outline of a disc has 4·√2 pixels per pixel of its radius if pixels may join at corners.
   const double radius_px = kRadius / reference_.mm_per_pixel;
   EXPECT_NEAR(static_cast<double>(reference_.outline_pixels), 4 * std::numbers::sqrt2 * radius_px, 8);
-  // In perspective a pixel is as large as it is where the camera looks.
+  // In perspective, the size of a pixel is that at the camera's target.
   const Camera camera = ViewOf(Projection::kPerspective);
   const TradeReference seen = MeasureReference(scene_, camera, {}).value();
   EXPECT_NEAR(
@@ -80,12 +80,12 @@ TEST_F(TradeOnABall, CertifiedIsItsOwnReference) {
 
 TEST_F(TradeOnABall, FinerMeshesErrLess) {
   const TradePoint coarse = Measured(24), fine = Measured(96);
-  // The sagitta of a quad's diagonal at the equator.
+  // This is the sagitta of a quad's diagonal at the equator.
   const double sagitta = kRadius * (1 - std::cos(std::numbers::pi / 24 * std::numbers::sqrt2));
   EXPECT_LE(coarse.deviation_mm.p99, 1.1 * sagitta);
   EXPECT_GT(coarse.deviation_mm.p99, 0.5 * sagitta);
   EXPECT_NEAR(fine.deviation_mm.p99 / coarse.deviation_mm.p99, 1.0 / 16, 0.02)
-      << "the error goes with the square";
+      << "the error must grow with the square";
   EXPECT_LT(fine.flip_mean, coarse.flip_mean);
   EXPECT_LE(fine.silhouette_offset_px, coarse.silhouette_offset_px);
 }

@@ -1,11 +1,12 @@
-// Points of speed against accuracy made by hand.
+// Points of speed against accuracy that are made by hand.
 #pragma once
 
 #include "render/trade/trade.h"
 
 namespace facetless {
 
-// One pixel is one millimetre; all statistics of the deviation are `error_mm`, its largest twice that.
+// One pixel is one millimetre. All statistics of the deviation are `error_mm`, except the largest, which is
+// twice that.
 inline TradePoint PointOf(const TradeSetting& setting, double error_mm, double ms,
                           std::uint64_t bytes = 1'000'000) {
   TradePoint point;

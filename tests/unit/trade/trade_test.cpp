@@ -35,9 +35,9 @@ TEST(ParetoFront, HoldsWhatNothingBeats) {
       MeshPoint(1e-2, 1, 10),
       MeshPoint(1e-3, 0.1, 20),
       MeshPoint(1e-4, 0.01, 50),
-      DirectPoint(Precision::kFast, 1e-6, 30),      // beats the finest mesh in both
+      DirectPoint(Precision::kFast, 1e-6, 30),      // faster and more accurate than the finest mesh
       DirectPoint(Precision::kStandard, 1e-9, 40),  // more accurate and slower
-      DirectPoint(Precision::kCertified, 1e-9, 60)  // as accurate, and slower
+      DirectPoint(Precision::kCertified, 1e-9, 60)  // equally accurate, and slower
   };
   EXPECT_THAT(ParetoFront(points, TradeCost::kTime, kP99, 1e-12), ElementsAre(0, 1, 3, 4));
 }
@@ -99,7 +99,8 @@ TEST(MeshSettings, GoFromCoarseToFineAndTryNarrowAnglesWhereTheyMatter) {
       Names(MeshSettings({1e-4, 1e-2, 1e-3, 1e-5, 1e-6}, {5, 30, 12})),
       ElementsAre("mesh 1e-2, 30°", "mesh 1e-3, 30°", "mesh 1e-3, 12°", "mesh 1e-4, 30°", "mesh 1e-4, 12°",
                   "mesh 1e-4, 5°", "mesh 1e-5, 30°", "mesh 1e-5, 5°", "mesh 1e-6, 30°"));
-  EXPECT_THAT(Names(MeshSettings({1e-3, 1e-3}, {20})), ElementsAre("mesh 1e-3, 20°")) << "no setting twice";
+  EXPECT_THAT(Names(MeshSettings({1e-3, 1e-3}, {20})), ElementsAre("mesh 1e-3, 20°"))
+      << "no setting may occur twice";
 }
 
 TEST(DirectSettings, HoldEveryPrecisionAndTolerance) {

@@ -1,4 +1,4 @@
-// What of an assembly is shown, and where.
+// Which occurrences of an assembly are shown, and where.
 #include "render/view/arrangement.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ Placement At(Vec3 p) {
   return placement;
 }
 
-// Balls of radius 1 (a part of two faces) at the given places.
+// Balls of radius 1 at the given places. The part has two faces.
 Model Balls(const std::vector<std::pair<std::string, Vec3>>& places) {
   ModelBuilder builder;
   builder.AddPart("part");
@@ -38,7 +38,7 @@ Model Balls(const std::vector<std::pair<std::string, Vec3>>& places) {
   return testing::Finished(std::move(builder));
 }
 
-// Its mesh: a node for each instance, the triangles don't matter.
+// The model's mesh: one node per instance. The triangles do not matter.
 Mesh MeshOf(const Model& model) {
   Mesh mesh;
   mesh.parts.resize(model.parts.size());
@@ -63,7 +63,7 @@ TEST(NameMatches, PiecesAnywhereAndPatternsAsAWhole) {
   EXPECT_FALSE(NameMatches("bolt*", "upper flange/bolt 3")) << "a pattern is for the whole name";
   EXPECT_TRUE(NameMatches("*/bolt ?", "upper flange/bolt 3"));
   EXPECT_FALSE(NameMatches("*/bolt ?", "upper flange/bolt 12"));
-  EXPECT_TRUE(NameMatches("R?der", "Räder")) << "a character, not a byte";
+  EXPECT_TRUE(NameMatches("R?der", "Räder")) << "the question mark must match a character, not a byte";
   EXPECT_TRUE(NameMatches("*a*b*c", "abcabc"));
   EXPECT_FALSE(NameMatches("*a*b*c", "abcab"));
   EXPECT_TRUE(NameMatches("*", ""));
@@ -77,7 +77,7 @@ TEST(Arrange, ShowsWhatMatchesAndIsNotHidden) {
               ElementsAre(0, 1, 2));
   EXPECT_THAT(Arrange(model, ArrangementRequest{{}, {"wheel"}, 0}).value().shown, ElementsAre(1, 3));
   EXPECT_THAT(Arrange(model, ArrangementRequest{{"wheel"}, {"left"}, 0}).value().shown, ElementsAre(2));
-  EXPECT_EQ(OccurrenceName(model, 3), model.parts[0].name) << "nobody named it";
+  EXPECT_EQ(OccurrenceName(model, 3), model.parts[0].name) << "the occurrence has no name";
   Model nameless = model;
   nameless.parts[0].name.clear();
   EXPECT_EQ(OccurrenceName(nameless, 3), "part 1");
@@ -95,7 +95,7 @@ TEST(Arrange, SaysWhichNamesThereAre) {
   const std::string message = MessageOf(Balls(many), ArrangementRequest{{"q"}, {}, 0});
   EXPECT_LT(message.size(), 1000u);
   EXPECT_THAT(message, HasSubstr("and 28 more"));
-  EXPECT_THAT(message, HasSubstr("n11 and")) << "the end of a name is what tells it from others";
+  EXPECT_THAT(message, HasSubstr("n11 and")) << "the ends of long names must be shown";
 }
 
 TEST(Arranged, KeepsModelAndMeshAlikeWithDenseFaces) {
@@ -105,7 +105,7 @@ TEST(Arranged, KeepsModelAndMeshAlikeWithDenseFaces) {
   ASSERT_TRUE(Validate(arranged).ok()) << Validate(arranged).error().message;
   EXPECT_EQ(arranged.PlacedFaceCount(), 4u);
   EXPECT_THAT(arranged.PlacedFaceName(2), HasSubstr("c/"));
-  // Their centre is at 10, so they are at −10 and 30 now.
+  // Their centre is at 10, so now they are at −10 and 30.
   EXPECT_EQ(arranged.instances[0].placement.m[0][3], -10);
   EXPECT_EQ(arranged.instances[1].placement.m[0][3], 30);
   EXPECT_NEAR(arranged.bounds.low.x, -11, 0.01);
@@ -163,7 +163,7 @@ RC_GTEST_PROP(Arrange, ExplodedNothingChangesItsOrderAndNoGapShrinks, ()) {
       const Vec3 before = places[b].second - places[a].second;
       const Vec3 after = before + arrangement.shifts[b] - arrangement.shifts[a];
       for (const auto& [was, is] : {std::pair{before.x, after.x}, {before.y, after.y}, {before.z, after.z}}) {
-        // Rounding of places below 2000 mm.
+        // The tolerance is the rounding of positions below 2000 mm.
         constexpr double kRounding = 1e-9;
         const bool kept = was < 0 ? is < was + kRounding : is > was - kRounding;
         RC_ASSERT(kept);

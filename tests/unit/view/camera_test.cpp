@@ -1,4 +1,5 @@
-// The camera is the contract between both tracers: every law of camera.h and every row of docs/cameras.md.
+// The camera is the contract between both tracers. This file tests every law of camera.h and every row of
+// docs/cameras.md.
 #include "render/view/camera.h"
 
 #include <gtest/gtest.h>
@@ -112,7 +113,7 @@ TEST(Camera, SupersamplingKeepsTheWindow) {
   const CameraFrame fine = FrameOf(camera.Supersampled(4, 2));
   EXPECT_EQ(camera.Supersampled(4, 2).width_px, 120);
   EXPECT_EQ(camera.Supersampled(4, 2).height_px, 40);
-  // Corners of the window are the same, and the mean of a pixel's samples is its centre.
+  // The corners of the window are the same, and the mean of a pixel's samples is its centre.
   ExpectNear(PixelRay(frame, 0, 0).origin, PixelRay(fine, 0, 0).origin, 1e-14);
   ExpectNear(PixelRay(frame, 30, 20).origin, PixelRay(fine, 120, 40).origin, 1e-14);
   Vec3 mean;
@@ -202,7 +203,7 @@ TEST(NamedView, FitsTheBoxAndLeavesTheMargin) {
         const Result<Camera> camera = NamedView(name, UnitBox(), projection, width, height);
         ASSERT_TRUE(camera.ok());
         const CameraFrame frame = FrameOf(camera.value());
-        double border = INFINITY;  // smallest free share of the width or the height
+        double border = INFINITY;  // smallest free margin, as a share of the width or the height
         for (int i = 0; i < 8; ++i) {
           const PixelPoint p = Project(frame, {i & 1 ? 1.0 : -1.0, i & 2 ? 2.0 : -2.0, i & 4 ? 3.0 : -3.0});
           EXPECT_GT(p.depth, 0);
@@ -245,7 +246,7 @@ TEST(NamedView, TurnsWithTheAxisThatIsUp) {
     ExpectNear(frame("top").forward, -up, 1e-15);
     ExpectNear(-frame("top").down, top_up, 1e-15);
     ExpectNear(-frame("iso").forward, Normalized(iso_eye), 1e-15);
-    // A rotation: what is right of the front is seen from the right.
+    // The view is rotated: what is to the right of the front view is what the right view faces.
     ExpectNear(-frame("right").forward, front_right, 1e-15);
     ExpectNear(frame("back").right, -front_right, 1e-15);
   }

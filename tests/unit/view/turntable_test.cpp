@@ -30,7 +30,7 @@ TEST(Turntable, TurnsByEvenStepsAboutTheAxisThatIsUp) {
       const Vec3 start = first.eye - first.target;
       for (int i = 0; i < count; ++i) {
         const Vec3 offset = cameras[i].eye - cameras[i].target;
-        EXPECT_NEAR(Dot(offset, axis), Dot(start, axis), 1e-12) << "the elevation stays";
+        EXPECT_NEAR(Dot(offset, axis), Dot(start, axis), 1e-12) << "the elevation must not change";
         EXPECT_NEAR(Length(offset), Length(start), 1e-12);
         const Vec3 flat = offset - Dot(offset, axis) * axis, flat_start = start - Dot(start, axis) * axis;
         const double angle = 2 * std::numbers::pi * i / count, square = Dot(flat_start, flat_start);

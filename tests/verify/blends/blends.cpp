@@ -54,7 +54,7 @@ std::string Number(double value) {
   return text;
 }
 
-// A solid to blend, of about 10 mm.
+// Returns a solid to blend, of about 10 mm.
 TopoDS_Shape BaseSolid(Random& random, std::string* what) {
   const auto length = [&] { return random.Uniform(4, 16); };
   const auto turned = [&] {
@@ -92,7 +92,7 @@ TopoDS_Shape BaseSolid(Random& random, std::string* what) {
   }
 }
 
-// One to four of a shape's edges, none twice, none that is a seam or collapsed.
+// Returns one to four different edges of a shape, none of which is a seam or collapsed.
 std::vector<TopoDS_Edge> SomeEdges(const TopoDS_Shape& shape, Random& random) {
   TopTools_IndexedDataMapOfShapeListOfShape faces_of;
   TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, faces_of);
@@ -147,7 +147,7 @@ Blend Chamfer(Random& random) {
   return blend;
 }
 
-// A smooth curve of 3 to 7 points through space, of a degree of 3 to 8.
+// Returns a smooth curve of 3 to 7 points in space, of degree 3 to 8.
 Handle(Geom_BSplineCurve) Spine(Random& random) {
   const int count = 3 + static_cast<int>(random.Below(5));
   TColgp_Array1OfPnt points(1, count);

@@ -1,5 +1,5 @@
-// A fixed sample of what facetless_blends sweeps: fillets, chamfers, sweeps, lofts and offsets as OpenCASCADE
-// makes them.
+// A fixed sample of the blends that facetless_blends tries: fillets, chamfers, sweeps, lofts and offsets from
+// OpenCASCADE.
 #include "tests/verify/blends/blends.h"
 
 #include <OSD.hxx>
@@ -12,8 +12,8 @@ namespace {
 class Blends : public ::testing::TestWithParam<int> {};
 
 constexpr int kPerTest = 8;
-// OpenCASCADE works on this offset for more than a minute before there is anything to render;
-// facetless_blends gives up on it by name.
+// OpenCASCADE works on this offset for more than a minute before there is a shape to render. facetless_blends
+// stops it, and lists it.
 constexpr std::uint64_t kSlowSeed = 24;
 
 TEST_P(Blends, AreRenderedWithoutALeakAndAsTheOracleSays) {

@@ -1,4 +1,4 @@
-// Traces a model file once, for tests/verify/check_cost/table to count the instructions of:
+// Traces a model file once, so that tests/verify/check_cost/table can count its instructions:
 // facetless_check_cost MODEL.flm none|share|all SIZE
 #include <cstdio>
 #include <cstdlib>

@@ -21,7 +21,7 @@ double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
 
 void IgnoreProgress(const char*, double) {}
 
-// Keeps the first instance of each part.
+// Keeps only the first instance of each part.
 void KeepOnePlacement(Model& model) {
   std::vector<bool> seen(model.parts.size(), false);
   std::vector<Instance> kept;
@@ -37,15 +37,15 @@ void KeepOnePlacement(Model& model) {
   model.bounds = PlacedBounds(model);
 }
 
-// Who is right, where the answers differ.
+// Decides which answer is right if they differ.
 Verdict Decide(const Ray& ray, double ours, double reference, double tolerance, ExactReference& exact,
                Judgement& claim) {
   const bool ours_is_nearer = ours < reference;
   claim = exact.Judge(ray, std::min(ours, reference), tolerance);
   if (claim.standing == Standing::kEdge)
     return claim.inside_edge == ours_is_nearer ? Verdict::kEdgeForOurs : Verdict::kEdgeForReference;
-  // Both on one surface, apart by more than the tolerance along the ray but not across the surface: the
-  // nearer to it is right.
+  // If both hits are on one surface, and differ by more than the tolerance along the ray but not across the
+  // surface, the hit that is nearer to the surface is right.
   if (std::isfinite(ours) && std::isfinite(reference)) {
     const Judgement other = exact.Judge(ray, std::max(ours, reference), tolerance);
     if (other.face == claim.face && other.standing != Standing::kEdge &&
@@ -110,7 +110,7 @@ Result<ComparedFile> LoadBoth(const std::string& path, bool one_placement) {
   Model model = std::move(conversion.value().model);
   if (one_placement) KeepOnePlacement(model);
   if (const Result<void> valid = Validate(model); !valid.ok()) return valid.error();
-  // Read again, plainly.
+  // Read the file again with OpenCASCADE's plain reader.
   Result<ExactReference> reference = ExactReference::Load(source.value().path, one_placement);
   if (!reference.ok()) return reference.error();
   return ComparedFile{std::move(model), std::move(reference.value())};
@@ -119,7 +119,7 @@ Result<ComparedFile> LoadBoth(const std::string& path, bool one_placement) {
 Result<ViewComparison> CompareView(ComparedFile& file, const Scene& scene, const Camera& camera) {
   ViewComparison view;
   view.view = camera.name;
-  // Ours.
+  // Trace with the direct renderer.
   auto begin = std::chrono::steady_clock::now();
   const Result<DirectResult> direct = TraceDirect(scene, camera, {});
   if (!direct.ok()) return direct.error();
@@ -128,7 +128,7 @@ Result<ViewComparison> CompareView(ComparedFile& file, const Scene& scene, const
   const SampleBuffer& samples = direct.value().samples;
   const double tolerance = kAgreement * file.model.Diagonal();
   const double near = frame.projection == Projection::kOrthographic ? -INFINITY : frame.near_mm;
-  // The reference's; its time without the judging.
+  // Trace with the reference. Its time does not include the judging.
   for (int row = 0; row < samples.height; ++row) {
     for (int column = 0; column < samples.width; ++column) {
       const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(samples.width) +

@@ -34,7 +34,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct ReferenceFace {
   TopoDS_Face face;
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
-  Handle(ShapeAnalysis_Surface) surface;  // made when first needed
+  Handle(ShapeAnalysis_Surface) surface;  // created when first needed
 };
 
 TopoDS_Shape ReadWith(XSControl_Reader& reader, const std::string& path) {
@@ -48,7 +48,7 @@ TopoDS_Shape ReadWith(XSControl_Reader& reader, const std::string& path) {
   }
 }
 
-// IGES has an 'S' in column 73 of its first line; STEP says so in its first word.
+// IGES has an 'S' in column 73 of its first line. STEP begins with its name.
 Result<TopoDS_Shape> ReadShape(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return Error{ErrorCode::kFileUnreadable, path + " cannot be read."};
@@ -84,8 +84,9 @@ struct NearestOnEdge {
   double parameter = 0;
 };
 
-// The point of the edge that the ray comes closest to, at most `window` away in depth from `depth`; farther
-// ones count as farther by what they exceed it. Samples, then a golden section about each smallest one.
+// Returns the point of the edge to which the ray comes closest, at most `window` away in depth from `depth`;
+// for points that exceed the window, the excess is added to the distance. The search samples the edge, and
+// then uses a golden section around each local minimum.
 NearestOnEdge FindNearest(const Ray& ray, const BRepAdaptor_Curve& curve, double depth, double window) {
   constexpr int kSamplesPerInterval = 24;
   const double first = curve.FirstParameter(), last = curve.LastParameter();
@@ -130,8 +131,8 @@ NearestOnEdge FindNearest(const Ray& ray, const BRepAdaptor_Curve& curve, double
   return best;
 }
 
-// True if the ray passes the oriented edge on its left, seen against the normal: where the face's material
-// is.
+// Returns whether the ray passes the oriented edge on its left, as seen against the normal. The face's
+// material is there.
 bool PassesInside(const Ray& ray, const BRepAdaptor_Curve& curve, double parameter, bool reversed,
                   Vec3 normal) {
   gp_Pnt at;
@@ -145,15 +146,15 @@ bool PassesInside(const Ray& ray, const BRepAdaptor_Curve& curve, double paramet
   return Dot(lateral, into_face - Dot(into_face, forward) * forward) > 0;
 }
 
-// Finds the edge that the ray comes closest to, measured in its own tolerance (at least tolerance_mm). A
-// point that is within the tolerance of an edge as the ray sees it lies within tolerance / cosine of it along
-// the ray, were the face flat; twice that is granted, so that an edge far in front or behind does not count.
+// Finds the edge to which the ray comes closest, relative to the edge's tolerance (at least tolerance_mm). If
+// the face is flat, a point that appears within the tolerance of an edge lies within tolerance / cosine of it
+// along the ray. Twice that is allowed, so that an edge far in front or behind does not count.
 void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, Vec3 normal, double tolerance_mm,
                      Judgement& judgement) {
   double best = kInfinity;
   const double length = Length(ray.direction);
   const auto window = [&](double tolerance) { return 2 * tolerance / (judgement.cosine * length); };
-  // The face looks along its surface's normal, so that its edges run with the material on their left.
+  // The face is oriented like its surface's normal, so that its edges run with the material on their left.
   for (TopExp_Explorer edges(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); edges.More(); edges.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(edges.Current());
     TopLoc_Location location;
@@ -170,7 +171,8 @@ void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, Vec3
         PassesInside(ray, curve, nearest.parameter, edge.Orientation() == TopAbs_REVERSED, normal);
   }
   if (best <= 1) return;
-  // A vertex may reach farther than its edges; the side is still that of the nearest edge.
+  // The tolerance of a vertex may be larger than that of its edges. The side is still that of the nearest
+  // edge.
   for (TopExp_Explorer vertices(face, TopAbs_VERTEX); vertices.More(); vertices.Next()) {
     const TopoDS_Vertex vertex = TopoDS::Vertex(vertices.Current());
     const Vec3 point = ToVec(BRep_Tool::Pnt(vertex));
@@ -184,7 +186,7 @@ void FindNearestEdge(const TopoDS_Face& face, const Ray& ray, double depth, Vec3
   }
 }
 
-// Brings a parameter of a periodic surface into the face's range.
+// Moves a parameter of a periodic surface into the face's range.
 double IntoRange(double t, double low, double high, bool periodic, double period) {
   if (!periodic || (t >= low && t <= high)) return t;
   return ElCLib::InPeriod(t, low, low + period);
@@ -194,7 +196,7 @@ double IntoRange(double t, double low, double high, bool periodic, double period
 
 struct ExactReference::Data {
   std::vector<ReferenceFace> faces;
-  std::unique_ptr<ExactIntersector> intersector;  // of the same faces
+  std::unique_ptr<ExactIntersector> intersector;  // for the same faces
 
   Judgement JudgeFace(int index, const Ray& ray, double depth, double tolerance_mm);
 };

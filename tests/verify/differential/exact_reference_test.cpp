@@ -1,5 +1,4 @@
-// The judge has to be right before it judges: known points on known shapes, and models that are wrong on
-// purpose.
+// Tests the judge itself: known points on known shapes, and models that are wrong on purpose.
 
 #include "tests/verify/differential/exact_reference.h"
 
@@ -52,7 +51,7 @@ TEST_F(Cone, JudgesPointsOnAndOffTheFace) {
   EXPECT_EQ(cone_->Judge(Down(3, 4), 90, kTolerance).standing, Standing::kOn);
   EXPECT_EQ(cone_->Judge(Down(3, 4), 100, kTolerance).standing, Standing::kOn);  // the base
   EXPECT_EQ(cone_->Judge(Down(3, 4), 90.001, kTolerance).standing, Standing::kOff);
-  // On the plane of the base, but beside it.
+  // The point is in the plane of the base, but outside of it.
   EXPECT_EQ(cone_->Judge(Down(10.01, 0.3), 100, kTolerance).standing, Standing::kOff);
 }
 
@@ -79,7 +78,7 @@ void Move(Model& model, std::uint32_t face, Vec3 by) {
   }
 }
 
-// The bracket, which has one part in its place, so that placed faces are faces.
+// The bracket has one part with one placement, so that placed faces are faces.
 class Spoiled : public ::testing::Test {
  protected:
   void SetUp() override {

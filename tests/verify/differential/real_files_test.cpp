@@ -1,8 +1,8 @@
-// The direct renderer against OpenCASCADE's exact intersector on the samples and on the real files: what
-// docs/accuracy-results.md claims, with fewer rays.
+// Compares the direct renderer with OpenCASCADE's exact intersector on the samples and on the real files.
+// This tests the claims of docs/accuracy-results.md with fewer rays.
 //
-// Rays of which the shape itself leaves open what they hit (they pass an edge within its tolerance) and rays
-// on which the reference is proven wrong don't count against the renderer; everything else does.
+// Rays that pass an edge within its tolerance, so that the shape does not determine what they hit, and rays
+// on which the reference is proven wrong do not count against the renderer. All others do.
 
 #include <gtest/gtest.h>
 
@@ -21,11 +21,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is asked for.
+// The required values.
 constexpr double kWithin = 0.999;   // share of depths that agree
-constexpr double kHitMiss = 0.001;  // share of rays that hit for one and miss for the other
+constexpr double kHitMiss = 0.001;  // largest share of rays that hit for one and miss for the other
 
-// Rays per side of the picture: the reference takes about as long on a heavy file as on a light one.
+// Returns the number of rays per side of the picture. The reference takes about as long on a heavy file as on
+// a light one.
 int SizeFor(std::size_t faces) {
   return faces <= 300 ? 96 : faces <= 1000 ? 64 : 48;
 }
@@ -46,7 +47,7 @@ void CompareViews(const fs::path& path, bool one_placement) {
     const Result<ViewComparison> compared = CompareView(file.value(), scene, camera.value());
     ASSERT_TRUE(compared.ok()) << compared.error().message;
     const ViewComparison& view = compared.value();
-    // Say what each difference was.
+    // Describe each difference.
     std::string differences;
     for (const Difference& difference : view.differences)
       differences += Describe(difference, file.value()) + "\n";
@@ -58,12 +59,13 @@ void CompareViews(const fs::path& path, bool one_placement) {
     EXPECT_GT(view.both_hit, 0u);
     EXPECT_EQ(view.Defects(), 0u);
     EXPECT_LE(view.ShareHitMiss(), kHitMiss);
-    // Where a side of an edge speaks against us, it is within the edge's tolerance, and rare.
+    // Differences in which the side of an edge speaks against us must be within the edge's tolerance, and
+    // rare.
     const std::uint64_t excused = Count(view, Verdict::kEdgeForOurs) + Count(view, Verdict::kReferenceLost) +
                                   Count(view, Verdict::kReferenceInvented) +
                                   Count(view, Verdict::kReferenceImprecise);
     EXPECT_GE(static_cast<double>(view.both_within + excused), kWithin * static_cast<double>(view.both_hit));
-    // Nothing is excused wholesale: the reference is a good one.
+    // Only a small share of rays may be excused, since the reference is accurate.
     EXPECT_LE(static_cast<double>(excused), 0.01 * static_cast<double>(view.both_hit) + 1);
   }
 }
@@ -74,7 +76,7 @@ TEST_P(SampleFile, AgreesWithTheReference) {
   CompareViews(Sample(GetParam()), false);
 }
 
-// A file name as the name of a test.
+// Converts a file name to the name of a test.
 std::string TestName(std::string name) {
   for (char& c : name) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
@@ -90,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(All, SampleFile,
 
 struct RealFileCase {
   const char* name;
-  bool one_placement = false;  // too many placed faces for the reference
+  bool one_placement = false;  // there are too many placed faces for the reference
 };
 
 void PrintTo(const RealFileCase& r, std::ostream* out) {
@@ -102,8 +104,9 @@ class RealFile : public ::testing::TestWithParam<RealFileCase> {};
 TEST_P(RealFile, AgreesWithTheReference) {
   const std::string path = CadFile(std::string("parts/") + GetParam().name);
   if (path.empty())
-    GTEST_SKIP() << GetParam().name
-                 << " is not there: nothing was compared. Set FACETLESS_CAD to the folder of real files.";
+    GTEST_SKIP()
+        << GetParam().name
+        << " does not exist, so nothing was compared. Set FACETLESS_CAD to the folder of real files.";
   CompareViews(path, GetParam().one_placement);
 }
 

@@ -1,5 +1,5 @@
-// The committed sample files, as OpenCASCADE reads them: they are what samples/expected.json says, and its
-// numbers are the closed forms where there is one.
+// Reads the committed sample files with OpenCASCADE: they must agree with samples/expected.json, and its
+// numbers must agree with closed forms where there are any.
 
 #include <gtest/gtest.h>
 
@@ -80,7 +80,7 @@ TEST(SampleFiles, HoldWhatWasMade) {
     EXPECT_EQ(measured.faces, expected["faces"].get<int>());
     EXPECT_EQ(measured.solids, expected["solids"].get<int>());
     EXPECT_EQ(measured.closed_solids, expected["closed_solids"].get<int>());
-    // Twelve decimal digits in the file; the integration is asked for 1e-9.
+    // The file has twelve decimal digits, and the integration is asked for 1e-9.
     EXPECT_NEAR(measured.area, expected["area_mm2"].get<double>(), 1e-7 * measured.area);
     EXPECT_NEAR(measured.volume, expected["volume_mm3"].get<double>(), 1e-7 * measured.volume);
   }

@@ -1,4 +1,4 @@
-// Faces upon each other, or almost.
+// Faces that coincide, or almost coincide.
 #include <cmath>
 
 #include "tests/verify/extremes/catalogue.h"
@@ -14,8 +14,8 @@ void AddCoincidences(Rows& rows) {
   for (const double apart : {1e-3, 1e-6, 1e-9, 1e-10, 1e-11, 1e-12, 1e-14, 0.0}) {
     char distance[40];
     std::snprintf(distance, sizeof distance, apart > 0 ? "%g mm apart" : "upon each other", apart);
-    // Where the order can't be proven, the certificate has to say so; what a plane or sphere of 10 mm can
-    // prove is a matter of a few hundred units in the last place.
+    // If the order cannot be proven, the certificate must say so. For a plane or a sphere of 10 mm, the limit
+    // of a proof is a few hundred units in the last place.
     const bool provable = apart >= 1e-9;
     rows.push_back({.group = "coincidence",
                     .input = std::string("two slanted planes of 10 mm, ") + distance,

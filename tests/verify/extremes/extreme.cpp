@@ -11,16 +11,16 @@
 namespace facetless::extremes {
 namespace {
 
-constexpr std::size_t kCertified = 2;  // of kPrecisions
-constexpr std::size_t kListed = 3;     // failures of one kind
+constexpr std::size_t kCertified = 2;  // index into kPrecisions
+constexpr std::size_t kListed = 3;     // failures of one kind that are listed
 constexpr std::uint64_t kSeed = 1;
-// What a picture may take: an explosion of leaves is a failure, and soon over.
+// The memory limit of a picture. An explosion of leaves is a failure, which this limit ends quickly.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;
-// Samples without a certificate that are judged, of each picture in `certified`: the oracle needs long for
-// each.
+// The number of samples without a certificate that are judged, of each picture in `certified`. The oracle
+// needs long for each.
 constexpr std::size_t kOthers = 2;
 
-// Printf's text.
+// Formats text as printf does.
 template <typename... Arguments>
 std::string Text(const char* format, Arguments... arguments) {
   char text[600];
@@ -97,7 +97,7 @@ class Measuring {
   }
 
   void CheckNumbers(std::size_t p, const Camera& camera, const SampleBuffer& samples) {
-    // Rounding of a unit vector to float.
+    // The tolerance is the rounding of a unit vector to float.
     constexpr double kUnit = 1e-6;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const bool hit = samples.face[i] != kNoIndex;
@@ -159,8 +159,8 @@ class Measuring {
     }
   }
 
-  // Whether a sample without a certificate is right all the same: its hit is a crossing, to within its bound
-  // or, where it has none, a millionth of the model; and nothing that is certainly there is nearer.
+  // Returns whether a sample without a certificate is right nevertheless: its hit is a crossing, to within
+  // its bound or, without a bound, a millionth of the model; and no certain crossing is nearer.
   bool Right(const oracle::Oracle& surfaces, const Camera& camera, const oracle::Claim& claim) const {
     constexpr double kShare = 1e-6;
     const bool perspective = camera.projection == Projection::kPerspective;

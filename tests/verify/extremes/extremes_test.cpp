@@ -1,4 +1,4 @@
-// Every row of the table of extremes holds (docs/accuracy-results.md, "Extremes").
+// Checks every row of the table of extremes (docs/accuracy-results.md, "Extremes").
 #include <gtest/gtest.h>
 
 #include <cctype>

@@ -21,9 +21,9 @@ struct Net {
   int degree_u = 3, degree_v = 3;
   KnotVector u{{4, 4}, {0, 1}}, v{{4, 4}, {0, 1}};
   double size = 10;
-  std::function<double(int, int)> weight = {};  // none: polynomial
+  std::function<double(int, int)> weight = {};  // empty: the surface is polynomial
   std::string unit = "SI_UNIT(.MILLI.,.METRE.)";
-  std::string corner = {};  // of the first control point, in place of its own coordinates
+  std::string corner = {};  // coordinates of the first control point that replace its own
 };
 
 int CountOf(const KnotVector& vector, int degree) {
@@ -49,7 +49,7 @@ std::string Reference(int id) {
   return "#" + std::to_string(id);
 }
 
-// The lines of a DATA section.
+// Writes the lines of a DATA section.
 class Writer {
  public:
   int Add(const std::string& entity) {
@@ -103,7 +103,7 @@ std::string StepOf(const Net& net) {
     surface = writer.Add("B_SPLINE_SURFACE_WITH_KNOTS(''," + degrees + "," + grid +
                          ",.UNSPECIFIED.,.F.,.F.,.F.," + knots + ")");
   }
-  // The border: polynomial, because weights on it are 1.
+  // The border is polynomial, because its weights are 1.
   const int corners[4] = {writer.Vertex(points[0][0]), writer.Vertex(points[rows - 1][0]),
                           writer.Vertex(points[rows - 1][columns - 1]),
                           writer.Vertex(points[0][columns - 1])};
@@ -159,14 +159,14 @@ KnotVector Clamped(int degree) {
   return {{degree + 1, degree + 1}, {0, 1}};
 }
 
-// As a person writes it.
+// Formats a number as a person would write it.
 std::string Short(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", number);
   return text;
 }
 
-// One inner control point's weight; the others are 1.
+// Returns weights of 1, except for one inner control point.
 std::function<double(int, int)> Inner(double weight) {
   return [=](int i, int j) { return i == 1 && j == 2 ? weight : 1; };
 }

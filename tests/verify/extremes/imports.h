@@ -1,7 +1,7 @@
-// Extremes that a file can hold: written as STEP, read by facetless-import, rendered.
+// Extremes that a file can contain: they are written as STEP, read by facetless-import, and rendered.
 //
-//  1. Each file is one B-spline face between four edges. Either the face arrives and its samples pass what
-//     Measure asks, or the answer names what is wrong: an error of the importer, or a lost face with its
+//  1. Each file is one B-spline face between four edges. Either the face is imported and its samples pass the
+//     checks of Measure, or the answer says what is wrong: an error of the importer, or a lost face with its
 //     reason.
 #pragma once
 
@@ -21,8 +21,8 @@ struct StepExtreme {
 };
 
 struct StepMeasurement {
-  std::string refusal;      // empty: the face arrived
-  Measurement measurement;  // where it did
+  std::string refusal;      // empty: the face was imported
+  Measurement measurement;  // of an imported face
   std::vector<std::string> failures;
 };
 

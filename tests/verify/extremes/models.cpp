@@ -32,7 +32,7 @@ PatchGrid WavySheet(int count, double size) {
     return Vec3{size * i / (count - 1), size * j / (count - 1),
                 0.02 * size * std::sin(0.9 * i) * std::cos(0.7 * j)};
   };
-  // Four points of a uniform cubic span to Bézier form: rows over 6.
+  // Converts four points of a uniform cubic span to Bézier form: rows divided by 6.
   constexpr int kRows[4][4] = {{1, 4, 1, 0}, {0, 4, 2, 0}, {0, 2, 4, 0}, {0, 1, 4, 1}};
   grid.points.reserve(std::size_t(spans) * spans * 16);
   for (int i = 0; i < spans; ++i) {
@@ -59,7 +59,8 @@ PatchGrid CutAt(const PatchGrid& grid, const std::vector<double>& cuts) {
   const int stride = grid.degree_v + 1;
   for (std::size_t piece = 0; piece + 1 < at.size(); ++piece) {
     cut.u_spans.push_back({at[piece], at[piece + 1], SpanMap::kLinear});
-    // Point j of a piece is the blossom with the piece's begin degree − j times and its end j times.
+    // Point j of a piece is the blossom with `degree − j` arguments equal to the piece's begin and j equal to
+    // its end.
     for (int j = 0; j <= grid.degree_u; ++j) {
       std::vector<Vec4> work = grid.points;
       for (int round = 1; round <= grid.degree_u; ++round) {
@@ -70,7 +71,7 @@ PatchGrid CutAt(const PatchGrid& grid, const std::vector<double>& cuts) {
             work[k * stride + l] = (1 - t) * work[k * stride + l] + t * work[(k + 1) * stride + l];
       }
       for (int l = 0; l < stride; ++l) {
-        if (grid.points[l].w == 1) work[l].w = 1;  // a mean of ones may be rounded
+        if (grid.points[l].w == 1) work[l].w = 1;  // the mean of ones may be rounded
         cut.points.push_back(work[l]);
       }
     }

@@ -1,4 +1,4 @@
-// What a surface's own numbers may be: weights, degrees, control points, knots.
+// The numbers of a surface: weights, degrees, control points, knots.
 #include <cmath>
 
 #include "tests/verify/extremes/catalogue.h"
@@ -17,8 +17,9 @@ std::vector<Camera> Around(const Model& model) {
 }
 
 void AddWeights(Rows& rows) {
-  // What is nearly all in the surface's weights is nearly nothing in its parameters: there the net's
-  // rounding, which is that of its largest weight, leaves roots without proof. They are in doubt, by name.
+  // Where almost all of the weight is in a small part of the surface, that part is a tiny range of the
+  // parameters. The net's rounding there is that of its largest weight, and leaves roots without a proof.
+  // They must be in doubt, with a reason.
   constexpr std::uint8_t kAny =
       kDoubtSilhouette | kDoubtPole | kDoubtTwoRoots | kDoubtTrim | kDoubtUnresolved;
   const auto row = [&](const char* input, double certified, double bound_mm, std::uint8_t doubts,
@@ -125,7 +126,7 @@ void AddKnots(Rows& rows) {
                           views.push_back(CloseTo(model, "top", {5, 5, 0}, 1e-9, 33));
                           return views;
                         },
-                    // In float, leaves of the short span overlap for a good part of the close view.
+                    // In float, leaves of the short span overlap in a large part of the close view.
                     .certified = {0.95, 0.99, 0.99},
                     .doubts = kDoubtSilhouette | kDoubtTwoRoots | kDoubtTrim | kDoubtUnresolved,
                     .depth_bound_mm = 1e-6});

@@ -1,4 +1,4 @@
-// Numbers at the ends of what a double holds.
+// Numbers at the ends of the range of double.
 #include <cmath>
 
 #include "tests/verify/extremes/catalogue.h"
@@ -17,7 +17,7 @@ std::vector<Camera> Views(const Model& model) {
   return NamedViews(model, {"iso"}, 33);
 }
 
-// Two views for a model of any size about the origin.
+// Returns two views for a model of any size about the origin.
 std::vector<Camera> ViewsOf(double size) {
   const Vec3 eye = {0, -3 * size, size};
   return {Orthographic("orthographic", eye, {0, 0, 0}, {0, 0, 1}, 2.5 * size, 33, 33),

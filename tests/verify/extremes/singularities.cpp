@@ -1,4 +1,4 @@
-// Where a surface has no tangent plane, or a ray more roots than it should.
+// Places at which a surface has no tangent plane, or a ray has multiple roots.
 #include <cmath>
 
 #include "tests/verify/extremes/catalogue.h"
@@ -14,11 +14,11 @@ using testing::Torus;
 
 namespace {
 
-// What a sample may be in doubt for at such a place. No other face is near.
+// The reasons for which a sample may be in doubt at such a place. No other face is near.
 constexpr std::uint8_t kSingular =
     kDoubtPole | kDoubtTrim | kDoubtSilhouette | kDoubtTwoRoots | kDoubtUnresolved;
 
-// One ray, exactly along the axis z through (x, y), from above and from below.
+// Returns views with one ray exactly along the axis z through (x, y), from above and from below.
 std::vector<Camera> AlongZ(double x, double y, double from) {
   const Camera above = Orthographic("above", {x, y, from}, {x, y, 0}, {0, 1, 0}, 1, 1, 1);
   const Camera below = Orthographic("below", {x, y, -from}, {x, y, 0}, {0, 1, 0}, 1, 1, 1);
@@ -29,7 +29,8 @@ void Append(std::vector<Camera>& to, const std::vector<Camera>& more) {
   to.insert(to.end(), more.begin(), more.end());
 }
 
-// Odd pictures about a point from above and below, the picture's side from 1 mm to a thousand millionth.
+// Returns pictures with an odd number of pixels around a point, from above and below. Their side goes from 1
+// mm down to 1e-9 mm.
 std::vector<Camera> ClosingIn(const Model& model, Vec3 point) {
   std::vector<Camera> views;
   for (const double window : {1.0, 1e-3, 1e-6, 1e-9}) {
@@ -103,7 +104,7 @@ void AddPoles(Rows& rows) {
                   .certified = {0.5, 0.5, 0.5},
                   .doubts = kSingular,
                   .depth_bound_mm = 1e-6});
-  // Collapsed control points of a bicubic patch.
+  // A bicubic patch with collapsed control points.
   const auto collapsed = [](const std::function<bool(int, int)>& which) {
     PatchGrid grid = BumpyPatch(3, 3, 1);
     for (int k = 0; k <= 3; ++k)
@@ -173,7 +174,7 @@ PatchGrid Extruded(const std::vector<Vec2>& curve) {
 }
 
 void AddCusps(Rows& rows) {
-  // Seen from the side and from above, with pixels on the very line.
+  // Seen from the side and from above, with pixels exactly on the line.
   const auto about = [](Vec3 point) {
     return [=](const Model& model) {
       std::vector<Camera> views = NamedViews(model, {"iso", "top"}, 33);
@@ -182,7 +183,7 @@ void AddCusps(Rows& rows) {
       return views;
     };
   };
-  // x = t², z = t³ for t from −1 to 1.
+  // The curve is x = t², z = t³ for t from −1 to 1.
   rows.push_back({.group = "cusp",
                   .input = "a cuspidal edge (t², y, t³), seen from four sides and close",
                   .expected = "right; in doubt at the edge only",
@@ -205,7 +206,7 @@ void AddCusps(Rows& rows) {
                   .certified = {0.9, 0.9, 0.9},
                   .doubts = kSingular,
                   .depth_bound_mm = 1e-6});
-  // x = t², z = t: a ray along z at x = 0 has a double root.
+  // The curve is x = t², z = t: a ray along z at x = 0 has a double root.
   rows.push_back({.group = "multiple roots",
                   .input = "double root: the parabola (t², y, t) from above",
                   .expected = "right; in doubt where the roots meet",
@@ -217,7 +218,7 @@ void AddCusps(Rows& rows) {
                   .certified = {0.9, 0.9, 0.9},
                   .doubts = kSingular,
                   .depth_bound_mm = 1e-6});
-  // x = t³, z = t: one root for every ray, threefold at x = 0.
+  // The curve is x = t³, z = t: every ray has one root, which is threefold at x = 0.
   rows.push_back({.group = "multiple roots",
                   .input = "triple root: the cubic (t³, y, t) from above",
                   .expected = "a hit everywhere; in doubt where it is threefold",
@@ -229,7 +230,7 @@ void AddCusps(Rows& rows) {
                   .certified = {0.9, 0.9, 0.9},
                   .doubts = kSingular,
                   .depth_bound_mm = 1e-6});
-  // x = t³ − t·a with a small: three roots within a fold of 2·(a/3)^1.5.
+  // The curve is x = t³ − t·a with a small a: three roots lie within a fold of 2·(a/3)^1.5.
   rows.push_back({.group = "multiple roots",
                   .input = "three roots within 1e-6: (t³ − 1e-4·t, y, t) from above",
                   .expected = "right; in doubt at the folds only",

@@ -1,4 +1,4 @@
-// How large a model is, how far from the origin, how long and thin.
+// The size of a model, its distance from the origin, and long and thin models.
 #include <cmath>
 
 #include "tests/verify/extremes/catalogue.h"
@@ -20,7 +20,7 @@ std::vector<Camera> WholeViews(const Model& model) {
 
 constexpr Vec3 kFar{1e7, -1e7, 1e7};
 
-// Turned by an angle with no short sine, and moved.
+// Rotates by an angle whose sine is no short number, and moves to `place`.
 Placement TurnedAt(Vec3 place) {
   const double c = std::cos(0.7), s = std::sin(0.7);
   return {{{c, -s, 0, place.x}, {s, c, 0, place.y}, {0, 0, 1, place.z}}};

@@ -13,7 +13,7 @@ std::string Share(const Outcome& outcome) {
   if (outcome.error) return "error";
   char text[40];
   std::snprintf(text, sizeof text, "%.2f", 100 * outcome.CertifiedShare());
-  // What is not all is not shown as all.
+  // A share below 100 % must not be shown as 100 %.
   if (std::string(text) == "100.00") return outcome.CertifiedShare() < 1 ? ">99.99" : "100";
   return text;
 }
@@ -27,7 +27,7 @@ std::string Doubts(const Outcome& outcome) {
   return text;
 }
 
-// Right, of those judged, and by how much depths are off.
+// Returns the number of right samples among those judged, and the largest error of the depths.
 std::string Got(const Measurement& measurement) {
   if (measurement.outcomes[1].error)
     return std::string(ErrorCodeName(measurement.outcomes[1].error->code)) + ": " +
@@ -91,7 +91,7 @@ bool WriteImports() {
   return holds;
 }
 
-// One line per surface and side, one column per offset; in `certified`.
+// Writes one line per surface and side, with one column per offset, for `certified`.
 bool WriteTangency() {
   bool holds = true;
   std::printf("\n| rays beside a silhouette, by |");

@@ -1,4 +1,4 @@
-// The tables of docs/accuracy-results.md, from a run of the catalogue.
+// The tables of docs/accuracy-results.md, computed from the catalogue.
 #pragma once
 
 #include <string>
@@ -6,12 +6,12 @@
 namespace facetless::extremes {
 
 struct TableOptions {
-  std::string only;  // of rows whose group or input holds this; empty: all
+  std::string only;  // only rows whose group or input contains this text; empty: all
   bool by_hand = false;
   bool list = false;  // only name the rows
 };
 
-// To standard output; failures to standard error, where they happen. False if a row fails.
+// Writes to standard output, and failures to standard error as they occur. Returns false if a row fails.
 bool WriteTables(const TableOptions& options);
 
 }  // namespace facetless::extremes

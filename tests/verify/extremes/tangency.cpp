@@ -10,7 +10,7 @@
 namespace facetless::extremes {
 namespace {
 
-// A tangent of the surface: a point of it, the outward normal there, and a direction in the tangent plane.
+// A tangent of the surface: a point, the outward normal there, and a direction in the tangent plane.
 struct Tangent {
   Vec3 point, normal, direction;
 };
@@ -24,7 +24,7 @@ struct Subject {
 
 constexpr int kPlaces = 8;
 
-// An angle for each place, the multiples of a quarter turn (seams) among them.
+// Returns an angle for each place. Multiples of a quarter turn, which are seams, are included.
 double AngleOf(int place) {
   constexpr double kQuarter = 1.5707963267948966;
   const int quarters = place / 2;

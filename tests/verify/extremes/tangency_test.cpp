@@ -7,8 +7,8 @@
 namespace facetless::extremes {
 namespace {
 
-// Nearer than this, in units of the radius (and here of a sample), no proof is promised: the pieces in which
-// the two roots could be told apart come near kFloorSamples, where the fallback solver stops.
+// Below this offset, in units of the radius (and here of a sample), no proof is promised: the pieces in which
+// the two roots could be separated are almost as small as kFloorSamples, at which the fallback solver stops.
 constexpr double kPromised = 1e-9;
 
 TEST(Tangency, NothingCertifiedIsWrongAndHitOrMissIsProvenDownToRounding) {
@@ -18,7 +18,7 @@ TEST(Tangency, NothingCertifiedIsWrongAndHitOrMissIsProvenDownToRounding) {
                    std::to_string(rays.offset) + " radii, " + kPrecisionNames[p]);
       EXPECT_EQ(rays.counts[p].certified_wrong, 0u);
       if (rays.offset < kPromised) continue;
-      // A ray through a seam that has no edge is in doubt for the border of its face.
+      // A ray through a seam without an edge is in doubt because of the border of its face.
       EXPECT_GE(rays.counts[p].certified, rays.counts[p].rays - 1) << rays.offset;
       EXPECT_EQ(rays.counts[p].certified + rays.counts[p].doubtful_right, rays.counts[p].rays) << rays.offset;
     }

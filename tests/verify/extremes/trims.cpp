@@ -1,4 +1,4 @@
-// Loops that are tiny, that touch, that have very many segments.
+// Loops that are tiny, that touch each other, or that have very many segments.
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +12,7 @@ using namespace trim_models;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-// A square of 10 mm, its border as a loop.
+// A square of 10 mm with its border as a loop.
 Model Square() {
   Model model = PlaneModel(0, 10, 0, 10);
   AddLoop(model, Polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}));
@@ -32,7 +32,7 @@ Outline RegularPolygon(Vec2 center, double radius, int corners) {
   return Polygon(points);
 }
 
-// A star whose corners lie on two circles in turn.
+// A star whose corners lie alternately on two circles.
 Outline Star(Vec2 center, double inner, double outer, int corners) {
   std::vector<Vec2> points;
   for (int i = 0; i < corners; ++i) {

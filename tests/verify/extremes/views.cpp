@@ -1,4 +1,4 @@
-// Fields of view, eyes in unlikely places, images of unlikely sizes.
+// Fields of view, unusual positions of the eye, unusual image sizes.
 #include <cmath>
 #include <numbers>
 
@@ -16,8 +16,10 @@ namespace {
 
 void AddFields(Rows& rows) {
   struct Field {
-    double degrees, least_distance_mm;  // of the eye from the sphere's centre; wide ones from close to it
-    bool across_the_eye = false;        // what needs more leaves than memory allows is in doubt by name
+    double degrees,
+        least_distance_mm;  // of the eye from the sphere's centre; wide angles are used close to it
+    bool across_the_eye =
+        false;  // parts that need more leaves than the memory allows must be in doubt, with that reason
   };
   for (const Field& field : {Field{1e-6, 1.05},
                              {1e-3, 1.05},
@@ -70,7 +72,7 @@ void AddFields(Rows& rows) {
 
 void AddEyes(Rows& rows) {
   const auto sphere = [] { return ModelOf({Sphere({0, 0, 0}, 1)}); };
-  // From the eye in all six directions, 120 degrees wide.
+  // Looks from the eye in all six directions, with 120 degrees each.
   const auto all_around = [](Vec3 eye) {
     return [=](const Model&) {
       std::vector<Camera> views;

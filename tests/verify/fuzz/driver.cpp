@@ -1,6 +1,6 @@
-// Stands in for libFuzzer where the compiler has none: FILE… --seconds S --seed N. Each file as it is, then
-// mutants of all of them in turn until the time is over. A failure is repeated by its file, seed and index,
-// which are written before each try.
+// Replaces libFuzzer for compilers without it: FILE… --seconds S --seed N. It runs each file as it is, and
+// then mutants of all files in turn until the time is over. Before each run it writes the file, seed and
+// index, with which a failure can be repeated.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   };
   for (const std::string& bytes : seeds) run(bytes);
-  // Where a crash can be looked up: the last try.
+  // If the program crashes, this file contains the last run.
   std::FILE* last = std::fopen((files.front() + ".last").c_str(), "w");
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   std::uint64_t index = first;

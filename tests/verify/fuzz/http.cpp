@@ -1,5 +1,5 @@
 // Fuzz target: the bytes of a connection. Request line, headers, chunks, multipart and options all go through
-// the real server, over a socket; the importer is not there, so jobs fail at once.
+// the real server, over a socket. There is no importer, so jobs fail at once.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -68,7 +68,7 @@ class RunningServer {
   std::thread thread_;
 };
 
-// Sends everything, says that there is no more, and reads to the end.
+// Sends everything, shuts down its side, and reads to the end.
 std::string Exchange(int port, std::string_view request) {
   const int client = socket(AF_INET, SOCK_STREAM, 0);
   const timeval patience{kPatienceSeconds, 0};
@@ -80,16 +80,16 @@ std::string Exchange(int port, std::string_view request) {
   Require(client >= 0 && connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
   while (!request.empty()) {
     const ssize_t sent = send(client, request.data(), request.size(), MSG_NOSIGNAL);
-    if (sent <= 0) break;  // it may refuse, and close
+    if (sent <= 0) break;  // the server may refuse the request and close the connection
     request.remove_prefix(static_cast<std::size_t>(sent));
   }
   shutdown(client, SHUT_WR);
   std::string answer;
   char piece[4096];
   for (ssize_t got; (got = recv(client, piece, sizeof piece, 0)) != 0;) {
-    if (got < 0 && errno == EINTR) continue;  // libFuzzer's clock
+    if (got < 0 && errno == EINTR) continue;  // a signal of libFuzzer's timer
     if (got < 0) {
-      Require(errno == ECONNRESET);  // and no silence
+      Require(errno == ECONNRESET);  // a timeout is a failure
       break;
     }
     answer.append(piece, static_cast<std::size_t>(got));
@@ -103,8 +103,8 @@ std::string Exchange(int port, std::string_view request) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static RunningServer server;
   const std::string answer = Exchange(server.port(), Text(data, size));
-  // Nothing, if the request was never whole; else a status, and never one that says that something was
-  // thrown: the only internal error is that of a job which had the time to find no importer.
+  // The answer is empty if the request was incomplete. Otherwise it has a status, which must not report an
+  // exception: the only internal error is that of a job that found no importer.
   if (answer.empty()) return 0;
   const auto has = [&](const char* text) { return answer.find(text) != std::string::npos; };
   const std::string status = answer.substr(answer.find(' ') + 1, 3);

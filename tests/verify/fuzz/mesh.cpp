@@ -1,4 +1,4 @@
-// Fuzz target: mesh files, glTF binary and STL; what is read of one is traced and cut, small.
+// Fuzz target: mesh files, glTF binary and STL. A mesh that can be read is traced and cut in a small picture.
 #include "render/baseline/mesh_file.h"
 #include "render/baseline/mesh_section.h"
 #include "render/baseline/tracer.h"
@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.max_nodes = 10'000;
   const auto mesh = facetless::LoadMesh(file.Write(data, size), options, nullptr);
   if (!mesh.ok()) return 0;
-  // What is promised of a mesh: indices in range.
+  // A mesh must have all indices in range.
   for (const facetless::MeshNode& node : mesh.value().nodes)
     facetless::Require(node.part < mesh.value().parts.size());
   for (const facetless::MeshPart& part : mesh.value().parts) {

@@ -1,4 +1,4 @@
-// Fuzz target: the model file; what its checks let through is rendered, small.
+// Fuzz target: the model file. A model that passes the checks is rendered in a small picture.
 #include "render/model/model_file.h"
 #include "render/trace/direct.h"
 #include "tests/verify/fuzz/target.h"
@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const facetless::InputFile file;
   const auto model = facetless::ReadModel(file.Write(data, size));
   if (!model.ok()) return 0;
-  // Mutants of counts would be rendered for minutes.
+  // Models with mutated counts would take minutes to render.
   if (model.value().PlacedFaceCount() > 100) return 0;
   facetless::Camera camera;
   const facetless::Vec3 center = model.value().bounds.center();

@@ -1,4 +1,5 @@
-// Fuzz target: the STEP text reader and its repairs, which are ours and see every byte first.
+// Fuzz target: the STEP text reader and its repairs. They are our own code, and they are the first to see
+// every byte.
 #include "import/step_text.h"
 
 #include "import/step_repair.h"
@@ -11,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   facetless::Require(facts.ok() ? facts.value().complete_bytes <= size : !facts.error().message.empty());
   facetless::DecodeStepText(bytes);
   if (!facts.ok()) return 0;
-  // What is repaired is read like any other file.
+  // A repaired file is read like any other file.
   const facetless::StepRepair repair = facetless::RepairStep(bytes);
   if (repair.changed && repair.refusal.empty()) facetless::RepairStep(repair.bytes);
   std::string open(bytes);

@@ -1,9 +1,9 @@
-// What the fuzz targets share.
+// Shared by the fuzz targets.
 //
-//  1. A target is one function, LLVMFuzzerTestOneInput: any bytes, no answer. It ends the process where a
+//  1. A target is one function, LLVMFuzzerTestOneInput, that accepts any bytes. It ends the process if a
 //     promise is broken.
-//  2. Built by the preset `fuzz` (tools/fuzz), libFuzzer calls it; in other builds driver.cpp does, with
-//     seeds and mutants of them.
+//  2. In builds with the preset `fuzz` (tools/fuzz), libFuzzer calls it. In other builds, driver.cpp calls it
+//     with seeds and mutants of them.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ inline void Require(bool promise) {
   if (!promise) std::abort();
 }
 
-// For readers of files.
+// A file that contains the input, for readers of files.
 class InputFile {
  public:
   InputFile() : directory_(TempDir::Create("/dev/shm").value()) {}

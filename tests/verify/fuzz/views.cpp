@@ -1,5 +1,5 @@
-// Fuzz target: what the model file's checks let through is shaded, cut, measured, inspected and drawn as
-// lines, small. Which of them, and how the view is taken, the file's own bytes say.
+// Fuzz target: a model file that passes the checks is shaded, cut, measured, inspected and drawn as lines, in
+// small pictures. The file's own bytes select the operations and the view.
 #include "render/inspect/continuity.h"
 #include "render/inspect/picture.h"
 #include "render/lines/draw_lines.h"
@@ -12,7 +12,7 @@
 namespace facetless {
 namespace {
 
-// A number below `count` that depends on all bytes and on which question it answers.
+// Returns a number below `count` that depends on all bytes and on the number of the question.
 std::size_t Choice(const std::uint8_t* data, std::size_t size, std::uint32_t question, std::size_t count) {
   std::uint32_t sum = 2166136261u + question;
   for (std::size_t i = 0; i < size; ++i) sum = (sum ^ data[i]) * 16777619u;
@@ -54,7 +54,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   shading.edges = true;
   shading.execution.threads = 1;
   const Result<Film> shaded = Shade(samples, frame, {}, shading);
-  // Its error for a pixel that is no number is for samples that come from elsewhere.
+  // It returns an error only for invalid samples, which the renderer does not produce.
   Require(shaded.ok());
 
   LineOptions line_options;
@@ -68,7 +68,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
   LinesSvg(lines, camera.width_px, camera.height_px, 0, "");
 
   Inspection inspection;
-  // Not studio, the first, which is no inspection.
+  // Skip studio, which is the first and no inspection.
   inspection.kind = static_cast<InspectionKind>(1 + Choice(data, size, 4, InspectionNames().size() - 1));
   const Result<InspectionView> view = Measure(model, &scene, samples, frame, inspection, {.threads = 1});
   if (view.ok()) {
@@ -84,7 +84,7 @@ void LookAt(const Model& model, const std::uint8_t* data, std::size_t size) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const facetless::InputFile file;
   const auto model = facetless::ReadModel(file.Write(data, size));
-  // Mutants of counts would be drawn for minutes.
+  // Models with mutated counts would take minutes to draw.
   if (model.ok() && model.value().PlacedFaceCount() <= 1000) facetless::LookAt(model.value(), data, size);
   return 0;
 }

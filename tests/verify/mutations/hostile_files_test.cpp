@@ -1,5 +1,5 @@
-// Files made to do harm by hand: what a mutation would hardly find. Each gets one clear answer from the real
-// importer, in bounded time and memory. Meshes and model files have theirs in
+// Files that are made by hand to do harm, which mutations would hardly produce. The real importer must give
+// one clear answer to each, in bounded time and memory. Hostile meshes and model files are in
 // tests/unit/baseline/mesh_file_test and tests/unit/model/model_file_test.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ std::string Step(const std::string& data) {
   return kStepHead + data + kStepTail;
 }
 
-// `text` with the first `from` after `after` replaced by `to`.
+// Returns `text` with the first `from` after `after` replaced by `to`.
 std::string Replaced(std::string text, const std::string& from, const std::string& to,
                      const std::string& after = "") {
   const std::size_t at = text.find(from, after.empty() ? 0 : text.find(after));
@@ -36,7 +36,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-// An IGES file of entities of one directory pair and one line of parameters each.
+// An IGES file whose entities have one directory pair and one line of parameters each.
 struct IgesRecord {
   int type;
   std::string parameters;
@@ -77,14 +77,14 @@ std::string Iges(const std::vector<IgesRecord>& records) {
 
 class HostileFiles : public testing::Test {
  protected:
-  // The answer, which must be no offence.
+  // Returns the answer, which must not be an offence.
   Verdict Answer(const std::string& name, const std::string& bytes) {
     const JudgeLimits limits{30, 4096};
     Verdict verdict = JudgeImport(WriteText(directory_.File(name), bytes), limits);
     EXPECT_EQ(verdict.offence, "") << name << ": " << verdict.message;
     return verdict;
   }
-  // The answer is an error that says what is wrong with the file, and no crash.
+  // Checks that the answer is an error that says what is wrong with the file, and no crash.
   void ExpectRefused(const std::string& name, const std::string& bytes) {
     const Verdict verdict = Answer(name, bytes);
     EXPECT_THAT(verdict.status, AnyOf("format-broken", "nothing-usable", "not-finite", "limit-exceeded"))
@@ -103,7 +103,7 @@ TEST_F(HostileFiles, StepWithListsInAMillionLists) {
 }
 
 TEST_F(HostileFiles, StepWithAChainOfReferences) {
-  // A million were tried by hand, and take a quarter of a minute.
+  // A million was tried by hand, and takes a quarter of a minute.
   constexpr int kLength = 200'000;
   std::string data;
   for (int i = 1; i <= kLength; ++i)
@@ -117,7 +117,7 @@ TEST_F(HostileFiles, StepAssembliesThatHoldThemselves) {
   const std::string assembly = ReadText(Sample("assembly.step"));
   const std::size_t at = assembly.find("NEXT_ASSEMBLY_USAGE_OCCURRENCE");
   ASSERT_NE(at, std::string::npos);
-  // Every usage's part becomes its assembly.
+  // Replace every usage's part by its assembly.
   std::string cycle = assembly;
   for (std::size_t usage = 0;
        (usage = cycle.find("NEXT_ASSEMBLY_USAGE_OCCURRENCE", usage)) != std::string::npos; ++usage) {
@@ -162,8 +162,8 @@ TEST_F(HostileFiles, StepWithTextsOfMegabytes) {
 
 TEST_F(HostileFiles, StepThatNamesOtherFilesReadsNone) {
   if (LandlockVersion() == 0)
-    GTEST_SKIP() << "this kernel has no Landlock: files of the same user stay readable";
-  // An assembly whose part is said to be in a file of somebody else's.
+    GTEST_SKIP() << "this kernel has no Landlock, so files of the same user remain readable";
+  // The assembly refers to a part in a file that belongs to another user.
   const std::string other = WriteText(directory_.File("other.step"), ReadText(Sample("torus.step")));
   const std::string references =
       "#900=DOCUMENT_FILE('" + other +
@@ -186,13 +186,13 @@ TEST_F(HostileFiles, StepThatNamesOtherFilesReadsNone) {
 }
 
 TEST_F(HostileFiles, IgesThatRefersToItself) {
-  // A subfigure that holds an instance of itself.
+  // A subfigure that contains an instance of itself.
   ExpectRefused("subfigure.igs", Iges({{308, "308,0,1Ha,1,3;"}, {408, "408,1,0.,0.,0.,1.;"}}));
-  // Matrices that are transformed by each other.
+  // Matrices that transform each other.
   ExpectRefused("matrix.igs", Iges({{124, "124,1.,0.,0.,0.,0.,1.,0.,0.,0.,0.,1.,0.;", 3},
                                     {124, "124,1.,0.,0.,0.,0.,1.,0.,0.,0.,0.,1.,0.;", 1},
                                     {110, "110,0.,0.,0.,1.,1.,1.;", 1}}));
-  // A trimmed surface of itself, groups and composite curves that hold themselves.
+  // A trimmed surface, groups and composite curves that contain themselves.
   ExpectRefused("trimmed.igs", Iges({{144, "144,1,1,0,1;"}}));
   ExpectRefused("group.igs", Iges({{402, "402,2,1,3;"}, {402, "402,1,1;"}}));
   ExpectRefused("composite.igs", Iges({{102, "102,2,1,3;"}, {102, "102,1,1;"}}));

@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A sentence for a person is no longer.
+// A sentence for a person must not be longer.
 constexpr std::size_t kLongestMessage = 4096;
 
 double MillisecondsSince(Clock::time_point start) {
@@ -40,7 +40,7 @@ void Write(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-// What is wrong with an error as an answer.
+// Returns what is wrong with an error as an answer.
 std::string OffenceOf(const Error& error) {
   if (error.code == ErrorCode::kInternal) return "an internal error";
   if (error.message.empty()) return "an error without a sentence";
@@ -53,7 +53,7 @@ Verdict VerdictOf(const Error& error, Clock::time_point start) {
   return {ErrorCodeName(error.code), error.message, OffenceOf(error), MillisecondsSince(start)};
 }
 
-// The resident bytes of a process; 0 if they can't be read.
+// Returns the resident bytes of a process; 0 if they cannot be read.
 std::uint64_t ResidentBytes(int pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
   std::uint64_t total = 0, resident = 0;
@@ -61,7 +61,7 @@ std::uint64_t ResidentBytes(int pid) {
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-// Sends and receives until the other side closes or the time is over.
+// Sends the request, and receives until the other side closes or the time is over.
 std::string Exchange(const std::string& host, int port, const std::string& request, double seconds) {
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
@@ -101,7 +101,7 @@ Verdict JudgeImport(const std::string& path, const JudgeLimits& limits) {
     Verdict verdict{"ok", "", "", MillisecondsSince(start)};
     if (auto model = ReadModel(files.value().model_path); !model)
       verdict.offence = "a model that can't be read: " + model.error().message;
-    // A model whose faces can't be meshed has an empty mesh, and says so.
+    // If no face of a model can be meshed, its mesh is empty, and the answer must say so.
     if (auto mesh = LoadMesh(files.value().mesh_paths[0], {}, nullptr);
         !mesh && mesh.error().code != ErrorCode::kNothingUsable)
       verdict.offence = "a mesh that can't be read: " + mesh.error().message;
@@ -129,7 +129,7 @@ Verdict JudgeFile(const std::string& path, const JudgeLimits& limits) {
   return extension == ".glb" || extension == ".stl" ? JudgeMesh(path) : JudgeImport(path, limits);
 }
 
-// A service that stops a job at its limit says so a little later.
+// A service that stops a job at its limit answers a little later.
 constexpr double kAnswerSeconds = 10;
 
 Verdict JudgePost(const std::string& host, int port, const std::string& file_name, const std::string& bytes,
@@ -186,7 +186,7 @@ nlohmann::json RunMutations(const MutationRun& run) {
       const Mutant mutant = MakeMutant(original, run.seed, index);
       const std::string name = path.stem().string() + "-" + std::to_string(run.seed) + "-" +
                                std::to_string(index) + path.extension().string();
-      // Written first: what takes this process with it stays behind.
+      // The file is written before the test, so that it remains if this process crashes.
       const std::string at = (run.offenders.empty() ? scratch.path() : run.offenders) + "/" + name;
       Write(at, mutant.bytes);
       const Verdict verdict =

@@ -6,7 +6,7 @@
 namespace facetless {
 namespace {
 
-// Larger mutants say nothing more.
+// Larger mutants would not find more.
 constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 
 std::string UsualGarbage(Dice& dice, std::size_t length) {

@@ -1,4 +1,4 @@
-// STEP, IGES and glTF changed by their own syntax.
+// Changes STEP, IGES and glTF files by their own syntax.
 #include <cctype>
 #include <cstdint>
 #include <cstring>
@@ -10,7 +10,7 @@
 namespace facetless {
 namespace {
 
-// What no exporter should write where a number belongs, and some do.
+// Texts that no exporter should write instead of a number, but that some do.
 constexpr const char* kNumbers[] = {
     "1.E308",      "-1.E308", "1.E400", "1.E150",         "1.E-320", "4.9E-324",   "NaN",        "Inf", "-0.",
     "0.",          "-1.",     "1.E-30", "2147483647",     "-1",      "2147483648", "4294967296", "0",   "1e9",
@@ -29,10 +29,10 @@ bool IsWord(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// The tokens of a STEP text, outside of comments.
+// The tokens of a STEP text outside of comments.
 struct StepTokens {
   std::vector<Token> references, numbers, keywords, strings, enumerations;
-  std::vector<Token> entities;  // from "#1" at its beginning to its semicolon
+  std::vector<Token> entities;  // from the "#" of "#1" to the semicolon
   std::vector<Token> lists;     // from a parenthesis to the one that closes it
 };
 
@@ -94,7 +94,7 @@ const Token* Any(const std::vector<Token>& tokens, Dice& dice) {
   return tokens.empty() ? nullptr : &tokens[dice.Below(tokens.size())];
 }
 
-// Replaces one of `of` by another one.
+// Replaces one of the tokens `of` by another one.
 std::string Swap(std::string& bytes, const std::vector<Token>& of, const char* name, Dice& dice) {
   const Token *to = Any(of, dice), *from = Any(of, dice);
   if (to == nullptr) return "";
@@ -118,13 +118,13 @@ std::string StrangeText(Dice& dice) {
   }
 }
 
-// The reference to the entity that holds it, or to another, or to none.
+// Changes a reference to the entity that contains it, to another entity, or to none.
 std::string Redirect(std::string& bytes, const StepTokens& tokens, Dice& dice) {
   const Token* reference = Any(tokens.references, dice);
   if (reference == nullptr || tokens.entities.empty()) return "";
   std::string target = "#999999999";
   if (dice.OneIn(3)) {
-    // A cycle of one.
+    // Make a cycle of one entity.
     for (const Token& entity : tokens.entities)
       if (entity.begin < reference->begin && reference->begin < entity.end)
         target =
@@ -166,7 +166,7 @@ std::string ChangeList(std::string& bytes, const StepTokens& tokens, Dice& dice)
   }
 }
 
-// Fields of eight columns, as IGES has them.
+// Fields of eight columns, as in IGES.
 std::string Columns(const std::string& text, std::size_t width) {
   return text.size() >= width ? text.substr(0, width) : std::string(width - text.size(), ' ') + text;
 }
@@ -208,7 +208,7 @@ std::string MutateStep(std::string& bytes, Dice& dice) {
       return (twice ? "twice: " : "removed: ") + text.substr(0, 40);
     }
     case 10: {
-      // Two entities exchange what they are.
+      // Two entities exchange their contents.
       const Token *a = Any(tokens.entities, dice), *b = Any(tokens.entities, dice);
       if (a == nullptr || a->begin == b->begin) return "";
       const auto body = [&](const Token& token) { return bytes.find('=', token.begin); };
@@ -222,7 +222,7 @@ std::string MutateStep(std::string& bytes, Dice& dice) {
 }
 
 std::string MutateIges(std::string& bytes, Dice& dice) {
-  // Lines of 80 columns and a line end.
+  // Lines have 80 columns and a line end.
   std::vector<std::size_t> directory, parameter, others;
   for (std::size_t at = 0; at + 73 <= bytes.size();) {
     (bytes[at + 72] == 'D' ? directory : bytes[at + 72] == 'P' ? parameter : others).push_back(at);
@@ -234,7 +234,7 @@ std::string MutateIges(std::string& bytes, Dice& dice) {
   switch (dice.Below(6)) {
     case 0:
     case 1: {
-      // A field of the directory: type, pointers, counts, status.
+      // Change a field of the directory: type, pointers, counts, status.
       const std::size_t line = directory[dice.Below(directory.size())];
       const std::size_t field = dice.Below(9) * 8;
       const std::string own = bytes.substr(line + 73, 7);
@@ -247,7 +247,7 @@ std::string MutateIges(std::string& bytes, Dice& dice) {
     }
     case 2:
     case 3: {
-      // A number of the parameters, in the columns that it has.
+      // Change a number in the parameters, within its columns.
       const std::size_t line = parameter[dice.Below(parameter.size())];
       std::vector<Token> numbers;
       for (std::size_t at = line; at < line + 64;) {
@@ -263,7 +263,7 @@ std::string MutateIges(std::string& bytes, Dice& dice) {
       return "parameter becomes " + other.substr(0, number->length());
     }
     case 4: {
-      // A line is lost, twice, or another one.
+      // Remove a line, duplicate it, or replace it by another one.
       const std::vector<std::size_t>& lines = dice.OneIn(2) ? directory : parameter;
       const std::size_t line = lines[dice.Below(lines.size())], other = lines[dice.Below(lines.size())];
       const std::size_t length = std::min(bytes.find('\n', line), bytes.size() - 1) + 1 - line;
@@ -274,7 +274,7 @@ std::string MutateIges(std::string& bytes, Dice& dice) {
       return how == 0 ? "a line is lost" : how == 1 ? "a line is put in" : "a line becomes another one";
     }
     default: {
-      // The global section: delimiters, unit, scale.
+      // Change the global section: delimiters, unit, scale.
       for (const std::size_t line : others) {
         if (bytes[line + 72] != 'G') continue;
         const std::size_t at = line + dice.Below(72);

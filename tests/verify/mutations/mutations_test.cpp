@@ -1,4 +1,4 @@
-// A bounded run of facetless_mutations over the project's own samples; thousands are run by hand
+// A short run of facetless_mutations on the project's own samples. Thousands of mutants are run by hand
 // (docs/reliability.md).
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -66,7 +66,7 @@ TEST_F(Mutations, PostedToTheServiceAllGetAnAnswer) {
   run.host = "127.0.0.1";
   run.port = server.port();
   ExpectAnswers(run);
-  // What the importer makes of a mutant is rendered by the service itself.
+  // The service itself renders the mutants that it can import.
   run.count = 4;
   run.options = R"({"size":"64x48","lines":"hidden","section":"x=0"})";
   ExpectAnswers(run);

@@ -1,5 +1,5 @@
-// Mutants of requests, byte by byte, against a running service: each gets a response of HTTP or a closed
-// connection, and the service answers the next client.
+// Mutants of requests, byte by byte, against a running service. Each must get an HTTP response or a closed
+// connection, and the service must answer the next client.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -14,7 +14,7 @@
 namespace facetless {
 namespace {
 
-// Sends all, says that nothing more comes, and reads to the end.
+// Sends everything, shuts down its side, and reads to the end.
 std::string Exchange(int port, const std::string& bytes) {
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
@@ -35,7 +35,8 @@ std::string Exchange(int port, const std::string& bytes) {
     ssize_t got = 0;
     while ((got = recv(fd, buffer, sizeof buffer, 0)) > 0)
       answer.append(buffer, static_cast<std::size_t>(got));
-    EXPECT_FALSE(got < 0 && errno == EAGAIN) << "no answer and no end within twenty seconds";
+    EXPECT_FALSE(got < 0 && errno == EAGAIN)
+        << "the server neither answered nor closed the connection within twenty seconds";
   }
   close(fd);
   return answer;

@@ -10,7 +10,7 @@
 namespace facetless::oracle {
 namespace {
 
-// Takes `count` of the pixels, at random.
+// Returns `count` random pixels.
 std::vector<std::uint32_t> Some(const std::set<std::uint32_t>& pixels, std::size_t count, Random& random) {
   std::vector<std::uint32_t> all(pixels.begin(), pixels.end());
   const std::size_t taken = std::min(count, all.size());
@@ -25,7 +25,7 @@ Vec3 Divided(Vec4 p) {
   return {p.x / p.w, p.y / p.w, p.z / p.w};
 }
 
-// A corner of a patch of the placed face, a vertex or a point of one of its edges.
+// Returns a corner of a patch of the placed face, a vertex, or a point on one of its edges.
 Vec3 FeatureOf(const Model& model, const Instance& instance, const Face& face, Random& random) {
   const Surface& surface = model.surfaces[face.surface];
   if (face.loops.count > 0 && random.Below(3) > 0) {

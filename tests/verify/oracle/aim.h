@@ -1,6 +1,6 @@
-// Which samples are worth judging: random ones, and those where renderers fail.
+// Selects the samples to judge: random ones, and those where renderers often fail.
 //
-//  1. Deterministic in the seed. No pixel twice.
+//  1. The selection depends only on the seed. No pixel occurs twice.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +23,20 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-// Points of the model where something begins or ends: vertices, points on edges, corners of patches (seams
-// and poles among them). At most `most`, of all placed faces.
+// Returns points of the model at which something begins or ends: vertices, points on edges, corners of
+// patches (which include seams and poles). Returns at most `most`, from all placed faces.
 std::vector<Vec3> Features(const Model& model, std::size_t most, Random& random);
 
-// `count` pixels anywhere.
+// Returns `count` pixels at random places.
 std::vector<std::uint32_t> RandomPixels(const SampleBuffer& samples, std::size_t count, Random& random);
 
-// At most `count` of: pixels beside a change of face, or from hit to miss; pixels without a certificate;
-// pixels onto which one of `features` falls, and their neighbours.
+// Returns at most `count` of these pixels: pixels next to a change of face, or of hit and miss; pixels
+// without a certificate; pixels onto which one of `features` is projected, and their neighbours.
 std::vector<std::uint32_t> HardPixels(const DirectResult& direct, const std::vector<Vec3>& features,
                                       std::size_t count, Random& random);
 
-// The same view through a window of `window` mm at `point`: what of the original is a fraction of a pixel.
+// Returns the same view through a window of `window` mm at `point`, which covers a fraction of a pixel of the
+// original.
 Camera CloseUp(const Camera& camera, const CameraFrame& frame, Vec3 point, double window, int size);
 
 }  // namespace facetless::oracle

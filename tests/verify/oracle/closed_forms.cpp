@@ -15,7 +15,7 @@ Polynomial Product(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
-// a + s·b.
+// Returns a + s·b.
 Polynomial Sum(Polynomial a, Real s, const Polynomial& b) {
   a.resize(std::max(a.size(), b.size()), 0);
   for (std::size_t i = 0; i < b.size(); ++i) a[i] += s * b[i];
@@ -28,9 +28,10 @@ Real Value(const Polynomial& polynomial, Real t) {
   return value;
 }
 
-// The line's points relative to `center`, from the nearest one on: |p|² and p·axis as polynomials.
+// The points of the line relative to `center`, parametrised from the nearest one on: |p|² and p·axis as
+// polynomials.
 struct Near {
-  Real shift = 0;  // of t
+  Real shift = 0;  // shift of t
   Polynomial square, along;
 };
 Near NearTo(const Line& line, Real3 center, Real3 axis) {
@@ -54,7 +55,7 @@ std::vector<Real> PolynomialRoots(std::vector<Real> coefficients) {
   while (!coefficients.empty() && coefficients.back() == 0) coefficients.pop_back();
   if (coefficients.size() < 2) return {};
   if (coefficients.size() == 2) return {-coefficients[0] / coefficients[1]};
-  // Between two zeros of the derivative there is one root at most, and none beyond Cauchy's bound.
+  // Between two zeros of the derivative there is at most one root, and there is none beyond Cauchy's bound.
   Polynomial derivative;
   Real bound = 0;
   for (std::size_t i = 0; i + 1 < coefficients.size(); ++i) {
@@ -72,7 +73,7 @@ std::vector<Real> PolynomialRoots(std::vector<Real> coefficients) {
     if (rises ? !(Value(coefficients, high) > 0)
               : !(Value(coefficients, low) > 0 && Value(coefficients, high) < 0))
       continue;
-    // Bisect until the two are neighbours.
+    // Bisect until the two ends are neighbouring numbers.
     for (Real middle = (low + high) / 2; middle > low && middle < high; middle = (low + high) / 2)
       ((Value(coefficients, middle) < 0) == rises ? low : high) = middle;
     roots.push_back(low);

@@ -1,4 +1,4 @@
-// The oracle against itself: its numbers, its closed forms, and its subdivision on the same surfaces as
+// Tests the oracle itself: its numbers, its closed forms, and its subdivision on the same surfaces as
 // patches.
 #include "tests/verify/oracle/closed_forms.h"
 
@@ -18,7 +18,7 @@ double AsDouble(Real x) {
 }
 
 TEST(Real, PiHasItsDigits) {
-  // π as a sum of three doubles, from its published digits.
+  // π is a sum of three doubles, from its published digits.
   const Real digits =
       Real(3.141592653589793116) + Real(1.2246467991473532e-16) - Real(2.9947698097183397e-33);
   EXPECT_LE(AsDouble(Abs(Pi() - digits)), 1e-33);
@@ -43,8 +43,8 @@ TEST(PolynomialRoots, FindsWhatWasMultipliedTogether) {
   EXPECT_EQ(PolynomialRoots({1, -2, 1}).size(), 1u) << "a double root";
 }
 
-// Quarter circles with small whole numbers for coefficients: x = 1 − t², y = 2t, w = 1 + t². Exact in double,
-// so that closed form and patch are the same surface to the last bit of Real.
+// Quarter circles whose coefficients are small integers: x = 1 − t², y = 2t, w = 1 + t². They are exact in
+// double, so that the closed form and the patch are the same surface to the last bit of Real.
 struct QuarterPoint {
   double x, y, w;
 };
@@ -60,7 +60,7 @@ std::vector<std::vector<QuarterPoint>> Quarters(int first, int count) {
   return arcs;
 }
 
-// Profile points (radius, height, weight) turned about z.
+// Rotates profile points (radius, height, weight) about z.
 Model Turned(const std::vector<std::vector<QuarterPoint>>& profile) {
   testing::PatchGrid grid;
   grid.degree_u = 2;
@@ -84,16 +84,16 @@ Model ExactTorus(double major) {
     for (QuarterPoint& p : arc) p.x += major * p.w;
   return Turned(profile);
 }
-// Of radius 1 and height 2.
+// Radius 1 and height 2.
 Model ExactCylinder() {
   return Turned({{{1, -1, 1}, {1, 1, 1}}});
 }
-// With its apex in the origin, both halves, slope 1.
+// The apex is the origin; both halves, slope 1.
 Model ExactCone() {
   return Turned({{{0, 0, 1}, {1, 1, 1}}, {{0, 0, 1}, {1, -1, 1}}});
 }
 
-// A ray that passes the origin within `reach`, from any side.
+// Returns a ray that passes the origin within `reach`, from any side.
 ViewRay AnyRay(double reach) {
   const auto number = [](double size) { return size * (*rc::gen::inRange(-1000000, 1000001) * 1e-6); };
   View view;
@@ -104,8 +104,8 @@ ViewRay AnyRay(double reach) {
   return ViewPixelRay(view, 0.5, 0.5);
 }
 
-// The same crossings, in the same order, to the last digits. `keep`: which of the closed form's lie on the
-// patch.
+// Checks for the same crossings, in the same order, to the last digits. `keep` selects the closed form's
+// roots that lie on the patch.
 template <typename Keep>
 void ExpectSame(const Model& model, const ViewRay& ray, const std::vector<Real>& roots, const Keep& keep) {
   const std::vector<Crossing> crossings = Oracle(model).Crossings(ray, -INFINITY);
@@ -146,7 +146,7 @@ RC_GTEST_PROP(ClosedForm, ConeIsItsPatches, ()) {
              [](Real3 p) { return Abs(p.z) <= 1; });
 }
 
-// Rays that meet two or four patches at once, or where a patch has no normal.
+// Rays that meet two or four patches at once, or meet a patch where it has no normal.
 ViewRay RayThrough(Vec3 point, Vec3 direction) {
   View view;
   view.target = point;
@@ -169,8 +169,8 @@ TEST(Oracle, SeamsGiveOneCrossing) {
   }
 }
 
-// Two patches that meet in a ridge, seen along the ground: just below the ridge a ray enters one and leaves
-// the other.
+// Two patches meet in a ridge, seen horizontally: just below the ridge, a ray enters one and leaves the
+// other.
 TEST(Oracle, ARidgeSeenFromTheSideIsCrossedTwice) {
   const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   for (const double below : {1e-3, 1e-9, 1e-13, 1e-20}) {

@@ -1,5 +1,5 @@
-// Every pair of degrees that a file may have, 1 … 25 by 1 … 25, each once: rendered in every precision and by
-// every instruction set, judged by the oracle and by the independent check of certificates.
+// Every pair of degrees that a file may have, 1 … 25 by 1 … 25, each once. It is rendered in every precision
+// and with every instruction set, and judged by the oracle and by the independent check of certificates.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -17,9 +17,9 @@ namespace facetless::oracle {
 namespace {
 
 constexpr int kSize = 19;
-constexpr std::size_t kJudged = 4;  // samples of each picture: the oracle takes its time with high degrees
-// A patch of the highest degrees has 676 control points; what it may take beyond that would be an explosion
-// of leaves.
+constexpr std::size_t kJudged = 4;  // samples of each picture: the oracle is slow for high degrees
+// A patch of the highest degrees has 676 control points. If a picture needs more memory than this, leaves
+// have exploded.
 constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
 
 SurfaceRecipe RecipeOf(int degree_u, int degree_v) {
@@ -39,7 +39,7 @@ Camera CameraOf(const Model& model, Random& random) {
   return NamedView(view, model.bounds, projection, kSize, kSize).value();
 }
 
-// All depths and leaves of one view.
+// Returns all depths and leaves of one view.
 std::vector<double> Answers(const TraceShared& shared, TileKernel kernel) {
   std::vector<double> answers;
   TileTracer tracer(shared, kernel, /*certify=*/true);
@@ -93,7 +93,7 @@ TEST_P(EveryPairOfDegrees, IsRenderedAsTheOracleSays) {
         EXPECT_NE(judgement.verdict, Verdict::kWrong) << Describe(judgement, model);
     }
 
-    // The same from every instruction set.
+    // All instruction sets must give the same.
     for (const Precision precision : {Precision::kFast, Precision::kStandard}) {
       DirectOptions options;
       options.accuracy.precision = precision;

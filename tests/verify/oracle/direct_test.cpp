@@ -1,6 +1,6 @@
-// The direct renderer before the oracle: no certified sample may be wrong, ever. Models and views are drawn
-// at random, and aimed at what fails: along axes, through seams, poles, vertices, edges and corners of trims,
-// from both sides.
+// The oracle judges the direct renderer: no certified sample may ever be wrong. Models and views are random,
+// and aim at difficult places: along axes, through seams, poles, vertices, edges and corners of trims, from
+// both sides.
 #include "render/trace/direct.h"
 
 #include <gtest/gtest.h>
@@ -20,12 +20,13 @@
 namespace facetless::oracle {
 namespace {
 
-constexpr int kSize = 21;  // odd: a pixel centre in the very middle
-// What a picture of that size may take: an explosion of leaves is a failure, and soon over.
+constexpr int kSize = 21;  // odd, so that a pixel centre is exactly in the middle
+// The memory limit of a picture of that size. An explosion of leaves is a failure, which this limit ends
+// quickly.
 constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
 constexpr std::size_t kRandomSamples = 20, kHardSamples = 60;
 
-// What a property has judged, so that it can't pass by judging nothing.
+// Counts what a property has judged, so that it cannot pass by judging nothing.
 struct Judged {
   std::uint64_t samples = 0, certified = 0;
 };
@@ -41,7 +42,7 @@ std::string Numbers(const Camera& camera) {
   return numbers;
 }
 
-// A square picture of a window of that size.
+// A square picture of a window of the given size.
 Camera WindowOf(Vec3 eye, Vec3 target, Vec3 up, double window) {
   Camera camera;
   camera.eye = eye;
@@ -76,7 +77,7 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     std::vector<std::uint32_t> pixels =
         HardPixels(direct.value(), Features(model, 20, random), kHardSamples, random);
     for (const std::uint32_t pixel : RandomPixels(samples, kRandomSamples, random)) pixels.push_back(pixel);
-    pixels.push_back(static_cast<std::uint32_t>(samples.size() / 2));  // the middle
+    pixels.push_back(static_cast<std::uint32_t>(samples.size() / 2));  // the middle pixel
     judged_.samples += pixels.size();
     // The others are the slowest to judge, and may be wrong.
     std::erase_if(pixels,
@@ -92,8 +93,8 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     RC_FAIL(text);
   }
 
-  // A named view of the whole, and a close-up from the same side and from the opposite one, at a feature or
-  // at what a ray along an axis of the model meets.
+  // Judges a named view of the whole, and close-ups from the same side and from the opposite one. They show a
+  // feature, or what a ray along an axis of the model meets.
   void LookAround(const Model& model) {
     const auto seed = *rc::gen::arbitrary<std::uint64_t>();
     Random random(seed);
@@ -112,13 +113,13 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
     ExpectCertifiedSamplesRight(model, camera, seed);
   }
 
-  // Runs a property and says what it has judged.
+  // Runs a property and reports how much it has judged.
   template <typename Property>
   void Check(const char* description, const Property& property) {
     judged_ = {};
     EXPECT_TRUE(rc::check(description, property));
-    // Cameras look closely at seams, poles and edges, where doubts are many; but a property that certifies
-    // little proves little.
+    // Cameras look closely at seams, poles and edges, where many samples are in doubt. But a property that
+    // certifies few samples proves little.
     EXPECT_GT(judged_.certified, judged_.samples / 2) << "of " << judged_.samples << " samples";
   }
 
@@ -127,7 +128,7 @@ class DirectBeforeTheOracle : public ::testing::TestWithParam<Precision> {
 
 SurfaceRecipe AnyRecipe() {
   SurfaceRecipe recipe;
-  // All that a file may have; most files stay low.
+  // All degrees that a file may have; most files have low ones.
   const auto degree =
       rc::gen::weightedOneOf<int>({{3, rc::gen::inRange(1, 8)}, {1, rc::gen::inRange(1, kMaxDegree + 1)}});
   recipe.degree_u = *degree;
@@ -178,7 +179,7 @@ TEST_P(DirectBeforeTheOracle, QuadricsAndTori) {
       case 3:
         model = ModelOf({Frustum(center, size, 0, size)});
         break;
-      default:  // two that touch
+      default:  // two loops that touch
         model =
             ModelOf({Sphere(center, size), Frustum(center + Vec3{2 * size, 0, -size}, size, size, 2 * size)});
     }
@@ -194,8 +195,9 @@ TEST_P(DirectBeforeTheOracle, SolidsWithSharedEdges) {
 }
 
 // A sphere of a thousandth of a millimetre, a metre from the origin, with a column of pixel centres on the
-// seam of two patches next to the pole. The rounding of a metre is 1e-10 of the sphere, and each patch has
-// its own: pieces of leaves without a certificate overlapped by less, and both left the root to the other.
+// seam of two patches next to the pole. The rounding of a metre is 1e-10 of the sphere, and each patch is
+// rounded separately. Leaves without a certificate once overlapped by less than that, and each of them left
+// the root to the other.
 TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
   const double radius = 0x1p-10;
   const Model model = facetless::testing::ModelOf({facetless::testing::Sphere({1000, 0, 0}, radius)});
@@ -216,13 +218,13 @@ TEST_P(DirectBeforeTheOracle, SeamsHoldFarFromTheOrigin) {
   EXPECT_GT(direct.stats.hits, 100u);
 }
 
-// A roof of two patches: continued beyond its border, each lies above the other. A root in the overlap of
-// their leaves is no point of the surface, and the nearer of the two is always the wrong one.
+// A roof of two patches. Continued beyond its border, each lies above the other. A root in the overlap of
+// their leaves is no point of the surface, and the nearer of the two roots is always the wrong one.
 TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
   const Model model = facetless::testing::ModelOf({facetless::testing::Roof()});
   const Oracle oracle(model);
   for (const double window : {1e-4, 1e-7, 1e-9, 1e-11, 1e-13}) {
-    // Aslant: no border along rows or columns.
+    // The view is oblique, so that no border runs along rows or columns.
     const Camera camera = WindowOf({0, 0.1, 10}, {0, 0.1, 0}, {1, 0.7, 0}, window);
     const DirectResult direct = Traced(model, camera);
     const Judge judge(oracle, camera);
@@ -236,9 +238,9 @@ TEST_P(DirectBeforeTheOracle, ARoofIsNotContinuedBeyondItsRidge) {
   }
 }
 
-// A sphere and a cylinder of a thousandth of a millimetre that touch, a metre from the origin. Where the one
-// is in front of the other by less than single precision can tell, `fast` may show the wrong one, but not
-// deeper than it says.
+// A sphere and a cylinder of a thousandth of a millimetre that touch, a metre from the origin. Where one is
+// in front of the other by less than single precision resolves, `fast` may show the wrong one, but its depth
+// must be within the stated bound.
 TEST_P(DirectBeforeTheOracle, FacesThatTouchAreAsNearAsIsSaid) {
   using namespace facetless::testing;
   const double radius = 0x1p-10;

@@ -10,13 +10,14 @@
 namespace facetless::oracle {
 namespace {
 
-// Perspective views show nothing nearer than this share of the model's diagonal (docs/cameras.md).
+// Perspective views do not show anything nearer than this share of the model's diagonal (docs/cameras.md).
 constexpr double kNearShare = 1e-9;
-// An edge speaks for a crossing if it is as near along the ray as its gap may reach at that slant, and this
-// many times more, the band being measured generously.
+// An edge explains a crossing if its distance along the ray is at most the edge's gap at that slant, times
+// this factor, because the band is measured generously.
 constexpr double kSlantReach = 8;
 constexpr double kMostSlant = 64;
-// The slope that a moved ray's depth may follow: that of a face seen at an angle whose cosine is the inverse.
+// The largest slope that the depth of a moved ray may follow: that of a face seen at an angle whose cosine is
+// the inverse.
 constexpr double kMovedSlope = 1000;
 
 View ViewOf(const Camera& camera) {
@@ -72,12 +73,12 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
                    Leniency leniency, double moved_mm, Judgement& judgement) const {
   const double diagonal = oracle_.model().Diagonal();
   const double rounding = RoundingAt(claim);
-  // The edge that leaves this crossing open, if any.
+  // Returns the edge that makes this crossing uncertain, if any.
   const auto edge_at = [&](std::uint32_t face, double depth, double cosine) {
     const double slack = leniency == Leniency::kTwiceTheGap ? 1 : 0;
     const double slant = std::min(kMostSlant, 1 / std::max(cosine, 1e-300));
     EdgeContact best;
-    // Gaps differ from edge to edge: look as far as the largest goes, and compare with each one's own.
+    // Gaps differ from edge to edge: search within the largest gap, and compare with each edge's own gap.
     const double largest = oracle_.model().info.max_edge_gap_mm;
     const EdgeContact contact = oracle_.NearestEdge(ray, face, depth, slack * largest + rounding,
                                                     kSlantReach * slant * (2 * largest + rounding));
@@ -105,7 +106,7 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
   bool covered = !claim.hit;
   double bound = states_bound ? claim.depth_error : kDepthShare * diagonal;
   if (claim.hit) {
-    // Find the crossing that the claim means: of its own face first.
+    // Find the crossing that the claim means, first among those of its own face.
     for (const bool own : {true, false}) {
       for (const Crossing& crossing : crossings) {
         if ((crossing.placed_face == claim.placed_face) != own || covered) continue;
@@ -124,8 +125,8 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
         judgement.other_face = !own;
       }
     }
-    // Within an edge's gap the claim may lie on the patch continued beyond its border, where the oracle has
-    // none.
+    // Within an edge's gap, the claim may lie on the continuation of a patch beyond its border, where the
+    // oracle finds nothing.
     if (!covered && edges) {
       const EdgeContact contact = edge_at(claim.placed_face, claim.depth, 0);
       covered = contact.coedge != kNoIndex;
@@ -133,7 +134,7 @@ bool Judge::Agrees(const ViewRay& ray, const std::vector<Crossing>& crossings, c
     }
   }
   if (!covered) return false;
-  // Nothing that is certainly there may be nearer.
+  // No certain crossing may be nearer.
   for (const Crossing& crossing : crossings) {
     if (claim.hit && !(crossing.depth + crossing.half_depth < claim.depth - bound)) break;
     if (crossing.standing == Standing::kInside && !free(crossing)) return false;
@@ -171,8 +172,8 @@ Judgement Judge::Ask(const Claim& claim) const {
 
 double Judge::Reach(const ViewRay& ray, const Claim& claim) const {
   constexpr int kDirections = 8;
-  // What verdicts hang on is looked for closely; how far off a wrong sample is only needs an order of
-  // magnitude.
+  // Distances that decide a verdict are searched closely. For a wrong sample, the order of magnitude of the
+  // distance is enough.
   const double rounding = RoundingAt(claim);
   const double telling = std::max(rounding, 2 * kReachInGaps * oracle_.model().info.max_edge_gap_mm);
   const double farthest = std::max(telling, kDescribedShare * oracle_.model().Diagonal());
@@ -188,7 +189,7 @@ double Judge::Reach(const ViewRay& ray, const Claim& claim) const {
   return INFINITY;
 }
 
-// What the oracle sees, for the reader of a list.
+// Describes what the oracle sees, for the reader of a list.
 void Judge::Explain(const std::vector<Crossing>& crossings, Judgement& judgement) const {
   const Claim& claim = judgement.claim;
   judgement.oracle_depth = INFINITY;
@@ -202,7 +203,7 @@ void Judge::Explain(const std::vector<Crossing>& crossings, Judgement& judgement
     judgement.trim_mm = oracle_.TrimDistance(crossing, described);
     break;
   }
-  // The crossing of its face that a claimed hit comes nearest to.
+  // Find the crossing of its face to which a claimed hit comes nearest.
   judgement.why = claim.hit ? "its face is not hit there" : "a hit is lost";
   double nearest = INFINITY;
   for (const Crossing& crossing : crossings) {

@@ -105,7 +105,7 @@ TEST_F(JudgeOfASphere, TheTallyCountsByCertificate) {
   EXPECT_EQ(tally.list.size(), 2u);
 }
 
-// A square of ±1 whose edges are recorded with a gap of 1/8, seen from above so that a pixel is 1/16.
+// A square of ±1 whose edges have a recorded gap of 1/8, seen from above so that a pixel is 1/16.
 class JudgeAtAnEdge : public ::testing::Test {
  protected:
   JudgeAtAnEdge() : model_(trim_models::PlaneModel(-2, 2, -2, 2)) {
@@ -115,7 +115,7 @@ class JudgeAtAnEdge : public ::testing::Test {
     camera_.height = 4;
     camera_.width_px = camera_.height_px = 64;
   }
-  // Of the pixel whose centre is at x = (column − 31.5)/16.
+  // The claim of the pixel whose centre is at x = (column − 31.5)/16.
   Claim Hit(int column) const { return {column, 32, true, 8, 0, Certificate::kCertified, 0}; }
   Claim Miss(int column) const { return {column, 32, false, INFINITY, kNoIndex, Certificate::kCertified, 0}; }
   Verdict VerdictOn(const Claim& claim) const { return Judge(Oracle(model_), camera_).Ask(claim).verdict; }
@@ -139,8 +139,8 @@ TEST_F(JudgeAtAnEdge, BeyondTheGapOnlyOneIsRight) {
 }
 
 TEST(Judge, LightThroughASeamIsNeverExcused) {
-  // A ray beside an edge of a solid box that meets the face on one side or the other: a miss has no excuse in
-  // the gap, for no neighbouring ray misses.
+  // A ray beside an edge of a solid box meets the face on one side or on the other. A miss cannot be excused
+  // by the gap, because no neighbouring ray misses.
   Model model = SolidBox({});
   for (Coedge& coedge : model.coedges) coedge.gap_mm = 1e-3;
   model.info.max_edge_gap_mm = 1e-3;
@@ -165,7 +165,7 @@ TEST(Judge, LightThroughASeamIsNeverExcused) {
 }
 
 TEST(Judge, RoundingOfTheCameraIsKnownForWhatItIs) {
-  // A square without edges: its border is crossed by a pixel centre that lies 1e-15 outside.
+  // A square without edges. A pixel centre lies 1e-15 outside of its border.
   const Model model =
       facetless::testing::ModelOf({facetless::testing::Rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})});
   Camera camera;

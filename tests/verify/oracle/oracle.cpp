@@ -11,18 +11,18 @@
 namespace facetless::oracle {
 namespace {
 
-// A box over which the ray's two planes vary by less than this share of the model's size is not cut any more:
-// what is still open there is a doubt, known to this precision.
+// A box over which the ray's two planes vary by less than this share of the model's size is not divided any
+// more. An open question there is a doubt, known to this precision.
 constexpr double kFloorShare = 0x1p-52;
-// Roots this near to the border of their patch, in its own parameters, may be a neighbour's too.
+// Roots this close to the border of their patch, in its own parameters, may also belong to a neighbour.
 constexpr double kNearBorder = 0x1p-40;
-// The same crossing, found on two patches, has depths that differ by rounding in the control points only.
+// The depths of the same crossing, found on two patches, differ only by the rounding of the control points.
 constexpr double kSameDepthShare = 0x1p-40;
-// A root this far beyond its patch counts as on the border: Real's own rounding of the parameter.
+// A root this far beyond its patch counts as on the border, because of Real's own rounding of the parameter.
 constexpr double kOnBorder = 0x1p-90;
-// Distances at which even-odd gives up, of the size of the parameters.
+// The distance at which the even-odd rule gives up, relative to the size of the parameters.
 constexpr double kTrimFloor = 0x1p-72;
-// What double may do to the boxes and signs that only decide what need not be looked at.
+// The error of double in boxes and signs that only decide what can be skipped.
 constexpr double kCullingShare = 1e-12;
 
 // A plane, as a linear function of homogeneous points in the coordinates of a part.
@@ -31,7 +31,7 @@ struct Covector {
   Real At(const Vec4& p) const { return x * p.x + y * p.y + z * p.z + w * p.w; }
 };
 
-// normal·(point − origin) for points of an instance.
+// Returns normal·(point − origin) for points of an instance.
 Covector PlacedCovector(const Placement& placement, Real3 normal, Real3 origin) {
   const auto& m = placement.m;
   const auto column = [&](int c) { return normal.x * m[0][c] + normal.y * m[1][c] + normal.z * m[2][c]; };
@@ -39,7 +39,7 @@ Covector PlacedCovector(const Placement& placement, Real3 normal, Real3 origin) 
   return {column(0), column(1), column(2), Dot(normal, shift)};
 }
 
-// In double, whether the plane certainly has the patch's control points on one side.
+// Returns whether, in double, the patch's control points are certainly on one side of the plane.
 bool OneSide(const Covector& plane, const Vec4* points, std::size_t count) {
   const double x = static_cast<double>(plane.x), y = static_cast<double>(plane.y),
                z = static_cast<double>(plane.z), w = static_cast<double>(plane.w);
@@ -54,7 +54,7 @@ bool OneSide(const Covector& plane, const Vec4* points, std::size_t count) {
   return positive || negative;
 }
 
-// The patch's coefficients of a plane, and a bound of their error.
+// Returns the patch's coefficients of a plane, and a bound of their error.
 std::vector<Real> Coefficients(const Covector& plane, const Vec4* points, std::size_t count, Real& error) {
   std::vector<Real> result(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -67,7 +67,7 @@ std::vector<Real> Coefficients(const Covector& plane, const Vec4* points, std::s
 }
 
 struct Native {
-  Real value, rate;  // rate: by the patch's own parameter
+  Real value, rate;  // rate: derivative by the patch's own parameter
 };
 Native NativeOf(const Span& span, Real t) {
   const Real begin = span.begin, end = span.end;
@@ -77,7 +77,7 @@ Native NativeOf(const Span& span, Real t) {
   return {(begin + end) / 2 + 2 * Atan(x), 4 * tangent / (1 + x * x)};
 }
 
-// Reads the points of a curve with its coordinates mapped: `map` takes a stored point to a Real3.
+// Returns the points of a curve, with each stored point converted by `map` to a Real3.
 template <typename Point, typename Map>
 HomogeneousCurve Mapped(const Point* points, int degree, const Map& map) {
   HomogeneousCurve curve;
@@ -85,7 +85,7 @@ HomogeneousCurve Mapped(const Point* points, int degree, const Map& map) {
   return curve;
 }
 
-// The straight piece from where one curve ends to where another begins.
+// The straight piece from the end of one curve to the beginning of the next.
 HomogeneousCurve Joint(const Real3& end, const Real3& begin) {
   return {end, begin};
 }
@@ -93,7 +93,7 @@ HomogeneousCurve Joint(const Real3& end, const Real3& begin) {
 }  // namespace
 
 Oracle::Oracle(const Model& model) : model_(model) {
-  // Boxes of the placed faces, from their control points.
+  // Compute the boxes of the placed faces from their control points.
   boxes_.reserve(model.PlacedFaceCount());
   for (const Instance& instance : model.instances) {
     for (const Face& face : FacesOf(model, model.parts[instance.part])) {
@@ -105,7 +105,7 @@ Oracle::Oracle(const Model& model) : model_(model) {
       boxes_.push_back({box.low - slack, box.high + slack});
     }
   }
-  // Boxes of the trim segments, a unit in the last place wider than their control points.
+  // The boxes of the trim segments are a unit in the last place wider than their control points.
   for (const TrimSegment& segment : model.trim_segments) {
     TrimBox box{INFINITY, -INFINITY, -INFINITY};
     for (const Vec3& p : PointsOf(model, segment)) {
@@ -136,7 +136,7 @@ Standing Oracle::ClassifyTrimPoint(std::uint32_t face, Real u, Real v) const {
         const Vec3* points = PointsOf(model_, segment).data();
         const auto relative = [&](const Vec3& p) { return Real3{p.x - p.z * u, p.y - p.z * v, p.z}; };
         const Real3 begin = relative(points[0]), end = relative(points[segment.degree]);
-        // Segments meet to within rounding; a straight piece closes what is left between them.
+        // Segments meet to within rounding. A straight piece closes the rest of the gap.
         if (started) count(Joint(last, begin));
         if (!started) first = begin;
         started = true;
@@ -169,7 +169,7 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
   for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
     const std::span<const Vec4> own = PatchPoints(model_, surface, patch);
     const std::size_t count = own.size();
-    // A factor of all weights changes nothing: a power of two brings the largest near 1, exactly.
+    // A common factor of all weights changes nothing. A power of two brings the largest near 1 exactly.
     double largest = 0, smallest = INFINITY;
     for (const Vec4& p : own) {
       largest = std::max(largest, p.w);
@@ -196,7 +196,7 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
       crossing.patch = patch;
       crossing.proven = root.proven;
       crossing.border = Min(Min(root.u, 1 - root.u), Min(root.v, 1 - root.v));
-      // The depth.
+      // Compute the depth.
       const Jet h = Evaluate(height, n, m, root.u, root.v), w = Evaluate(weight, n, m, root.u, root.v);
       if (root.proven) {
         crossing.depth = h.value / w.value * depth_per_mm;
@@ -214,7 +214,7 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
         crossing.half_depth = (high - low) / 2 * depth_per_mm;
       }
       if (!(crossing.depth + crossing.half_depth > near)) continue;
-      // Tangents across the ray, and the normal.
+      // Compute the tangents across the ray, and the normal.
       const Span& span_u = model_.spans[surface.u_spans.first + patch / surface.v_spans.count];
       const Span& span_v = model_.spans[surface.v_spans.first + patch % surface.v_spans.count];
       const Real inwards_u = Max(kInwards, Min(1 - Real(kInwards), root.u)),
@@ -234,7 +234,7 @@ void Oracle::FaceCrossings(const ViewRay& ray, double near, std::uint32_t placed
       crossing.tangents[0][1] = static_cast<double>(dv.x / v.rate);
       crossing.tangents[1][0] = static_cast<double>(du.y / u.rate);
       crossing.tangents[1][1] = static_cast<double>(dv.y / v.rate);
-      // Inside or outside.
+      // Decide whether the crossing is inside.
       const bool beyond = -crossing.border > root.radius + kOnBorder;
       if (root.proven && !beyond) crossing.standing = ClassifyTrimPoint(face, u.value, v.value);
       found.push_back(crossing);
@@ -250,7 +250,7 @@ std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
   const double across_origin = static_cast<double>(Dot(ray.across, ray.origin)),
                down_origin = static_cast<double>(Dot(ray.down, ray.origin));
   const double origin_slack = kCullingShare * Length(narrow(ray.origin));
-  // Whether the line misses the box, seen along one of the two directions across it.
+  // Returns whether the line misses the box, seen along one of the two directions across it.
   const auto misses = [&](const Box3& box, Vec3 axis, double origin) {
     const Vec3 center = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
     const double reach = std::fabs(axis.x) * half.x + std::fabs(axis.y) * half.y + std::fabs(axis.z) * half.z;
@@ -261,7 +261,7 @@ std::vector<Crossing> Oracle::Crossings(const ViewRay& ray, double near) const {
     if (misses(boxes_[id], across, across_origin) || misses(boxes_[id], down, down_origin)) continue;
     std::vector<Crossing> found;
     FaceCrossings(ray, near, id, found);
-    // Law 1: one crossing where two patches meet. The more definite one speaks for both.
+    // Law 1: where two patches meet there is one crossing. The more certain one represents both.
     const Real same = kSameDepthShare * model_.Diagonal();
     for (const Crossing& crossing : found) {
       const auto twin = std::find_if(all.begin(), all.end(), [&](const Crossing& other) {

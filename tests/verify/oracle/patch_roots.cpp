@@ -7,10 +7,10 @@
 namespace facetless::oracle {
 namespace {
 
-constexpr double kGrown = 0.125;          // law 2: of a box's side, on each side
+constexpr double kGrown = 0.125;          // law 2: share of a box's side, on each side
 constexpr double kMostContraction = 0.8;  // the largest ‖1 − C·J‖ over the grown box that is accepted
-constexpr double kWorthTrying = 0.6;      // and over the box itself, before the grown one is looked at
-constexpr int kNewtonSteps = 24;          // from a contraction of 0.6 five to eight are usual
+constexpr double kWorthTrying = 0.6;      // the limit over the box itself, before the grown one is tried
+constexpr int kNewtonSteps = 24;          // with a contraction of 0.6, five to eight are usual
 constexpr double kNewtonDone = 0x1p-106;
 
 std::size_t Index(int degree_v, int i, int j) {
@@ -23,9 +23,9 @@ Real Largest(const std::vector<Real>& coefficients) {
   return largest;
 }
 
-// What Restrict and Evaluate may add to the error of coefficients of that size when they reach `beyond` past
-// the square: each of the degree_u + degree_v steps multiplies sizes by at most 1 + 2·beyond and rounds three
-// times.
+// Returns the error that Restrict and Evaluate may add to coefficients of that size when they reach `beyond`
+// past the square: each of the degree_u + degree_v steps multiplies sizes by at most 1 + 2·beyond and rounds
+// three times.
 Real GrownError(Real error, Real size, int degrees, double beyond) {
   return std::pow(1 + 2 * beyond, degrees) * (error + 4 * degrees * kHalfUlp * size);
 }
@@ -44,7 +44,7 @@ bool KeepsSign(const std::vector<Real>& coefficients, Real error) {
   return positive || negative;
 }
 
-// The combination a·f + b·g with |a|, |b| <= 1.
+// Returns the combination a·f + b·g with |a|, |b| <= 1.
 std::vector<Real> Combined(const BernsteinPair& pair, double a, double b) {
   std::vector<Real> result(pair.f.size());
   for (std::size_t i = 0; i < result.size(); ++i) result[i] = a * pair.f[i] + b * pair.g[i];
@@ -55,7 +55,7 @@ struct Matrix {
   double a = 0, b = 0, c = 0, d = 0;
 };
 
-// Derivatives of f (first row) and g at the box's centre, by the box's own parameters.
+// Returns the derivatives of f (first row) and g at the box's centre, by the box's own parameters.
 Matrix JacobianAtCentre(const BernsteinPair& pair) {
   const Jet f = Evaluate(pair.f, pair.degree_u, pair.degree_v, 0.5, 0.5);
   const Jet g = Evaluate(pair.g, pair.degree_u, pair.degree_v, 0.5, 0.5);
@@ -63,9 +63,10 @@ Matrix JacobianAtCentre(const BernsteinPair& pair) {
           static_cast<double>(g.dv)};
 }
 
-// A bound of ‖1 − C·J‖ (the larger sum of absolute values of a row) over the unit square.
+// Returns a bound of ‖1 − C·J‖ (the larger sum of absolute values of a row) over the unit square.
 double Contraction(const BernsteinPair& pair, const Matrix& inverse) {
-  // Rounding to double and the products below are off by less than this share of the sum of the sizes.
+  // Rounding to double, and the products below, have an error of less than this share of the sum of the
+  // sizes.
   constexpr double kShare = 0x1p-48;
   double low[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
   double high[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
@@ -91,7 +92,7 @@ double Contraction(const BernsteinPair& pair, const Matrix& inverse) {
   const auto farthest = [&](int entry, double from) {
     return std::max(std::fabs(low[entry] - from), std::fabs(high[entry] - from));
   };
-  // The errors of the coefficients themselves.
+  // Add the errors of the coefficients themselves.
   const double size =
       std::fabs(inverse.a) + std::fabs(inverse.b) + std::fabs(inverse.c) + std::fabs(inverse.d);
   const double error = 2 * (n + m) * size * static_cast<double>(pair.error) + 4 * kShare * slack;
@@ -108,7 +109,7 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
   if (!std::isfinite(inverse.a + inverse.b + inverse.c + inverse.d)) return Found::kUndecided;
   if (!(Contraction(box.pair, inverse) < kWorthTrying)) return Found::kUndecided;
 
-  // Look at the grown box.
+  // Examine the grown box.
   const int n = box.pair.degree_u, m = box.pair.degree_v;
   const Real size = Max(Largest(box.pair.f), Largest(box.pair.g));
   const Real error = GrownError(box.pair.error, size, n + m, kGrown);
@@ -119,7 +120,7 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
       Contraction(grown, {inverse.a / kSide, inverse.b / kSide, inverse.c / kSide, inverse.d / kSide});
   if (!(contraction < kMostContraction)) return Found::kUndecided;
 
-  // Newton from the centre, held in the grown box.
+  // Run Newton's method from the centre, within the grown box.
   Real u = 0.5, v = 0.5, residual = 0;
   const auto residual_at = [&](const Jet& f, const Jet& g) {
     const Real first = inverse.a * f.value + inverse.b * g.value;
@@ -145,7 +146,7 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
   const Real radius = residual / (1 - contraction);
   if (u - radius >= -kGrown && u + radius <= 1 + kGrown && v - radius >= -kGrown &&
       v + radius <= 1 + kGrown) {
-    // The one root of the grown box: is it this box's?
+    // Test whether the only root of the grown box belongs to this box.
     if (u + radius < 0 || u - radius > 1 || v + radius < 0 || v - radius > 1) return Found::kNone;
     root.proven = true;
     root.u = box.u + u * box.width_u;
@@ -159,14 +160,15 @@ Found TryToProve(const Box& box, const Matrix& jacobian, PatchRoot& root) {
   return (at_centre - centre_error) / (1 + contraction) > 0.5 ? Found::kNone : Found::kUndecided;
 }
 
-// Both halves of the coefficients, along u or along v.
+// Returns both halves of the coefficients, along u or along v.
 std::pair<std::vector<Real>, std::vector<Real>> Halved(std::vector<Real> upper, int degree_u, int degree_v,
                                                        bool along_u) {
   std::vector<Real> lower = upper;
   const int degree = along_u ? degree_u : degree_v, lines = along_u ? degree_v : degree_u;
   for (int line = 0; line <= lines; ++line) {
     const auto at = [&](int k) { return along_u ? Index(degree_v, k, line) : Index(degree_v, line, k); };
-    // De Casteljau: `upper` ends as the half next to 1, its first entries pass through the half next to 0.
+    // De Casteljau: `upper` ends as the half next to 1, and its first entries pass through the half next to
+    // 0.
     for (int level = 1; level <= degree; ++level) {
       for (int k = 0; k <= degree - level; ++k) upper[at(k)] = (upper[at(k)] + upper[at(k + 1)]) * Real(0.5);
       lower[at(level)] = upper[at(0)];
@@ -175,7 +177,7 @@ std::pair<std::vector<Real>, std::vector<Real>> Halved(std::vector<Real> upper, 
   return {std::move(lower), std::move(upper)};
 }
 
-// How much f and g change along u and along v, at most, over one step of the net.
+// Returns the largest change of f and g along u, or along v, over one step of the net.
 double Variation(const BernsteinPair& pair, bool along_u) {
   double most = 0;
   const int n = pair.degree_u, m = pair.degree_v;
@@ -198,7 +200,7 @@ PatchRoot DoubtOf(const Box& box) {
   return doubt;
 }
 
-// Grows a doubt's box to hold another's.
+// Extends a doubt's box so that it contains another's.
 void Merge(PatchRoot& into, const PatchRoot& other) {
   const Real u_low = Min(into.u - into.half_u, other.u - other.half_u),
              u_high = Max(into.u + into.half_u, other.u + other.half_u),
@@ -210,7 +212,7 @@ void Merge(PatchRoot& into, const PatchRoot& other) {
   into.half_v = (v_high - v_low) / 2;
 }
 
-// Two boxes share a border if they come nearer to each other than a fourth of their sides.
+// Two boxes share a border if their distance is less than a fourth of their sides.
 bool Touch(const PatchRoot& a, const PatchRoot& b) {
   return Abs(a.u - b.u) <= Real(1.25) * (a.half_u + b.half_u) &&
          Abs(a.v - b.v) <= Real(1.25) * (a.half_v + b.half_v);
@@ -241,7 +243,7 @@ void AddRoot(std::vector<PatchRoot>& roots, const PatchRoot& root) {
 }  // namespace
 
 Jet Evaluate(const std::vector<Real>& coefficients, int degree_u, int degree_v, Real u, Real v) {
-  // Along v, down to a value and a derivative per row; then both along u.
+  // Evaluate along v, to a value and a derivative per row, and then both along u.
   const auto rows = static_cast<std::size_t>(degree_u) + 1;
   std::vector<Real> value(rows), derivative(rows), line(static_cast<std::size_t>(degree_v) + 1);
   for (int i = 0; i <= degree_u; ++i) {
@@ -271,7 +273,7 @@ std::vector<Real> Restrict(std::vector<Real> coefficients, int degree_u, int deg
     for (int k = 0; k <= lines; ++k) {
       const auto at = [&](int l) { return along_u ? Index(degree_v, l, k) : Index(degree_v, k, l); };
       for (int l = 0; l <= degree; ++l) old[static_cast<std::size_t>(l)] = coefficients[at(l)];
-      // Blossom: the l-th new coefficient takes degree − l times `begin` and l times `end`.
+      // By the blossom, the l-th new coefficient has degree − l arguments `begin` and l arguments `end`.
       for (int l = 0; l <= degree; ++l) {
         line = old;
         for (int level = 0; level < degree; ++level) {
@@ -317,8 +319,8 @@ std::vector<PatchRoot> FindRoots(const BernsteinPair& pair, Real floor) {
         {std::fabs(jacobian.a), std::fabs(jacobian.b), std::fabs(jacobian.c), std::fabs(jacobian.d)});
     bool dropped = false, same = false;
     if (entry > 0) {
-      // The rows of the adjugate: each takes f and g to a combination that one parameter hardly changes;
-      // where the Jacobian is singular, neither does.
+      // These are the rows of the adjugate. Each gives a combination of f and g that one parameter hardly
+      // changes; where the Jacobian is singular, neither parameter changes it much.
       const Real error = 2 * now.error + 8 * kHalfUlp * size;
       for (const bool first : {true, false}) {
         const std::vector<Real> combined = first ? Combined(now, jacobian.d / entry, -jacobian.b / entry)

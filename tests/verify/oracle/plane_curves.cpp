@@ -19,7 +19,7 @@ std::pair<HomogeneousCurve, HomogeneousCurve> Halves(HomogeneousCurve upper) {
 struct Rectangle {
   Real x_low, x_high, y_low, y_high;
 };
-// The hull of a curve with positive weights.
+// Returns the hull of a curve with positive weights.
 Rectangle HullOf(const HomogeneousCurve& curve) {
   Rectangle hull{curve[0].x / curve[0].z, curve[0].x / curve[0].z, curve[0].y / curve[0].z,
                  curve[0].y / curve[0].z};
@@ -30,12 +30,12 @@ Rectangle HullOf(const HomogeneousCurve& curve) {
   return hull;
 }
 
-// Of a curve in double.
+// A piece of a curve, in double.
 struct Piece {
   std::vector<double> x, y, w;
   double begin = 0, end = 1;
 
-  // A distance that no point of the piece is nearer than, by its hull's box.
+  // Returns a lower bound of the distance of the piece, by the box of its hull.
   double Bound() const {
     double x_low = INFINITY, x_high = -INFINITY, y_low = INFINITY, y_high = -INFINITY;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -77,7 +77,7 @@ Parity CrossesUpwardAxis(const HomogeneousCurve& curve, Real floor) {
     (p.y > 0 ? above : below) = true;
   }
   if (!left || !right || !above) return Parity::kEven;
-  // Above the origin throughout, the ends decide.
+  // If the curve is above the origin throughout, its ends decide.
   if (!below) return (curve.front().x < 0) != (curve.back().x < 0) ? Parity::kOdd : Parity::kEven;
   const Rectangle hull = HullOf(curve);
   if (Max(-hull.x_low, hull.x_high) <= floor && Max(-hull.y_low, hull.y_high) <= floor)
@@ -111,7 +111,7 @@ Nearest NearestTo(const HomogeneousCurve& curve, double limit) {
     stack.pop_back();
     if (bound > limit || bound >= best.distance * (1 - kPrecision)) continue;
     if (piece.end - piece.begin < kShortest) continue;
-    // The nearer half comes first.
+    // Continue with the nearer half.
     auto [lower, upper] = piece.Halves();
     try_end(lower, true);
     const double lower_bound = lower.Bound(), upper_bound = upper.Bound();

@@ -14,7 +14,7 @@ namespace {
 
 struct KnotLine {
   std::vector<double> knots;   // clamped
-  std::vector<double> breaks;  // distinct ones
+  std::vector<double> breaks;  // the distinct knots
 };
 
 KnotLine RandomKnots(int degree, int spans, Random& random) {
@@ -31,7 +31,7 @@ KnotLine RandomKnots(int degree, int spans, Random& random) {
   return line;
 }
 
-// W. Boehm: inserts interior knots until each has the multiplicity of the degree.
+// Inserts interior knots (W. Boehm) until each has the multiplicity of the degree.
 std::vector<Vec4> ToBezier(std::vector<Vec4> points, KnotLine line, int degree) {
   std::vector<double>& knots = line.knots;
   for (std::size_t b = 1; b + 1 < line.breaks.size(); ++b) {
@@ -73,7 +73,7 @@ Model RandomSurface(const SurfaceRecipe& recipe) {
   const KnotLine u = RandomKnots(n, recipe.spans_u, random), v = RandomKnots(m, recipe.spans_v, random);
   const std::size_t rows = u.knots.size() - static_cast<std::size_t>(n) - 1,
                     columns = v.knots.size() - static_cast<std::size_t>(m) - 1;
-  // The B-spline's net, then Bézier along v, then along u.
+  // Make the B-spline's net, and convert it to Bézier form along v, then along u.
   constexpr double kSide = 10;
   std::vector<std::vector<Vec4>> net(rows);
   const double log_spread = std::log(recipe.weight_spread);
@@ -103,7 +103,7 @@ Model RandomSurface(const SurfaceRecipe& recipe) {
       for (int k = 0; k <= n; ++k) {
         for (int l = 0; l <= m; ++l) {
           Vec4 p = lines[static_cast<std::size_t>(b * m + l)][static_cast<std::size_t>(a * n + k)];
-          if (!grid.rational) p.w = 1;  // a mean of ones may be rounded
+          if (!grid.rational) p.w = 1;  // the mean of ones may be rounded
           grid.points.push_back(p);
         }
       }
@@ -136,7 +136,7 @@ void AddRandomLoop(Model& model, int corners, double radius, bool clockwise, std
       const bool end = k == 0 || k == degree;
       const double t = static_cast<double>(k) / degree;
       const Vec2 bulge = end ? Vec2{} : random.Uniform(-0.2, 0.2) * Vec2{b.y - a.y, a.x - b.x};
-      // Ends are the very corners: consecutive segments must meet.
+      // The ends are exactly the corners, because consecutive segments must meet.
       const Vec2 p = k == 0 ? a : k == degree ? b : (1 - t) * a + t * b + bulge;
       const double w = end ? 1 : random.Uniform(0.3, 3);
       points.push_back({w * p.x, w * p.y, w});
@@ -161,7 +161,7 @@ Model SolidBox(const Placement& placement) {
     bounds.Add(placement.Point(corner(i)));
   }
   builder.SetBounds(bounds);
-  // An edge from each corner to each neighbour with one bit more.
+  // There is an edge from each corner to each neighbour with one more bit.
   std::array<std::array<std::uint32_t, 8>, 8> edge_of{};
   for (int i = 0; i < 8; ++i) {
     for (const int bit : {1, 2, 4}) {
@@ -176,13 +176,13 @@ Model SolidBox(const Placement& placement) {
       builder.AddEdgeSegment(points);
     }
   }
-  // A face across each axis, at each end: u and v along the other two, in turn, so that Su × Sv points
-  // outwards at the upper end.
+  // There is a face across each axis at each end. u and v run along the other two axes, in such an order that
+  // Su × Sv points outwards at the upper end.
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool upper : {false, true}) {
       const int along_u = 1 << ((axis + 1) % 3), along_v = 1 << ((axis + 2) % 3),
                 base = upper ? 1 << axis : 0;
-      // The plane reaches beyond the face, as those of an importer do.
+      // The plane extends beyond the face, like those of an importer.
       constexpr double kReach = 1.25;
       SurfaceGrid plane{SurfaceKind::kPlane, 1, 1, {{-kReach, kReach}}, {{-kReach, kReach}}, {}};
       plane.extendable_u = plane.extendable_v = true;
@@ -220,7 +220,7 @@ Model SolidBox(const Placement& placement) {
 }
 
 Placement RandomPlacement(Random& random) {
-  // A unit quaternion.
+  // Draw a unit quaternion.
   double q[4], square = 0;
   do {
     square = 0;

@@ -5,7 +5,7 @@
 namespace facetless::oracle {
 namespace {
 
-// sin x and cos x by their series. Requires |x| <= π/8: the 18th pair of terms is below 2^-160.
+// Computes sin x and cos x by their series. Requires |x| <= π/8: the 18th pair of terms is below 2^-160.
 void SinCos(Real x, Real& sine, Real& cosine) {
   Real term = 1;
   sine = cosine = 0;
@@ -20,7 +20,7 @@ void SinCos(Real x, Real& sine, Real& cosine) {
 }  // namespace
 
 Real Pi() {
-  // 16·arctan(1/5) − 4·arctan(1/239), J. Machin 1706.
+  // The formula is 16·arctan(1/5) − 4·arctan(1/239) (J. Machin, 1706).
   static const Real pi = [] {
     const auto series = [](Real x) {
       Real sum = 0, power = x;
@@ -37,7 +37,7 @@ Real Pi() {
 
 Real Sqrt(Real x) {
   if (!(x > 0)) return 0;
-  // Each of Heron's steps doubles the digits: 53, 106, 113.
+  // Each of Heron's steps doubles the correct digits: 53, 106, 113.
   Real root = std::sqrt(static_cast<double>(x));
   if (!(root > 0)) return 0;
   for (int step = 0; step < 2; ++step) root = (root + x / root) / 2;
@@ -45,7 +45,7 @@ Real Sqrt(Real x) {
 }
 
 Real Tan(Real x) {
-  // The tangent of a quarter of the angle, doubled twice.
+  // Compute the tangent of a quarter of the angle, and double the angle twice.
   Real sine, cosine;
   SinCos(x / 4, sine, cosine);
   Real tangent = sine / cosine;
@@ -54,8 +54,8 @@ Real Tan(Real x) {
 }
 
 Real Atan(Real x) {
-  // arctan x = a + arctan((x − tan a)/(1 + x·tan a)) with a from double: the rest is of the size of 1e-16,
-  // and its cube the last that counts.
+  // arctan x = a + arctan((x − tan a)/(1 + x·tan a)), with a computed in double. The remainder is about
+  // 1e-16, and its cube is the last term that matters.
   const Real guess = std::atan(static_cast<double>(x));
   const Real tangent = Tan(guess);
   const Real rest = (x - tangent) / (1 + x * tangent);

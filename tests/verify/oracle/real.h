@@ -1,8 +1,8 @@
-// Real: the oracle's number, with 113 bits of significand, and the few functions that it needs.
+// Real: the oracle's number with 113 bits of significand, and the few functions that it needs.
 //
-//  1. Sums, products and quotients are rounded correctly: each is off by at most kHalfUlp of itself.
-//  2. Sqrt, Tan and Atan are off by less than 2^-104 of the result (or of 1, where that is larger). They are
-//     written here, in plain series, so that the oracle needs no library but the compiler's own.
+//  1. Sums, products and quotients are rounded correctly: each has a relative error of at most kHalfUlp.
+//  2. Sqrt, Tan and Atan have an error of less than 2^-104 of the result (or of 1, if that is larger). They
+//     are implemented here with plain series, so that the oracle needs no library except the compiler's own.
 //  3. Doubles become Real exactly.
 #pragma once
 
@@ -11,7 +11,7 @@
 namespace facetless::oracle {
 
 #if LDBL_MANT_DIG == 113
-using Real = long double;  // where the machine's own long double is the one that we want
+using Real = long double;  // the machine's own long double has this format
 #else
 using Real = __float128;
 #endif
@@ -57,7 +57,7 @@ inline Real3 Cross(Real3 a, Real3 b) {
 inline Real Length(Real3 a) {
   return Sqrt(Dot(a, a));
 }
-// Requires a to be other than zero.
+// Requires that a is not zero.
 inline Real3 Normalized(Real3 a) {
   return (1 / Length(a)) * a;
 }

@@ -1,4 +1,4 @@
-// The oracle's own even-odd, on faces whose shape is known.
+// The oracle's own even-odd rule, on faces whose shape is known.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -18,7 +18,7 @@ using trim_models::PlaneModel;
 using trim_models::Polygon;
 using trim_models::Reversed;
 
-// Straight down on (x, y).
+// A vertical ray, downwards through (x, y).
 ViewRay Down(double x, double y) {
   View view;
   view.target = {x, y, 0};
@@ -32,7 +32,7 @@ Standing StandingAt(const Model& model, double x, double y) {
   return crossings.size() == 1 ? crossings[0].standing : Standing::kUnsure;
 }
 
-// A circle of radius 1 in quarters with whole numbers for coefficients: exact.
+// A circle of radius 1 in quarters with integer coefficients, which are exact.
 Outline ExactCircle() {
   Outline outline(1);
   double c = 1, s = 0;
@@ -55,7 +55,7 @@ TEST(OracleTrim, ACircleToTheLastBit) {
   EXPECT_EQ(StandingAt(model, 2, 0), Standing::kInside);
   EXPECT_EQ(StandingAt(model, 3.5, 0), Standing::kOutside);
   EXPECT_EQ(StandingAt(model, 0.6, 0.8 + 0x1p-52), Standing::kInside)
-      << "0.6 and 0.8 are rounded, but not by that";
+      << "the rounding of 0.6 and 0.8 is smaller than that";
   for (double size = 0x1p-1; size > 0x1p-52; size /= 2) {
     EXPECT_EQ(StandingAt(model, 1 + size, 0), Standing::kInside) << size;
     EXPECT_EQ(StandingAt(model, 1 - size, 0), Standing::kOutside) << size;
@@ -79,8 +79,9 @@ RC_GTEST_PROP(OracleTrim, ACircleAnywhere, ()) {
 }
 
 TEST(OracleTrim, AnglesStayAngles) {
-  // A rectangle in angle and height on half a cylinder, asked through its wall: inside iff the angle is. The
-  // model's weight cos 45° is rounded, which moves points by 1e-16; the border is missed by more.
+  // A rectangle in angle and height on half a cylinder. A ray through its wall is inside if and only if its
+  // angle is. The model's weight cos 45° is rounded, which moves points by 1e-16, but the rays miss the
+  // border by more.
   const double low = 0.3, high = 1.9;
   Model model = HalfCylinderModel(2, 5);
   AddLoop(model, Polygon({{low, 1}, {high, 1}, {high, 4}, {low, 4}}));

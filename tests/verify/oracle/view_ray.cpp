@@ -16,12 +16,12 @@ ViewRay ViewRay::Moved(Real along_across, Real along_down) const {
 }
 
 ViewRay ViewPixelRay(const View& view, double x, double y) {
-  // The axes.
+  // Compute the camera's axes.
   const Real3 eye = Widened(view.eye);
   const Real3 forward = Normalized(Widened(view.target) - eye);
   const Real3 right = Normalized(Cross(forward, Widened(view.up)));
   const Real3 down = Cross(forward, right);
-  // The pixel's place in the window, in mm, or in mm at a depth of 1 mm.
+  // Compute the pixel's position in the window, in mm, or for perspective in mm at a depth of 1 mm.
   const Real window = view.perspective ? 2 * Tan(Real(view.fov_y_deg) * Pi() / 360) : Real(view.height);
   const Real pixel = window / view.height_px;
   const Real3 offset =
@@ -32,7 +32,7 @@ ViewRay ViewPixelRay(const View& view, double x, double y) {
   ray.perspective = view.perspective;
   ray.origin = view.perspective ? eye : eye + offset;
   ray.direction = view.perspective ? forward + offset : forward;
-  // Two directions across the ray; `right` is never along it.
+  // Choose two directions across the ray. `right` is never along it.
   const Real3 along = Normalized(ray.direction);
   ray.across = Normalized(right - Dot(right, along) * along);
   ray.down = Cross(along, ray.across);

@@ -27,7 +27,7 @@ std::vector<Vec3> CubeDirections() {
   return directions;
 }
 
-// Looks at `target` from `toward_eye`, an orthographic window of `height` mm.
+// Looks at `target` from `toward_eye`, through an orthographic window of `height` mm.
 Camera LookAt(Vec3 target, Vec3 toward_eye, double distance, double height, int size) {
   const Vec3 direction = Normalized(toward_eye);
   Camera camera;
@@ -45,7 +45,7 @@ std::string Text(const char* format, Vec3 v) {
   return text;
 }
 
-// A point of an edge's curve, at a share of its parameters.
+// Returns a point of an edge's curve, at a share of its parameter range.
 Vec3 PointOf(const Model& model, const Edge& edge, double share) {
   const double scaled = share * edge.segments.count;
   const auto k = std::min(static_cast<std::uint32_t>(scaled), edge.segments.count - 1);
@@ -127,7 +127,7 @@ std::vector<SweepView> AtEdges(const Model& model, int count, int size, std::uin
   const double diagonal = model.Diagonal();
   std::vector<SweepView> views;
   for (int n = 0; n < count; ++n) {
-    // An edge of a placed part.
+    // Choose an edge of a placed part.
     const Instance& instance = model.instances[below(model.instances.size())];
     const auto faces = FacesOf(model, model.parts[instance.part]);
     const auto loops = LoopsOf(model, faces[below(faces.size())]);
@@ -135,19 +135,19 @@ std::vector<SweepView> AtEdges(const Model& model, int count, int size, std::uin
     const auto coedges = CoedgesOf(model, loops[below(loops.size())]);
     const std::uint32_t e = coedges[below(coedges.size())].edge;
     if (e == kNoIndex || model.edges[e].segments.count == 0) continue;
-    // A point of it: an end, half of the time.
+    // Choose a point on it; half of the time, an end.
     const std::uint32_t where = below(4);
     const double share = where == 0 ? 0 : where == 1 ? 1 : number();
     const Vec3 at = instance.placement.Point(PointOf(model, model.edges[e], share));
     const Vec3 beside =
         instance.placement.Point(PointOf(model, model.edges[e], share < 0.5 ? share + 1e-5 : share - 1e-5));
     const Vec3 along = Normalized(beside - at);
-    // A direction: one of the cube's, any, along the edge, or across it.
+    // Choose a direction: one of the cube's, a random one, along the edge, or across it.
     const std::uint32_t kind = below(5);
     Vec3 direction = kind <= 1 ? cube[below(cube.size())] : any();
     if (kind == 3) direction = along + 0.05 * direction;
     if (kind == 4) direction = direction - Dot(direction, along) * along;
-    // A size: a third of the gap, or a share of the model.
+    // Choose a size: a third of the gap, or a share of the model.
     const double shares[] = {1e-3, 1e-5, 1e-7};
     const double share_of = shares[below(3)] * diagonal;
     const double pixel = std::max(below(2) == 0 ? gaps[e] / 3 : share_of, 1e-7 * diagonal);
@@ -181,7 +181,7 @@ Result<SweepResult> Sweep(const Scene& scene, const std::vector<SweepView>& view
     result.odd += audit.odd_samples.size();
     result.mismatched += audit.mismatched_samples.size();
     result.seam_samples += view.value().tiles->leaves().seams.size();
-    // Say where.
+    // Report the place of each leaking ray.
     std::vector<std::uint32_t> leaking = audit.odd_samples;
     leaking.insert(leaking.end(), audit.mismatched_samples.begin(), audit.mismatched_samples.end());
     std::sort(leaking.begin(), leaking.end());

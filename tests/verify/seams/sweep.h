@@ -1,10 +1,10 @@
-// Light through the seams of a CAD file: every crossing of every ray from many sides, there and back.
+// Looks for light through the seams of a CAD file: every crossing of every ray from many sides, forwards and
+// backwards.
 //
-//  1. `Around` is the 26 directions of a cube's faces, edges and corners, each a view of the whole model:
-//     what a picture shows.
-//  2. `AtEdges` aims: at points and ends of edges, from those directions, along the edge, across it and at
-//     random, so close that the gap between faces fills the view, or a share of the model's size does. Rays
-//     that are not aimed miss what fails.
+//  1. `Around` has the 26 directions of a cube's faces, edges and corners. Each is a view of the whole model.
+//  2. `AtEdges` aims at points and ends of edges, from those directions, along the edge, across it and at
+//     random. It is so close that the gap between faces, or a share of the model's size, fills the view. Rays
+//     that do not aim at edges miss the defects.
 #pragma once
 
 #include <cstdint>
@@ -32,9 +32,9 @@ struct LeakingRay {
   int column = 0, row = 0;
   bool odd = false, mismatched = false;
   std::string crossings;          // faces and depths, forwards and backwards
-  std::uint32_t edge = kNoIndex;  // the nearest in the image,
-  double edge_px = 0;             // so far off,
-  double gap_mm = 0;              // and with this gap
+  std::uint32_t edge = kNoIndex;  // the nearest edge in the image
+  double edge_px = 0;             // distance of that edge
+  double gap_mm = 0;              // gap of that edge
 };
 
 struct SweepResult {

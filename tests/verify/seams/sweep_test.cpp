@@ -1,5 +1,5 @@
-// The samples, and real files where they are at hand: no ray crosses a closed solid an odd number of times,
-// and all rays meet backwards what they meet forwards.
+// On the samples, and on real files if they are available, no ray may cross a closed solid an odd number of
+// times, and all rays must meet backwards what they meet forwards.
 #include "tests/verify/seams/sweep.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ class SweepOfRealFile : public ::testing::TestWithParam<const char*> {};
 TEST_P(SweepOfRealFile, LetsNoLightThrough) {
   const std::string path = CadFile(std::string("parts/") + GetParam());
   if (path.empty())
-    GTEST_SKIP() << GetParam() << " is not at hand: set FACETLESS_CAD to the folder of CAD files";
+    GTEST_SKIP() << GetParam() << " is not available: set FACETLESS_CAD to the folder of CAD files";
   ExpectTight(path, 64, 100);
 }
 

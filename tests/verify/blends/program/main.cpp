@@ -1,6 +1,6 @@
-// facetless_blends [--first SEED] [--count N] [--size PIXELS] [--seconds S]: OpenCASCADE's fillets, chamfers,
-// sweeps, lofts and offsets, each made, rendered, audited and judged in a process of its own. The table goes
-// to standard output, each finding to standard error.
+// facetless_blends [--first SEED] [--count N] [--size PIXELS] [--seconds S] makes OpenCASCADE's fillets,
+// chamfers, sweeps, lofts and offsets, and renders, audits and judges each in a process of its own. The table
+// goes to standard output, each finding to standard error.
 //
 // Exit status: 0 nothing was found, 2 a blend hung, crashed, leaked or was certified wrongly, 64 bad usage.
 #include <signal.h>
@@ -32,12 +32,12 @@ const char* Name(Stage stage) {
   return kNames[static_cast<int>(stage)];
 }
 
-// What the child says of its blend, again at each stage.
+// The message in which the child process reports its blend at each stage.
 struct Message {
   Stage stage = Stage::kMaking;
   BlendReport report;
   char what[200] = {};
-  char why[400] = {};  // of kRefused: the error
+  char why[400] = {};  // for kRefused: the error
 };
 
 void Child(std::uint64_t seed, int size, int to) {
@@ -100,7 +100,7 @@ void Judge(std::uint64_t seed, const Options& options, Totals* totals) {
   }
   close(ends[0]);
 
-  // OpenCASCADE may fail to make a blend, or crash or hang on the way: that is not ours.
+  // OpenCASCADE may fail, crash or hang while it makes a blend. That is not a finding about Facetless.
   std::string outcome = Name(message.stage);
   bool found = false;
   if (!ended) outcome += ": no end";

@@ -1,9 +1,9 @@
-// facetless_differential FILE... [--size N] [--view NAME]... [--list N] [--one-placement]: the table of
+// facetless_differential FILE... [--size N] [--view NAME]... [--list N] [--one-placement] prints the table of
 // docs/accuracy-results.md for any CAD files.
 //
-// One row per file and view on standard output, in Markdown; with --list the first N differences of each
-// verdict on standard error. Exit status: 0 no defect of ours, 2 some, 4 a file that one of the two cannot
-// read, 64 bad usage.
+// It writes one Markdown row per file and view to standard output, and with --list the first N differences of
+// each verdict to standard error. Exit status: 0 no defect of ours, 2 some, 4 a file that one of the two
+// cannot read, 64 bad usage.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -57,7 +57,7 @@ void ListDifferences(const ComparedFile& file, const ViewComparison& view, int a
   }
 }
 
-// True if no defect of ours was seen.
+// Returns whether no defect of ours was found.
 Result<bool> CompareFile(const std::string& path, const Options& options) {
   Result<ComparedFile> file = LoadBoth(path, options.one_placement);
   if (!file.ok()) return file.error();

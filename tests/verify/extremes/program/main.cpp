@@ -1,7 +1,7 @@
-// facetless_extremes: renders the extremes and writes the tables of docs/accuracy-results.md, Markdown, to
+// facetless_extremes renders the extremes and writes the tables of docs/accuracy-results.md, in Markdown, to
 // standard output.
 //
-// Exit status: 0 every row holds, 2 some do not (named on standard error), 64 bad usage.
+// Exit status: 0 every row passes, 2 some fail (standard error names them), 64 bad usage.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>

@@ -1,6 +1,6 @@
-// facetless_mutations FILE… --seed N --count N: mutants of each file, through the importer or to a running
-// service; prints a JSON report and ends with 1 if one of them got no proper answer. A mutant is repeated by
-// its file, seed and index: --first INDEX --count 1 --offenders DIR.
+// facetless_mutations FILE… --seed N --count N sends mutants of each file to the importer or to a running
+// service. It prints a JSON report, and its exit status is 1 if a mutant got no proper answer. A mutant is
+// repeated with its file, seed and index: --first INDEX --count 1 --offenders DIR.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     const std::string prefix = "http://";
     const std::size_t colon = url.rfind(':');
     if (!url.starts_with(prefix) || colon <= prefix.size()) {
-      std::cerr << "--url wants http://ADDRESS:PORT\n";
+      std::cerr << "--url must be http://ADDRESS:PORT\n";
       return 64;
     }
     run.host = url.substr(prefix.size(), colon - prefix.size());

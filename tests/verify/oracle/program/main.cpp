@@ -1,6 +1,6 @@
-// facetless_oracle FILE... : renders a view, and lets the oracle judge samples of it.
+// facetless_oracle FILE... renders views, and lets the oracle judge samples of them.
 //
-// Of each view a table per certificate goes to standard output, with the first disagreements below. FILE is a
+// For each view, standard output gets a table per certificate, followed by the first disagreements. FILE is a
 // CAD file, which facetless-import reads, or a model file (.flm). Exit status: 0 no certified sample is
 // wrong, 2 some are, 4 a file that cannot be read or rendered, 64 bad usage.
 #include <CLI/CLI.hpp>
@@ -56,7 +56,7 @@ void Print(const std::string& title, const Tally& tally, const Model& model, int
   if (tally.other_face > 0)
     std::printf("  at the right depth on a coincident face: %llu\n",
                 static_cast<unsigned long long>(tally.other_face));
-  // The worst first: wrong and certified, wrong, then the rest.
+  // List the worst first: wrong and certified, wrong, then the rest.
   int listed = 0;
   for (const bool wrong : {true, false}) {
     for (const Certificate certificate :
@@ -81,7 +81,7 @@ class Hunt {
                                                                     : Precision::kStandard;
   }
 
-  // The number of certified samples that are wrong.
+  // Returns the number of certified samples that are wrong.
   Result<std::uint64_t> View(const std::string& name, const std::string& view) {
     const Projection projection = options_.perspective ? Projection::kPerspective : Projection::kOrthographic;
     const Result<Camera> camera = NamedView(view, model_.bounds, projection, options_.size, options_.size);
@@ -95,8 +95,8 @@ class Hunt {
         Report(title + ", random", camera.value(), samples, RandomPixels(samples, options_.samples, random_));
     wrong += Report(title + ", hard", camera.value(), samples,
                     HardPixels(direct.value(), features, options_.hard, random_));
-    // Close-ups: of what is one pixel there, a thousandth of the model down to a thousand millionth.
-    constexpr int kCloseSize = 33;  // odd: a pixel centre on the very point
+    // Close-ups show what is one pixel in the view: from a thousandth of the model down to 1e-9 of it.
+    constexpr int kCloseSize = 33;  // odd, so that a pixel centre is exactly on the point
     constexpr std::size_t kCloseSamples = 200;
     for (int i = 0; i < options_.close_ups && !features.empty(); ++i) {
       const Vec3 point = features[random_.Below(static_cast<std::uint32_t>(features.size()))];

@@ -1,9 +1,9 @@
-// facetless_audit FILE... [--size N] [--edges N [--seed N]] [--threads N] [--list N]: light through the seams
-// of CAD files, the table of docs/accuracy-results.md.
+// facetless_audit FILE... [--size N] [--edges N [--seed N]] [--threads N] [--list N] looks for light through
+// the seams of CAD files, and prints the table of docs/accuracy-results.md.
 //
-// One row per file on standard output, in Markdown; the first N leaking rays on standard error. With --edges,
-// N views that aim at edges instead of the 26 directions. Model files (.flm) are taken as they are. Exit
-// status: 0 no odd ray and no mismatch, 2 some, 4 a file that cannot be read, 64 bad usage.
+// It writes one Markdown row per file to standard output, and the first N leaking rays to standard error.
+// With --edges, it uses N views that aim at edges instead of the 26 directions. Model files (.flm) are used
+// as they are. Exit status: 0 no odd ray and no mismatch, 2 some, 4 a file that cannot be read, 64 bad usage.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -23,7 +23,7 @@ struct Options {
   std::uint64_t seed = 1;
 };
 
-// True if no ray leaks.
+// Returns whether no ray leaks.
 Result<bool> AuditFile(const std::string& path, const Options& options) {
   const bool is_model = std::filesystem::path(path).extension() == ".flm";
   const Result<Model> model = is_model ? ReadModel(path) : ImportedModel(path);
