@@ -1,4 +1,4 @@
-// What tests that node runs share: the packages that they need, a service of one's own, files.
+// Shared by tests that node runs: the packages that they need, a service for each test, files.
 //
 //   FACETLESS_SOURCE, FACETLESS_BIN   where the samples and the programs are
 //   FACETLESS_PACKAGES                the folder whose node_modules has the packages
@@ -18,15 +18,15 @@ export const source = need("FACETLESS_SOURCE"), packages = need("FACETLESS_PACKA
 const bin = need("FACETLESS_BIN");
 export const require = createRequire(path.join(packages, "package.json"));
 
-// Ends the process with the status that ctest takes for "skipped", and says why.
+// Ends the process with the status that means "skipped" to ctest, and prints the reason.
 export const skip = (why) => {
   console.log(`SKIPPED ${path.basename(process.argv[1])}: ${why}`);
   process.exit(77);
 };
 
-// A package, or the end of the test.
+// Loads a package, or skips the test.
 export const load = (name) => {
-  try { return require(name); } catch (error) { return skip(`the package ${name} is not in ${packages}; build again where npm reaches its registry`); }
+  try { return require(name); } catch (error) { return skip(`the package ${name} is not in ${packages}; build again on a machine that can reach the npm registry`); }
 };
 
 const folders = [];
@@ -42,7 +42,7 @@ export const folder = () => {
   return made;
 };
 export const sample = (name) => path.join(source, "samples", name);
-// A real CAD file, or null where there is none.
+// Returns the path of a real CAD file, or null if there is none.
 export const cadFile = (name) => {
   const file = path.join(process.env.FACETLESS_CAD || path.join(source, "../shared/cad"), name);
   return existsSync(file) ? file : null;
@@ -60,7 +60,7 @@ const freePort = () => new Promise((resolve) => {
   const server = createServer().listen(0, "127.0.0.1", () => { const { port } = server.address(); server.close(() => resolve(port)); });
 });
 
-// A running `facetless serve`; it can be killed and started again on the same port and data.
+// A running `facetless serve`. It can be killed, and started again on the same port with the same data.
 export class Server {
   static program = "facetless";
   static async start(...options) {
@@ -68,7 +68,7 @@ export class Server {
     await server.start();
     return server;
   }
-  // One that is still to be started: who needs keys makes them first.
+  // Prepares a service without starting it, so that a test can create keys first.
   static async prepared(...options) {
     const server = new Server();
     server.port = await freePort();

@@ -1,11 +1,11 @@
-// What else can be asked: a mesh of one's own, speed against accuracy, several views.
+// Further requests: a mesh of the user, speed against accuracy, several views.
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import path from "node:path";
 import { test } from "node:test";
 import { drop, folder, newTab, noFaults, noViolations, pixelsRead, sample, Server, shot, state, wellLaidOut } from "./support.mjs";
 
-// samples/sphere.step in triangles, as text.
+// Returns a tessellation of samples/sphere.step as an STL text.
 const sphereStl = (radius, n) => {
   const at = (i, j) => {
     const u = 2 * Math.PI * i / n, v = Math.PI * (j / n - 0.5);
@@ -47,8 +47,8 @@ test("four views, one after the other, keep the mode and the face", async () => 
   await page.click('[aria-label=Views] >> text="front"');
   await pixelsRead(page);
   assert.equal(await page.textContent("[aria-label=Pictures] [aria-pressed=true]"), "Difference");
-  assert.equal(await page.getAttribute(".view", "data-face"), face, "the middle of the stack is seen from the front, too");
-  // The way back leads to a new start, not through every drag.
+  assert.equal(await page.getAttribute(".view", "data-face"), face, "the face in the middle must be visible from the front, too");
+  // The back button leads to a new start, and not through every drag.
   await page.waitForURL(/view=front/);
   noFaults(page);
 });
@@ -66,7 +66,7 @@ test("zebra stripes on a model that is cut open, with its lines and the area of 
   await drop(page, sample("sphere.step"));
   await state(page, "shown");
   await pixelsRead(page);
-  // The middle of the sphere: π r², and a polygon's on the mesh.
+  // The cut through the middle of the sphere has the area π r²; on the mesh it is a polygon.
   const [area, , meshArea] = await page.locator('[aria-label="Areas of the cuts"] tbody td').allTextContents();
   assert.equal(area, (Math.PI * 100).toLocaleString("en", { maximumSignificantDigits: 4 }));
   assert.ok(Number(meshArea) < Number(area) && Number(meshArea) > 300, meshArea);

@@ -1,4 +1,5 @@
-// The whole way: a file is dropped, a picture comes, the comparison comes, the worst face is clicked, the address is shared.
+// The complete path: a file is dropped, a picture appears, the comparison appears, the worst face is clicked, and the address
+// is shared.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { cadFile, drop, eventually, newTab, noFaults, noViolations, pixelsRead, sample, Server, shot, state } from "./support.mjs";
@@ -10,7 +11,7 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   await noViolations(page, "start");
   await shot(page, "start");
 
-  // A first picture, then the comparison.
+  // The first picture must appear, and then the comparison.
   const dropped = Date.now();
   await drop(page, sample("bracket.step"));
   await page.waitForSelector('.view[data-pictures="shown"]');
@@ -21,7 +22,7 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   assert.match(page.url(), /#answer=[0-9a-f]{64}$/);
   await noViolations(page, "result");
 
-  // The table has the worst face first, and a click outlines it.
+  // The table begins with the worst face, and a click outlines it.
   const deviations = await page.$$eval(".faces tbody tr td:nth-child(3)", (cells) => cells.map((cell) => Number(cell.textContent.replace("·10", "e").replace(/[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]/g, (c) => "-0123456789"["⁻⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(c)]))));
   assert.ok(deviations.length > 3);
   assert.deepEqual(deviations, [...deviations].sort((a, b) => b - a));
@@ -37,7 +38,7 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   await eventually(async () => assert.deepEqual((await pink()).map((count) => count > 20), [true, true], "the face is outlined in both pictures"));
   await page.waitForURL(new RegExp(`face=${face}(&|$)`));
 
-  // A picture that is pointed at marks the row, and says what is there.
+  // Pointing at a picture marks the face's row, and the read-out describes the pixel.
   const frame = await page.locator(".frame").first().boundingBox();
   await page.mouse.move(frame.x + frame.width * 0.5, frame.y + frame.height * 0.55);
   await page.waitForSelector(".faces tr.marked");
@@ -45,7 +46,7 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   assert.match(await page.textContent(".read-out .depth dd"), /^\d+\.\d{3} mm$/);
   assert.match(await page.textContent(".read-out .certificate dd"), /certified|converged|unresolved/);
 
-  // Zoom to single pixels: all pictures stay in step, and the address has it.
+  // Zoom to single pixels: all pictures zoom together, and the address contains the zoom.
   for (let i = 0; i < 12; ++i) await page.mouse.wheel(0, -300);
   await page.click("text=Side by side");
   await page.fill(".legend input[type=number]", "0.05");
@@ -54,7 +55,7 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   const url = page.url();
   await shot(page, "zoomed");
 
-  // The same in another tab.
+  // Another tab with the same address must look the same.
   const other = await newTab({ width: 1600, height: 1000 });
   await other.goto(url);
   await pixelsRead(other);
@@ -65,7 +66,7 @@ test("from a dropped file to the worst face, and its address in a second tab", a
   noFaults(page);
   noFaults(other);
 
-  // report.html as the service serves it: in a sandbox, an origin of its own.
+  // The service serves report.html in a sandbox, with an origin of its own.
   const { links } = await (await fetch(`${server.address}v1/answers/${/answer=([0-9a-f]+)/.exec(url)[1]}`)).json();
   const report = await newTab();
   await report.goto(new URL(links.page, server.address).href);
@@ -84,7 +85,7 @@ test("the first picture of a real file, and a page that stays responsive", async
   const server = await Server.start();
   const page = await newTab({ width: 1600, height: 1000 });
   await page.goto(server.address);
-  // The longest time that the page did not answer itself.
+  // Measures the longest time in which the page did not respond.
   await page.evaluate(() => {
     globalThis.longest = 0;
     let last = performance.now();

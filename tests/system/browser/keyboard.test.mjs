@@ -1,9 +1,9 @@
-// All of it without a pointer.
+// Everything must work without a pointer.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { newTab, noFaults, pixelsRead, sample, Server, state } from "./support.mjs";
 
-// Presses Tab until the focus is on what matches.
+// Presses Tab until an element that matches has the focus.
 const tabTo = async (page, selector, most = 120) => {
   for (let i = 0; i < most; ++i) {
     await page.keyboard.press("Tab");
@@ -15,7 +15,8 @@ const tabTo = async (page, selector, most = 120) => {
 test("a file, a mode, a pixel, a face and a range by keys alone", async () => {
   const server = await Server.start();
   const page = await newTab({ width: 1600, height: 1000 });
-  // Listened for before the page is there: from the listening on the browser leaves the chooser to us, and Enter may not come before that.
+  // Listen before the page is loaded: only then does the browser leave the file chooser to the test, and Enter must not come
+  // earlier.
   const chosen = page.waitForEvent("filechooser");
   await page.goto(server.address);
   await tabTo(page, "#file");
@@ -24,7 +25,7 @@ test("a file, a mode, a pixel, a face and a range by keys alone", async () => {
   await state(page, "shown");
   await pixelsRead(page);
 
-  // The picture: arrows point, the read-out follows and is read aloud, Enter chooses the face.
+  // On a picture, the arrows point at pixels, the read-out follows and is read aloud, and Enter selects the face.
   await tabTo(page, ".frame");
   await page.keyboard.press("ArrowRight");
   assert.match(await page.textContent(".read-out .pixel dd"), /^\d+, \d+$/);
@@ -41,7 +42,7 @@ test("a file, a mode, a pixel, a face and a range by keys alone", async () => {
   await page.keyboard.press("0");
   assert.equal(await page.textContent(".zooms .facts"), "");
 
-  // The seam, the range, another face.
+  // Move the seam, change the range, and select another face.
   await tabTo(page, ".tools input");
   await page.keyboard.press("End");
   await page.waitForURL(/split=1/);

@@ -1,4 +1,4 @@
-// Three widths, light and dark: nothing sticks out, nothing overlaps, axe-core finds nothing.
+// At three widths, light and dark, nothing is too wide, nothing overlaps, and axe-core finds no violation.
 import { test } from "node:test";
 import { drop, newTab, noFaults, noViolations, pixelsRead, sample, Server, shot, state, wellLaidOut } from "./support.mjs";
 

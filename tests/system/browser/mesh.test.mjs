@@ -1,4 +1,4 @@
-// The mesh in three dimensions: measured on demand, coloured, turned, and what is clicked is told.
+// The mesh in three dimensions is measured on demand, coloured and turned, and a click describes a triangle.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { drop, eventually, newTab, noFaults, noViolations, sample, Server, shot, state, wellLaidOut } from "./support.mjs";
@@ -14,7 +14,7 @@ test("the mesh is measured, shown, turned, and reopened by its address", async (
   assert.equal(await page.getAttribute(".solid", "data-mesh"), "shown", await page.textContent(".solid [role=status]"));
   assert.match(await page.textContent(".solid [role=status]"), /triangles, at most [\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹,]+ mm off/);
 
-  // A click on the torus tells its face; turning changes the picture.
+  // A click on the torus names its face, and turning changes the picture.
   const holder = await page.locator(".mesh-holder").boundingBox();
   await page.locator(".mesh-holder").scrollIntoViewIfNeeded();
   const before = await page.locator(".mesh-holder").screenshot();

@@ -1,4 +1,5 @@
-// A method that the page does not know: it stands beside the baseline as one more choice, with a picture, a difference and a table.
+// A method that the page does not know appears as one more choice beside the baseline, with a picture, a difference and a
+// table.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
@@ -30,7 +31,7 @@ test("candidates are a choice beside the slider, and the address keeps it", asyn
   await page.click("text=Box 100");
   await pixelsRead(page);
   assert.deepEqual((await choices())[1], ["Box 100", "true"]);
-  assert.ok(Number(await worst()) > ofMesh, "a box is farther off than a mesh");
+  assert.ok(Number(await worst()) > ofMesh, "a box must deviate more than a mesh");
   await page.waitForURL(/with=box-100/);
   await noViolations(page, "candidate");
   await shot(page, "candidate");

@@ -1,4 +1,5 @@
-// What goes wrong, and what the page says then: a broken file, a file of another kind, a service that dies and comes back, a key that is missing.
+// What the page says when something fails: a broken file, a file in an unknown format, a service that crashes and restarts, a
+// missing key.
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
@@ -20,11 +21,11 @@ test("a file that is none says what can be sent instead", async () => {
   const notice = await noticeOf(page);
   assert.match(notice.remedy, /STEP/);
   assert.match(notice.text, /letter\.step/);
-  assert.equal(await page.evaluate(() => document.activeElement?.textContent), notice.title, "the problem has the focus");
+  assert.equal(await page.evaluate(() => document.activeElement?.textContent), notice.title, "the notice must have the focus");
   await noViolations(page, "problem");
   await shot(page, "problem");
 
-  // The next file works as if nothing had been.
+  // The next file must work normally.
   await drop(page, sample("sphere.step"));
   await state(page, "shown");
   assert.equal(await page.textContent("#problem"), "");
@@ -42,7 +43,7 @@ test("a file that lost faces names them before anything else", async () => {
   await state(page, "shown");
   assert.match(await page.textContent("#report .pill.bad"), /lost/);
   const order = await page.evaluate(() => document.querySelector("#report .notice").compareDocumentPosition(document.querySelector("#report .view")));
-  assert.equal(order & 4, 4, "the notice comes before the pictures");
+  assert.equal(order & 4, 4, "the notice must come before the pictures");
   await noViolations(page, "losses");
   await shot(page, "losses");
   noFaults(page);
@@ -98,13 +99,13 @@ test("a service with keys asks for one, and keeps it for the tab", async () => {
   await page.keyboard.press("Enter");
   await state(page, "shown");
   await page.waitForSelector('.view[data-pixels="read"]');
-  // Pictures came with the key, so none was asked for by an address of its own.
+  // The page fetched the pictures with the key, so no picture was requested by an address alone.
   assert.equal(await page.textContent(".zooms .facts"), "");
   await page.reload();
   await state(page, "shown");
   noFaults(page);
 
-  // Another tab has another session, and no key.
+  // Another tab has a session of its own, and no key.
   const other = await newTab();
   await other.goto(page.url());
   assert.match((await noticeOf(other)).remedy, /key/);

@@ -1,4 +1,4 @@
-// report.html of compare, trade and regress, opened from a disk: it works, and asks nobody for anything.
+// report.html of compare, trade and regress works when it is opened from a disk, and sends no requests.
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, statSync, writeFileSync } from "node:fs";
 import path from "node:path";
@@ -32,7 +32,7 @@ test("of a compare with four views", async () => {
   askedNobody(page, report);
   noFaults(page);
 
-  // Its address, reopened; and on a phone, in the dark.
+  // Open its address again; then on a phone, in dark mode.
   const other = await open(report, new URL(page.url()).hash, { width: 390, height: 800, colorScheme: "dark" });
   await pixelsRead(other);
   assert.equal(await other.textContent("[aria-label=Views] [aria-pressed=true]"), "front");
@@ -41,7 +41,7 @@ test("of a compare with four views", async () => {
   await noViolations(other, "report on a phone");
   await shot(other, "report-390-dark", { fullPage: true });
 
-  // On paper, all four views.
+  // The printed page must have all four views.
   await page.waitForFunction(() => document.querySelectorAll(".print-only").length === 4);
   await page.emulateMedia({ media: "print" });
   assert.equal(await page.locator(".print-only canvas:visible").count(), 12);

@@ -1,4 +1,4 @@
-// What tests in a browser share: Debian's Chromium, a service of one's own, files, and what every page must keep to.
+// Shared by tests in a browser: Debian's Chromium, a service for each test, files, and rules that every page must obey.
 //
 //   FACETLESS_SHOTS                   optional: a folder for screenshots, for people to look at
 import assert from "node:assert/strict";
@@ -23,7 +23,7 @@ try {
 }
 after(() => browser.close());
 
-// A tab of its own that notes what went wrong, and every address that was asked for.
+// Opens a tab that records errors and every requested address.
 export const newTab = async ({ width = 1280, height = 900, colorScheme = "light", ...more } = {}) => {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme, ...more });
   context.setDefaultTimeout(120000);
@@ -35,7 +35,7 @@ export const newTab = async ({ width = 1280, height = 900, colorScheme = "light"
   return page;
 };
 
-// Drops files on the page as a person does.
+// Drops files on the page as a user does.
 export const drop = async (page, ...files) => {
   const contents = files.map((file) => ({ name: path.basename(file), text: readFileSync(file).toString("base64") }));
   const transfer = await page.evaluateHandle((given) => {
@@ -46,7 +46,7 @@ export const drop = async (page, ...files) => {
   await page.dispatchEvent("#drop", "drop", { dataTransfer: transfer });
 };
 
-// Repeats what may fail until it doesn't: for pictures, which come some frames after what they show.
+// Repeats an assertion until it succeeds. Pictures change some frames after the state that they show.
 export const eventually = async (check) => {
   for (const last = Date.now() + 30000; ;) {
     try { return await check(); } catch (error) { if (Date.now() > last) throw error; }
@@ -65,7 +65,7 @@ export const noViolations = async (page, where) => {
 
 export const noFaults = (page) => assert.deepEqual(page.faults, []);
 
-// Nothing sticks out sideways, and no two controls lie over each other.
+// Checks that nothing is wider than the window, and that no two controls overlap.
 export const wellLaidOut = async (page, where) => {
   const found = await page.evaluate(() => {
     const problems = [];

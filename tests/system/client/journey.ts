@@ -1,5 +1,5 @@
-// What a caller does with a generated client, checked by the compiler against the generated types: a sample is posted, its comparison waited
-// for, read, listed and deleted.
+// Uses a generated client as a caller would. The compiler checks it against the generated types. It posts a sample, waits for
+// the comparison, reads it, lists it and deletes it.
 import { client } from "./generated/client.gen";
 import { createComparison, createModel, getAnswer, getHealth, getJob, getModel, listJobs, listModels, removeModel } from "./generated/sdk.gen";
 import type { Job, Model, Problem, Report } from "./generated/types.gen";
@@ -13,13 +13,13 @@ const wanted = <T>(value: T | undefined, what: string): T => {
   return value;
 };
 
-// The address of an answer ends in its id.
+// The address of an answer ends with its id.
 const idOf = (address: string): string => wanted(address.split("/").pop(), "id");
 
 export const travel = async (baseUrl: string, file: File): Promise<Journey> => {
   client.setConfig({ baseUrl });
   const lives = await getHealth({ throwOnError: true });
-  if (lives.response.status !== 200) throw new Error("the service does not live");
+  if (lives.response.status !== 200) throw new Error("the service is not healthy");
 
   // Post the file, then ask for a comparison without waiting.
   const posted = await createModel({ body: { file }, headers: { Prefer: "wait=60" }, throwOnError: true });
@@ -27,7 +27,7 @@ export const travel = async (baseUrl: string, file: File): Promise<Journey> => {
   const asked = await createComparison({ body: { model: model.id, view: "iso", size: "64x48", samples: 1, mesh_timeout: 60 }, headers: { Prefer: "wait=0" }, throwOnError: true });
   const accepted = asked.data as Job;
 
-  // Wait for its end.
+  // Wait for the end of the job.
   let done = accepted;
   while (done.state === "queued" || done.state === "running") {
     await new Promise<void>((resume) => { setTimeout(resume, 20); });
@@ -39,7 +39,7 @@ export const travel = async (baseUrl: string, file: File): Promise<Journey> => {
   const address = (answer.views[0]?.links as { direct?: string } | undefined)?.direct;
   const picture = await (await fetch(new URL(wanted(address, "picture"), baseUrl))).blob();
 
-  // List, delete, and see that it is gone.
+  // List the answer, delete it, and check that it is gone.
   const models = async () => (await listModels({ throwOnError: true })).data.models.map(({ id }) => id);
   const before = await models();
   const jobs = (await listJobs({ query: { limit: 10 }, throwOnError: true })).data.jobs.map(({ id }) => id);

@@ -1,4 +1,4 @@
-// openapi.json in the hands of others: a linter finds nothing, and a client that a generator makes of it works.
+// A linter must find no fault in openapi.json, and a client that is generated from it must work.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { copyFileSync, readFileSync, symlinkSync, writeFileSync } from "node:fs";
@@ -13,7 +13,7 @@ const { createConfig, lint } = load("@redocly/openapi-core");
 
 const faultsOf = async (file) => (await lint({ ref: file, config: await createConfig(rules) })).map(({ ruleId, severity, message, location }) => `${severity} ${ruleId}: ${message} (${location[0]?.pointer})`);
 
-// Runs a program of the packages; what it says is the error's message if it fails.
+// Runs a program of the packages. If it fails, its output becomes the error's message.
 const program = (file, ...words) => {
   try {
     return execFileSync(process.execPath, [path.join(packages, "node_modules", file), ...words], { cwd: packages, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
@@ -38,7 +38,7 @@ test("the linter finds what is wrong", async () => {
 });
 
 test("a generated client posts, waits, reads, lists and deletes", async () => {
-  // Generate it, and compile it together with what uses it, in the strictest way.
+  // Generate the client, and compile it together with journey.ts, with the strictest options.
   require.resolve("typescript");
   const made = folder();
   program("@hey-api/openapi-ts/bin/index.cjs", "--input", document, "--output", path.join(made, "generated"), "--client", "@hey-api/client-fetch", "--no-log-file", "--silent");
