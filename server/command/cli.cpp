@@ -209,7 +209,7 @@ int NoCommand(const CLI::App& app, const std::string& word) {
 int RunCommandLine(int argc, char** argv) {
   InstallInterruptHandlers();
   CLI::App app{
-      "Facetless renders CAD models from their exact surfaces, and shows what a tessellation gets wrong.",
+      "Facetless renders CAD models from their exact surfaces, and shows the errors of a tessellation.",
       "facetless"};
   app.set_version_flag("--version", "facetless " + Version());
   app.require_subcommand(1);
