@@ -124,34 +124,131 @@ std::vector<StepStyleContext> StyleContexts(std::string_view bytes) {
   return styles;
 }
 
+// The bytes of a file, which is a regular one and not empty.
+Result<std::string> ReadSource(const std::string& path, const std::string& name) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0)
+    return Error{ErrorCode::kFileUnreadable, path + " does not exist or may not be read."};
+  if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kFileUnreadable, path + " is not a regular file."};
+  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  std::ifstream in(path, std::ios::binary);
+  if (!in || !in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+    return Error{ErrorCode::kFileUnreadable, path + " may not be read."};
+  if (bytes.empty())
+    return Error{ErrorCode::kFormatUnknown,
+                 name + " is empty (0 bytes); was the upload or the export cut off?"};
+  return bytes;
+}
+
+// The functions that follow repair the bytes of one file and note in `source` what they found and did. Each returns
+// whether it changed the bytes.
+
+bool RemoveByteOrderMark(std::string& bytes, SourceFile& source) {
+  if (!bytes.starts_with("\xef\xbb\xbf")) return false;
+  bytes.erase(0, 3);
+  source.repairs.push_back("A byte-order mark in front of the file was removed.");
+  return true;
+}
+
+// Line ends and NUL bytes of a text.
+bool RepairCharacters(std::string& bytes, SourceFile& source) {
+  bool changed = Contains(bytes, "\r");
+  if (UnifyLineEnds(bytes)) source.repairs.push_back("Line ends of CR alone were read as line ends.");
+  const auto nuls = std::count(bytes.begin(), bytes.end(), '\0');
+  if (nuls > 0) {
+    std::replace(bytes.begin(), bytes.end(), '\0', ' ');
+    source.repairs.push_back(std::to_string(nuls) +
+                             " NUL bytes were read as spaces; what they replaced is lost.");
+    changed = true;
+  }
+  return changed;
+}
+
+Result<bool> PrepareStep(std::string& bytes, SourceFile& source) {
+  bool changed = false;
+  if (const std::size_t scopes = FlattenScopes(bytes); scopes > 0) {
+    source.repairs.push_back(std::to_string(scopes) +
+                             " scopes (&SCOPE … ENDSCOPE), which OpenCASCADE does not know, were removed; "
+                             "their entities were kept.");
+    changed = true;
+  }
+  if (NormaliseStepTexts(bytes, &source.repairs)) changed = true;
+  Result<StepFacts> facts = ScanStep(source.name, bytes);
+  if (!facts.ok()) return facts.error();
+  source.step = std::move(facts.value());
+  if (source.step.open_strings > 0)
+    source.repairs.push_back(std::to_string(source.step.open_strings) + " texts have no closing apostrophe.");
+  if (source.step.has_tessellation && source.step.faces.empty())
+    source.repairs.push_back("Its geometry is tessellated, which is a mesh and no exact surface.");
+  if (source.step.cut_off) {
+    // End the data after the last whole entity; whatever refers to what is missing is lost and will be
+    // named.
+    bytes.resize(source.step.complete_bytes);
+    bytes += "\nENDSEC;\nEND-ISO-10303-21;\n";
+    source.repairs.push_back("The file is cut off; what comes after entity #" +
+                             std::to_string(source.step.last_entity) + " is lost.");
+    changed = true;
+  }
+  source.step_repair = RepairStep(bytes);
+  if (!source.step_repair.refusal.empty())
+    return Error{ErrorCode::kFormatBroken, source.name + " " + source.step_repair.refusal};
+  if (source.step_repair.changed) {
+    bytes = std::move(source.step_repair.bytes);
+    changed = true;
+  }
+  source.step_repair.bytes.clear();
+  source.step.style_contexts = StyleContexts(bytes);
+  source.repairs.insert(source.repairs.end(), source.step_repair.warnings.begin(),
+                        source.step_repair.warnings.end());
+  return changed;
+}
+
+Result<bool> PrepareIges(std::string& bytes, SourceFile& source) {
+  Result<IgesFacts> facts = ScanIges(source.name, bytes);
+  if (!facts.ok()) return facts.error();
+  source.iges = std::move(facts.value());
+  if (source.iges.cut_off) {
+    source.repairs.push_back(
+        "The file ends, or is damaged, before its last section; what comes after that is lost.");
+    return false;
+  }
+  const IgesRepair repair = RepairIges(bytes);
+  if (repair.reals > 0) {
+    source.repairs.push_back(std::to_string(repair.reals) +
+                             " numbers written as integers were read as the reals that they must be.");
+  }
+  if (repair.wide_lines > 0) {
+    source.repairs.push_back(std::to_string(repair.wide_lines) +
+                             " lines with data beyond column 64 were laid out again.");
+  }
+  return repair.reals > 0 || repair.wide_lines > 0;
+}
+
+// Writes the repaired bytes for OpenCASCADE, which reads files only. Returns the path.
+Result<std::string> WriteRepaired(const std::string& bytes, const SourceFile& source,
+                                  const std::string& scratch) {
+  const std::string path = scratch + (source.format == CadFormat::kIges   ? "/input.igs"
+                                      : source.format == CadFormat::kStep ? "/input.step"
+                                                                          : "/input.brep");
+  std::ofstream out(path, std::ios::binary);
+  if (!out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
+    return Error{ErrorCode::kWriteFailed,
+                 "The repaired copy of " + source.name + " cannot be written into " + scratch + "."};
+  return path;
+}
+
 }  // namespace
 
 Result<SourceFile> OpenSource(const std::string& path, const std::string& scratch) {
   SourceFile source;
   source.name = std::filesystem::path(path).filename().string();
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0)
-    return Error{ErrorCode::kFileUnreadable, path + " does not exist or may not be read."};
-  if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kFileUnreadable, path + " is not a regular file."};
-  std::string bytes;
-  {
-    std::ifstream in(path, std::ios::binary);
-    bytes.resize(static_cast<std::size_t>(status.st_size));
-    if (!in || !in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
-      return Error{ErrorCode::kFileUnreadable, path + " may not be read."};
-  }
-  if (bytes.empty())
-    return Error{ErrorCode::kFormatUnknown,
-                 source.name + " is empty (0 bytes); was the upload or the export cut off?"};
+  Result<std::string> read = ReadSource(path, source.name);
+  if (!read.ok()) return read.error();
+  std::string bytes = std::move(read.value());
   source.sha256 = Sha256(bytes);
 
   // Remove what stands in front of the header before asking what it is.
-  bool changed = false;
-  if (bytes.starts_with("\xef\xbb\xbf")) {
-    bytes.erase(0, 3);
-    source.repairs.push_back("A byte-order mark in front of the file was removed.");
-    changed = true;
-  }
+  bool changed = RemoveByteOrderMark(bytes, source);
   const std::optional<CadFormat> format = Recognise(bytes);
   if (!format) {
     const std::string foreign = Foreign(source.name, bytes);
@@ -161,83 +258,17 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
   }
   source.format = *format;
   if (*format != CadFormat::kBrep) {
-    const bool had_cr = Contains(bytes, "\r");
-    if (UnifyLineEnds(bytes)) source.repairs.push_back("Line ends of CR alone were read as line ends.");
-    changed = changed || had_cr;
-  }
-  if (const std::size_t nuls = static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\0'));
-      nuls > 0 && *format != CadFormat::kBrep) {
-    std::replace(bytes.begin(), bytes.end(), '\0', ' ');
-    source.repairs.push_back(std::to_string(nuls) +
-                             " NUL bytes were read as spaces; what they replaced is lost.");
-    changed = true;
-  }
-  if (*format == CadFormat::kStep) {
-    if (const std::size_t scopes = FlattenScopes(bytes); scopes > 0) {
-      source.repairs.push_back(std::to_string(scopes) +
-                               " scopes (&SCOPE … ENDSCOPE), which OpenCASCADE does not know, were removed; "
-                               "their entities were kept.");
-      changed = true;
-    }
-    if (NormaliseStepTexts(bytes, &source.repairs)) changed = true;
-    Result<StepFacts> facts = ScanStep(source.name, bytes);
-    if (!facts.ok()) return facts.error();
-    source.step = std::move(facts.value());
-    if (source.step.open_strings > 0)
-      source.repairs.push_back(std::to_string(source.step.open_strings) +
-                               " texts have no closing apostrophe.");
-    if (source.step.has_tessellation && source.step.faces.empty())
-      source.repairs.push_back("Its geometry is tessellated, which is a mesh and no exact surface.");
-    if (source.step.cut_off) {
-      // End the data after the last whole entity; whatever refers to what is missing is lost and will be
-      // named.
-      bytes.resize(source.step.complete_bytes);
-      bytes += "\nENDSEC;\nEND-ISO-10303-21;\n";
-      source.repairs.push_back("The file is cut off; what comes after entity #" +
-                               std::to_string(source.step.last_entity) + " is lost.");
-      changed = true;
-    }
-    source.step_repair = RepairStep(bytes);
-    if (!source.step_repair.refusal.empty())
-      return Error{ErrorCode::kFormatBroken, source.name + " " + source.step_repair.refusal};
-    if (source.step_repair.changed) {
-      bytes = std::move(source.step_repair.bytes);
-      changed = true;
-    }
-    source.step_repair.bytes.clear();
-    source.step.style_contexts = StyleContexts(bytes);
-    source.repairs.insert(source.repairs.end(), source.step_repair.warnings.begin(),
-                          source.step_repair.warnings.end());
-  } else if (*format == CadFormat::kIges) {
-    Result<IgesFacts> facts = ScanIges(source.name, bytes);
-    if (!facts.ok()) return facts.error();
-    source.iges = std::move(facts.value());
-    if (source.iges.cut_off) {
-      source.repairs.push_back(
-          "The file ends, or is damaged, before its last section; what comes after that is lost.");
-    } else {
-      const IgesRepair repair = RepairIges(bytes);
-      if (repair.reals > 0) {
-        source.repairs.push_back(std::to_string(repair.reals) +
-                                 " numbers written as integers were read as the reals that they must be.");
-      }
-      if (repair.wide_lines > 0) {
-        source.repairs.push_back(std::to_string(repair.wide_lines) +
-                                 " lines with data beyond column 64 were laid out again.");
-      }
-      changed = changed || repair.reals > 0 || repair.wide_lines > 0;
-    }
+    if (RepairCharacters(bytes, source)) changed = true;
+    const Result<bool> prepared =
+        *format == CadFormat::kStep ? PrepareStep(bytes, source) : PrepareIges(bytes, source);
+    if (!prepared.ok()) return prepared.error();
+    changed = changed || prepared.value();
   }
   source.path = path;
   if (changed) {
-    // OpenCASCADE wants a file: give it a copy of its own.
-    source.path = scratch + (*format == CadFormat::kIges   ? "/input.igs"
-                             : *format == CadFormat::kStep ? "/input.step"
-                                                           : "/input.brep");
-    std::ofstream out(source.path, std::ios::binary);
-    if (!out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
-      return Error{ErrorCode::kWriteFailed,
-                   "The repaired copy of " + source.name + " cannot be written into " + scratch + "."};
+    Result<std::string> repaired = WriteRepaired(bytes, source, scratch);
+    if (!repaired.ok()) return repaired.error();
+    source.path = std::move(repaired.value());
   }
   return source;
 }

@@ -97,6 +97,12 @@ constexpr std::array<std::string_view, 24> kWithoutBody{"COORDINATES_LIST",
                                                         "TESSELLATED_GEOMETRIC_SET",
                                                         "CARTESIAN_TRANSFORMATION_OPERATOR_3D"};
 
+// An attribute that is a text, decoded; empty if it is none.
+std::string TextIn(const StepRecord& record, std::size_t index) {
+  const StepValue* value = Value(record, index);
+  return value != nullptr && value->kind == Kind::kString ? DecodeStepText(value->text) : std::string();
+}
+
 }  // namespace
 
 void Repairer::NoteOtherItem(const StepEntity& item) {
@@ -149,16 +155,43 @@ std::uint64_t Repairer::ReferenceIn(const StepRecord& record, std::size_t index)
   return value != nullptr && value->IsReference() ? value->reference : 0;
 }
 
-void Repairer::FindUnplaced() {
+// What the file says about assemblies. Definitions, shapes and representations are named by their ids.
+struct Repairer::Assembly {
   std::map<std::uint64_t, const StepEntity*> usages;  // occurrences
+  std::vector<const StepEntity*> products;
   std::unordered_map<std::uint64_t, std::uint64_t>
       definition_of;                         // PRODUCT_DEFINITION_SHAPE → what it is the shape of
   std::vector<std::uint64_t> placed_shapes;  // … that a placement names
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> used;             // shape → representation
+  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;  // representations that are the same
   std::unordered_map<std::uint64_t, std::set<std::uint64_t>> shapes;  // what has a shape → representations
-  // Shape → representation; representations that are the same.
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> used;
-  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;
-  std::vector<const StepEntity*> products;
+  std::unordered_map<std::uint64_t, std::set<std::uint64_t>> maps;    // representation → those that it maps
+  std::set<std::uint64_t> placed;                                     // occurrences
+  std::set<std::uint64_t> with_bodies;                                // representations
+  std::set<std::uint64_t> parents;                                    // definitions that hold others
+
+  const std::set<std::uint64_t>& ShapesOf(std::uint64_t definition) const {
+    static const std::set<std::uint64_t> none;
+    const auto found = shapes.find(definition);
+    return found == shapes.end() ? none : found->second;
+  }
+  bool HasBodies(std::uint64_t definition) const {
+    const std::set<std::uint64_t>& own = ShapesOf(definition);
+    return std::any_of(own.begin(), own.end(), [&](std::uint64_t id) { return with_bodies.contains(id); });
+  }
+  // Returns whether the parent holds the child as a mapped item.
+  bool IsMapped(std::uint64_t parent, std::uint64_t child) const {
+    for (const std::uint64_t own : ShapesOf(parent)) {
+      const auto mapped = maps.find(own);
+      if (mapped == maps.end()) continue;
+      for (const std::uint64_t other : ShapesOf(child))
+        if (mapped->second.contains(other)) return true;
+    }
+    return false;
+  }
+};
+
+void Repairer::CollectAssembly(Assembly& assembly) const {
   for (const StepEntity& entity : entities_.all()) {
     if (entity.structure != 0 || gone_.contains(&entity) || dropped_.contains(&entity)) continue;
     const std::string_view keyword = entity.keyword;
@@ -168,95 +201,87 @@ void Repairer::FindUnplaced() {
     const bool definition = keyword == "SHAPE_DEFINITION_REPRESENTATION";
     const bool link = keyword == "SHAPE_REPRESENTATION_RELATIONSHIP";
     if (keyword == "PRODUCT_DEFINITION" || keyword == "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
-      products.push_back(&entity);
+      assembly.products.push_back(&entity);
     if (!usage && !shape && !placement && !definition && !link) continue;
     const auto record = FindStepRecord(entity);
     if (!record) continue;
-    if (usage) usages[entity.id] = &entity;
-    if (shape) definition_of[entity.id] = ReferenceIn(*record, 2);
-    if (placement) placed_shapes.push_back(ReferenceIn(*record, 1));
-    if (definition) used.emplace_back(ReferenceIn(*record, 0), ReferenceIn(*record, 1));
+    if (usage) {
+      assembly.usages[entity.id] = &entity;
+      assembly.parents.insert(ReferenceIn(*record, 3));
+    }
+    if (shape) assembly.definition_of[entity.id] = ReferenceIn(*record, 2);
+    if (placement) assembly.placed_shapes.push_back(ReferenceIn(*record, 1));
+    if (definition) assembly.used.emplace_back(ReferenceIn(*record, 0), ReferenceIn(*record, 1));
     if (link) {
       const std::uint64_t a = ReferenceIn(*record, 2), b = ReferenceIn(*record, 3);
-      linked[a].push_back(b);
-      linked[b].push_back(a);
+      assembly.linked[a].push_back(b);
+      assembly.linked[b].push_back(a);
     }
   }
-  if (usages.empty()) return;
-  FindRepresentations();
-  for (const auto& [shape, representation] : used) {
-    if (const auto of = definition_of.find(shape); of != definition_of.end()) {
-      shapes[of->second].insert(representation);
-      // Representations that are the same shape.
-      const std::vector<std::uint64_t>& others = linked[representation];
-      shapes[of->second].insert(others.begin(), others.end());
-    }
+}
+
+void Repairer::CollectShapes(Assembly& assembly) const {
+  for (const auto& [shape, representation] : assembly.used) {
+    const auto of = assembly.definition_of.find(shape);
+    if (of == assembly.definition_of.end()) continue;
+    std::set<std::uint64_t>& shapes = assembly.shapes[of->second];
+    shapes.insert(representation);
+    const std::vector<std::uint64_t>& others = assembly.linked[representation];
+    shapes.insert(others.begin(), others.end());
   }
-  std::set<std::uint64_t> placed, bodies, mapped;
-  for (const std::uint64_t shape : placed_shapes) {
-    if (const auto of = definition_of.find(shape); of != definition_of.end()) placed.insert(of->second);
+  for (const std::uint64_t shape : assembly.placed_shapes) {
+    const auto of = assembly.definition_of.find(shape);
+    if (of != assembly.definition_of.end()) assembly.placed.insert(of->second);
   }
-  std::unordered_map<std::uint64_t, std::set<std::uint64_t>> maps;  // representation → those that it maps
   for (const Representation& representation : representations_) {
     for (const std::uint64_t item : representation.items) {
       const StepEntity* entity = entities_.Find(item);
       if (entity == nullptr || gone_.contains(entity)) continue;
       const bool unread = std::any_of(kUnread.begin(), kUnread.end(),
                                       [&](const Unread& kind) { return kind.keyword == entity->keyword; });
-      if (unread || Holds(kRead, entity->keyword)) bodies.insert(representation.id);
+      if (unread || Holds(kRead, entity->keyword)) assembly.with_bodies.insert(representation.id);
       if (entity->keyword != "MAPPED_ITEM") continue;
       const auto record = FindStepRecord(*entity);
       const auto map = record ? Record(ReferenceIn(*record, 1)) : std::nullopt;
-      if (map) maps[representation.id].insert(ReferenceIn(*map, 1));
+      if (map) assembly.maps[representation.id].insert(ReferenceIn(*map, 1));
     }
   }
-  const auto has_bodies = [&](std::uint64_t definition) {
-    const std::set<std::uint64_t>& own = shapes[definition];
-    return std::any_of(own.begin(), own.end(), [&](std::uint64_t id) { return bodies.contains(id); });
-  };
-  const auto name_of = [&](std::uint64_t definition) {
-    const auto record = Record(definition);
-    const auto formation = record ? Record(ReferenceIn(*record, 2)) : std::nullopt;
-    const auto product = formation ? Record(ReferenceIn(*formation, 2)) : std::nullopt;
-    if (!product) return std::string();
-    const StepValue* name = Value(*product, 1);
-    std::string text =
-        name != nullptr && name->kind == Kind::kString ? DecodeStepText(name->text) : std::string();
-    return text.empty() ? NameIn(*product) : text;
-  };
-  std::set<std::uint64_t> parents, children;
-  for (const auto& [id, entity] : usages) {
+}
+
+std::string Repairer::NameOfDefinition(std::uint64_t definition) const {
+  const auto record = Record(definition);
+  const auto formation = record ? Record(ReferenceIn(*record, 2)) : std::nullopt;
+  const auto product = formation ? Record(ReferenceIn(*formation, 2)) : std::nullopt;
+  if (!product) return {};
+  const std::string text = TextIn(*product, 1);
+  return text.empty() ? NameIn(*product) : text;
+}
+
+void Repairer::FindUnplaced() {
+  Assembly assembly;
+  CollectAssembly(assembly);
+  if (assembly.usages.empty()) return;
+  FindRepresentations();
+  CollectShapes(assembly);
+  for (const auto& [id, entity] : assembly.usages) {
     const auto record = FindStepRecord(*entity);
-    if (!record) continue;
+    if (!record || assembly.placed.contains(id)) continue;
     const std::uint64_t parent = ReferenceIn(*record, 3), child = ReferenceIn(*record, 4);
-    parents.insert(parent);
-    children.insert(child);
-  }
-  for (const auto& [id, entity] : usages) {
-    const auto record = FindStepRecord(*entity);
-    if (!record || placed.contains(id)) continue;
-    const std::uint64_t parent = ReferenceIn(*record, 3), child = ReferenceIn(*record, 4);
-    // The parent may hold the child as a mapped item instead.
-    const bool is_mapped = std::any_of(shapes[parent].begin(), shapes[parent].end(), [&](std::uint64_t own) {
-      return std::any_of(shapes[child].begin(), shapes[child].end(),
-                         [&](std::uint64_t other) { return maps[own].contains(other); });
-    });
-    if (is_mapped || (!has_bodies(child) && !parents.contains(child))) continue;
+    if (assembly.IsMapped(parent, child)) continue;
+    if (!assembly.HasBodies(child) && !assembly.parents.contains(child)) continue;
     if (parent == child) {
-      Warn("The assembly '" + name_of(child) + "' contains itself, by occurrence " + Label(id) +
+      Warn("The assembly '" + NameOfDefinition(child) + "' contains itself, by occurrence " + Label(id) +
            ", which is not shown.");
       continue;
     }
-    const StepValue* name = Value(*record, 1);
-    std::string text =
-        name != nullptr && name->kind == Kind::kString ? DecodeStepText(name->text) : std::string();
+    const std::string text = TextIn(*record, 1);
     repair_.lost.push_back(
-        {Label(id), text.empty() ? name_of(child) : text,
-         "this occurrence of part '" + name_of(child) + "' has no placement in its assembly"});
+        {Label(id), text.empty() ? NameOfDefinition(child) : text,
+         "this occurrence of part '" + NameOfDefinition(child) + "' has no placement in its assembly"});
   }
-  for (const StepEntity* product : products) {
-    if (parents.contains(product->id) || has_bodies(product->id)) continue;
-    Warn("The part '" + name_of(product->id) + "' (" + Label(product->id) + ") has no shape.");
+  for (const StepEntity* product : assembly.products) {
+    if (assembly.parents.contains(product->id) || assembly.HasBodies(product->id)) continue;
+    Warn("The part '" + NameOfDefinition(product->id) + "' (" + Label(product->id) + ") has no shape.");
   }
 }
 

@@ -205,6 +205,13 @@ class Repairer {
   // Lists items of representations that are bodies of kinds that OpenCASCADE does not read.
   void FindUnread();
   std::uint64_t ReferenceIn(const StepRecord& record, std::size_t index) const;
+  struct Assembly;
+  // Collects occurrences, products, shapes, and how they refer to each other.
+  void CollectAssembly(Assembly& assembly) const;
+  // Finds whose each representation is, and which hold bodies or map others. FindRepresentations must have run.
+  void CollectShapes(Assembly& assembly) const;
+  // Returns the name of the product of a PRODUCT_DEFINITION.
+  std::string NameOfDefinition(std::uint64_t definition) const;
   // Lists occurrences that no placement places, and products that have no shape.
   void FindUnplaced();
   // Returns whether the length of a unit in metres can be read: it is an SI unit or a multiple of one.

@@ -208,182 +208,280 @@ inline Verdict AfterHalving(const double* monomials, bool weight_varies, int deg
           std::fmax(by_v[kX], 2 * by_v[kY]) + (weight_varies ? by_v[kW] : 0)};
 }
 
+// Certifies one net of degrees P and Q (0: they are known only at run time), step by step.
 template <int P, int Q>
-Verdict CertifyDegrees(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
-                       CertifiedLeaf* leaf, double* monomials) {
-  const int pu = Degree<P>(net.degree_u), pv = Degree<Q>(net.degree_v), stride = pv + 1,
-            n = (pu + 1) * stride;
-  constexpr int kSize = P > 0 ? kNetComponents * (P + 1) * (Q + 1) : kNumbers;
+class Certifier {
+ public:
+  // The numbers of a net of centred monomials. Arrays stay outside of the object, so that the compiler can keep the
+  // object in registers.
+  static constexpr int kSize = P > 0 ? (P + 1) * (Q + 1) * kNetComponents : kNumbers;
 
-  // Shift the origin to the pixel of the middle control point, and in orthographic views also to its depth,
-  // so that the following numbers are of the size of the leaf and not of the image.
-  const int middle = (pu / 2) * stride + pv / 2;
-  const double w_middle = rule.weight_varies ? net.at(middle, kW) : 1;
-  if (!(w_middle > 0)) return {};
-  const double shift_x = net.at(middle, kX) / w_middle, shift_y = net.at(middle, kY) / w_middle;
-  const double depth_middle = rule.perspective ? 0 : net.at(middle, kQ) / w_middle;
-  const double shifts[kNetComponents] = {shift_x, shift_y, 0, depth_middle};
+  // `room` has kSize numbers.
+  Certifier(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, CertifiedLeaf* leaf,
+            double* room)
+      : net_(net),
+        rule_(rule),
+        arithmetic_(arithmetic),
+        leaf_(leaf),
+        pu_(Degree<P>(net.degree_u)),
+        pv_(Degree<Q>(net.degree_v)),
+        m_(room) {}
+
+  Verdict Run(double* monomials) {
+    if (!CenterOnPixel() || !InvertJacobian()) return {};
+    Normalize();
+    Bounds bound = Bound<P, Q>(m_, pu_, pv_);
+    Step step = BoundRoot(&bound);
+    if (step == Step::kHolds) step = BoundDepth(bound);
+    if (step == Step::kTooWide) return AfterHalving<P, Q>(m_, rule_.weight_varies, pu_, pv_);
+    if (step == Step::kFails) return {};
+    FillLeaf(monomials);
+    return {true, 0, 0};
+  }
+
+ private:
+  enum class Step {
+    kHolds,
+    kTooWide,  // a bound does not hold, and AfterHalving says what halving would do to it
+    kFails     // an error leaves no room for a certificate
+  };
+
+  int stride() const { return pv_ + 1; }
+  int points() const { return (pu_ + 1) * stride(); }
+
+  bool CenterOnPixel();
+  bool InvertJacobian();
+  void Normalize();
+  Step BoundRoot(Bounds* bound);
+  Step BoundDepth(const Bounds& bound);
+  void FillLeaf(double* monomials) const;
+
+  // What the error of the depth is made of.
+  struct DepthParts {
+    double slope = 0, evaluation = 0, far = 0, divisor = 0;
+  };
+  bool PerspectiveDepth(const Bounds& bound, DepthParts* parts);
+  void OrthographicDepth(const Bounds& bound, DepthParts* parts);
+  // Conversion and Horner's rule lose a few units per degree.
+  double units() const { return 4 * (pu_ + pv_ + 2) * arithmetic_.epsilon; }
+
+  const BezierNet& net_;
+  const DepthRule rule_;
+  const KernelArithmetic& arithmetic_;
+  CertifiedLeaf* const leaf_;
+  const int pu_, pv_;
+  double* const m_;  // centred monomials
+  // CenterOnPixel: the pixel and depth that the net is shifted by, the size of the shifted net, and its
+  // constant terms.
+  double shift_x_, shift_y_, depth_middle_, size_, w0_, q0_;
+  // BoundRoot: W is at least w_low_ and differs by at most w_rest_ from 1; |W'| is at most slope_.
+  double w_low_, w_rest_, slope_, root_error_;
+};
+
+// Shifts the origin to the pixel of the middle control point, and in orthographic views also to its depth, so
+// that the following numbers are of the size of the leaf and not of the image; converts the net; and moves the
+// origin on to the pixel of (0,0).
+template <int P, int Q>
+inline bool Certifier<P, Q>::CenterOnPixel() {
+  const int middle = (pu_ / 2) * stride() + pv_ / 2, n = points();
+  const double w_middle = rule_.weight_varies ? net_.at(middle, kW) : 1;
+  if (!(w_middle > 0)) return false;
+  shift_x_ = net_.at(middle, kX) / w_middle;
+  shift_y_ = net_.at(middle, kY) / w_middle;
+  depth_middle_ = rule_.perspective ? 0 : net_.at(middle, kQ) / w_middle;
+  const double shifts[kNetComponents] = {shift_x_, shift_y_, 0, depth_middle_};
   const Planes shift = LoadPlanes(shifts);
-  double shifted[kSize], m[kSize];
+  double shifted[kSize];
   Planes sizes = Same(0);
   for (int i = 0; i < n; ++i) {
-    const Planes p = At(net.value, i);
+    const Planes p = At(net_.value, i);
     const Planes moved = p - shift * Spread<kW>(p);
     sizes = Grown(sizes, Abs(moved));
     Put(moved, shifted, i);
   }
-  ToCenteredMonomials<P, Q>(shifted, pu, pv, m);
+  ToCenteredMonomials<P, Q>(shifted, pu_, pv_, m_);
   double size_of[kNetComponents];
   Store(sizes, size_of);
-  const double size = size_of[kX] + size_of[kY];
+  size_ = size_of[kX] + size_of[kY];
 
-  // Move the origin to the pixel of (0,0).
-  const double w0 = rule.weight_varies ? m[kW] : 1;
-  if (!(w0 > 0)) return {};
+  w0_ = rule_.weight_varies ? m_[kW] : 1;
+  if (!(w0_ > 0)) return false;
   // Round the centre first and then move the net by the exact difference, so that the two are consistent.
-  leaf->center_x = shift_x + m[kX] / w0;
-  leaf->center_y = shift_y + m[kY] / w0;
-  const double offsets[kNetComponents] = {leaf->center_x - shift_x, leaf->center_y - shift_y, 0, 0};
+  leaf_->center_x = shift_x_ + m_[kX] / w0_;
+  leaf_->center_y = shift_y_ + m_[kY] / w0_;
+  const double offsets[kNetComponents] = {leaf_->center_x - shift_x_, leaf_->center_y - shift_y_, 0, 0};
   const Planes offset = LoadPlanes(offsets);
   for (int i = 0; i < n; ++i) {
-    const Planes p = At(m, i);
-    Put(p - offset * Spread<kW>(p), m, i);
+    const Planes p = At(m_, i);
+    Put(p - offset * Spread<kW>(p), m_, i);
   }
+  return true;
+}
 
-  // Invert the Jacobian there.
-  const int along_s = kNetComponents * stride, along_t = kNetComponents;
-  const double a = m[along_s + kX] / w0, b = m[along_t + kX] / w0;
-  const double c = m[along_s + kY] / w0, d = m[along_t + kY] / w0;
+template <int P, int Q>
+inline bool Certifier<P, Q>::InvertJacobian() {
+  const int along_s = kNetComponents * stride(), along_t = kNetComponents;
+  const double a = m_[along_s + kX] / w0_, b = m_[along_t + kX] / w0_;
+  const double c = m_[along_s + kY] / w0_, d = m_[along_t + kY] / w0_;
   const double determinant = a * d - b * c;
   // The sign of a determinant is not reliable if its magnitude is within its rounding error.
-  if (!(std::fabs(determinant) > 8 * kEpsilon * (std::fabs(a * d) + std::fabs(b * c)))) return {};
-  leaf->c11 = d / determinant;
-  leaf->c12 = -b / determinant;
-  leaf->c21 = -c / determinant;
-  leaf->c22 = a / determinant;
+  if (!(std::fabs(determinant) > 8 * kEpsilon * (std::fabs(a * d) + std::fabs(b * c)))) return false;
+  leaf_->c11 = d / determinant;
+  leaf_->c12 = -b / determinant;
+  leaf_->c21 = -c / determinant;
+  leaf_->c22 = a / determinant;
+  return true;
+}
 
-  // Form G, W and Q in the scale of the leaf.
-  const double q0 = m[kQ];
-  const double by_x[kNetComponents] = {leaf->c11 / w0, leaf->c21 / w0, 0, 0},
-               by_y[kNetComponents] = {leaf->c12 / w0, leaf->c22 / w0, 0, 0},
-               units_of[kNetComponents] = {1, 1, w0, rule.perspective && rule.depth_varies ? q0 : w0};
+// Forms G, W and Q in the scale of the leaf.
+template <int P, int Q>
+inline void Certifier<P, Q>::Normalize() {
+  q0_ = m_[kQ];
+  const double by_x[kNetComponents] = {leaf_->c11 / w0_, leaf_->c21 / w0_, 0, 0},
+               by_y[kNetComponents] = {leaf_->c12 / w0_, leaf_->c22 / w0_, 0, 0},
+               units_of[kNetComponents] = {1, 1, w0_, rule_.perspective && rule_.depth_varies ? q0_ : w0_};
   const Planes from_x = LoadPlanes(by_x), from_y = LoadPlanes(by_y), unit = LoadPlanes(units_of);
+  const int n = points();
   for (int i = 0; i < n; ++i) {
-    const Planes p = At(m, i);
-    Put(Join(from_x * Spread<kX>(p) + from_y * Spread<kY>(p), p / unit), m, i);
+    const Planes p = At(m_, i);
+    Put(Join(from_x * Spread<kX>(p) + from_y * Spread<kY>(p), p / unit), m_, i);
   }
-  const double scale =
-      std::fmax(std::fabs(leaf->c11) + std::fabs(leaf->c12), std::fabs(leaf->c21) + std::fabs(leaf->c22));
+}
 
-  // Bound ‖I − G'‖, the range of b, and then ‖I − H'‖ = ‖I − G' + b⊗W'‖ (Laws 1 and 2).
-  Bounds bound = Bound<P, Q>(m, pu, pv);
+// Bounds ‖I − G'‖, the range of b, and then ‖I − H'‖ = ‖I − G' + b⊗W'‖ (Laws 1 and 2); and the error of the
+// root.
+template <int P, int Q>
+inline typename Certifier<P, Q>::Step Certifier<P, Q>::BoundRoot(Bounds* bound) {
+  const int along_s = kNetComponents * stride(), along_t = kNetComponents;
   // (The linear terms of G are the identity except for rounding.)
-  bound.ds[kX] += std::fabs(m[along_s + kX] - 1);
-  bound.dt[kX] += std::fabs(m[along_t + kX]);
-  bound.ds[kY] += std::fabs(m[along_s + kY]);
-  bound.dt[kY] += std::fabs(m[along_t + kY] - 1);
-  const auto fail = [&] { return AfterHalving<P, Q>(m, rule.weight_varies, pu, pv); };
-  const double kappa_g = std::fmax(bound.ds[kX] + bound.dt[kX], bound.ds[kY] + bound.dt[kY]);
-  if (!(kappa_g <= kMaxKappa)) return fail();
-  double w_low = 1, slope = 0, w_rest = 0, w_second = 0;
-  if (rule.weight_varies) {
-    w_rest = bound.value[kW];
-    w_second = bound.second[kW];
-    w_low = 1 - w_rest;
-    if (!(w_low > 0)) return fail();
-    slope = bound.Slope(kW);
+  bound->ds[kX] += std::fabs(m_[along_s + kX] - 1);
+  bound->dt[kX] += std::fabs(m_[along_t + kX]);
+  bound->ds[kY] += std::fabs(m_[along_s + kY]);
+  bound->dt[kY] += std::fabs(m_[along_t + kY] - 1);
+  const double kappa_g = std::fmax(bound->ds[kX] + bound->dt[kX], bound->ds[kY] + bound->dt[kY]);
+  if (!(kappa_g <= kMaxKappa)) return Step::kTooWide;
+  w_low_ = 1;
+  w_rest_ = slope_ = 0;
+  double w_second = 0;
+  if (rule_.weight_varies) {
+    w_rest_ = bound->value[kW];
+    w_second = bound->second[kW];
+    w_low_ = 1 - w_rest_;
+    if (!(w_low_ > 0)) return Step::kTooWide;
+    slope_ = bound->Slope(kW);
   }
-  const double b_limit = (1 + kappa_g) * kEnlarged / w_low;
-  double kappa = kappa_g + b_limit * slope;
-  if (!(kappa <= kMaxKappa)) return fail();
+  const double b_limit = (1 + kappa_g) * kEnlarged / w_low_;
+  double kappa = kappa_g + b_limit * slope_;
+  if (!(kappa <= kMaxKappa)) return Step::kTooWide;
   // H as the kernel evaluates it differs from H of the surface: conversion loses a few units per degree,
   // relative to the size of the net; evaluation loses a few units relative to G; and the error of the net
   // counts in full.
   const double growth =
-      std::ldexp(1.0, (pu + pv + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
-  const double magnitude = std::fabs(shift_x) + std::fabs(shift_y);
+      std::ldexp(1.0, (pu_ + pv_ + 1) / 2);  // of |CenteredMonomialMatrix| on smooth data, see tests
+  const double magnitude = std::fabs(shift_x_) + std::fabs(shift_y_);
   const double net_error =
-      kEnlargedPowers.value[pu + pv] *
-      (std::fmax(net.error[kX], net.error[kY]) + (magnitude + size / w0) * net.error[kW]) / w0;
-  leaf->rounding = arithmetic.epsilon * 4 * (pu + pv + 2) * (b_limit + 1) +
-                   scale * (kEpsilon * (growth * (pu + pv) * size / w0 + 4 * magnitude) + net_error);
+      kEnlargedPowers.value[pu_ + pv_] *
+      (std::fmax(net_.error[kX], net_.error[kY]) + (magnitude + size_ / w0_) * net_.error[kW]) / w0_;
+  const double scale =
+      std::fmax(std::fabs(leaf_->c11) + std::fabs(leaf_->c12), std::fabs(leaf_->c21) + std::fabs(leaf_->c22));
+  leaf_->rounding = arithmetic_.epsilon * 4 * (pu_ + pv_ + 2) * (b_limit + 1) +
+                    scale * (kEpsilon * (growth * (pu_ + pv_) * size_ / w0_ + 4 * magnitude) + net_error);
   // The derivative of H differs accordingly, by Markov's inequality.
-  const double degree = std::fmax(pu, pv);
-  const double kappa_net = 2 * degree * degree * leaf->rounding;
+  const double degree = std::fmax(pu_, pv_);
+  const double kappa_net = 2 * degree * degree * leaf_->rounding;
   kappa += kappa_net;
-  if (!(kappa_net <= 0.0625)) return {};
-  const double lipschitz = std::fmax(bound.second[kX], bound.second[kY]) + b_limit * w_second;
+  if (!(kappa_net <= 0.0625)) return Step::kFails;
+  const double lipschitz = std::fmax(bound->second[kX], bound->second[kY]) + b_limit * w_second;
   const double inverse_gap = 1 / (1 - kappa);
   const double newton_factor = 0.5 * lipschitz * inverse_gap;
   // The error of the start x = b is at most kappa·kEnlarged, because H(0) = −b.
-  if (!(newton_factor * kappa * kEnlarged < 0.5)) return fail();
+  if (!(newton_factor * kappa * kEnlarged < 0.5)) return Step::kTooWide;
 
-  leaf->b_limit = b_limit * (1 + 8 * arithmetic.epsilon) + leaf->rounding;
-  leaf->inverse_gap = inverse_gap;
-  leaf->newton_factor = newton_factor;
+  leaf_->b_limit = b_limit * (1 + 8 * arithmetic_.epsilon) + leaf_->rounding;
+  leaf_->inverse_gap = inverse_gap;
+  leaf_->newton_factor = newton_factor;
+  root_error_ = leaf_->RootError(arithmetic_);
+  return root_error_ <= kMaxRootError ? Step::kHolds : Step::kFails;
+}
 
-  const double root_error = leaf->RootError(arithmetic);
-  if (!(root_error <= kMaxRootError)) return {};
-
-  // Bound the error of the depth (law 6). Conversion and Horner's rule lose a few units per degree.
-  const double units = 4 * (pu + pv + 2) * arithmetic.epsilon;
-  double depth_slope = 0, evaluation = 0, far = 0, divisor = 0;
-  if (rule.perspective) {
-    const double q_middle = rule.depth_varies ? q0 : net.at(0, kQ);
-    const double q_rest = rule.depth_varies ? bound.value[kQ] : 0,
-                 q_slope = rule.depth_varies ? bound.Slope(kQ) : 0;
-    const double q_low = 1 - q_rest;
-    if (!(q_middle > 0 && q_low > 0)) return fail();
-    // depth = scale + scale·(w − q)/(1 + q), with w and q without their constant terms. For a distant
-    // rational patch, w and q vary together, and their difference hardly varies at all.
-    leaf->depth_scale = w0 / q_middle;
-    double difference = w_rest, difference_slope = slope;
-    if (rule.depth_varies) {
-      double apart[kSize];
-      for (int i = 0; i < n; ++i) {
-        const Planes p = At(m, i);
-        Put((rule.weight_varies ? Spread<kW>(p) : Same(0)) - p, apart, i);
-      }
-      const Bounds between = Bound<P, Q>(apart, pu, pv);
-      difference = between.value[kQ];
-      difference_slope = between.Slope(kQ);
-    }
-    const double range = w_rest + q_rest;
-    depth_slope = leaf->depth_scale * (difference_slope / q_low + difference * q_slope / (q_low * q_low));
-    evaluation = leaf->depth_scale * (units * range / q_low * (1 + 1 / q_low) + 4 * kEpsilon);
-    far = leaf->depth_scale * (1 + range / q_low);
-    divisor = q_middle * q_low / kEnlargedPowers.value[pu + pv];
+// Bounds the error of the depth (law 6).
+template <int P, int Q>
+inline typename Certifier<P, Q>::Step Certifier<P, Q>::BoundDepth(const Bounds& bound) {
+  DepthParts parts;
+  if (rule_.perspective) {
+    if (!PerspectiveDepth(bound, &parts)) return Step::kTooWide;
   } else {
-    // Compute relative to the depth of the middle, to preserve precision.
-    leaf->depth_scale = depth_middle;
-    double q_size = 0;
-    if (rule.depth_varies) {
-      q_size = std::fabs(m[kQ]) + bound.value[kQ];
-      depth_slope = bound.Slope(kQ) / w_low + q_size * slope / (w_low * w_low);
-    }
-    evaluation = units * q_size / w_low * (1 + 1 / w_low) +
-                 4 * kEpsilon * (std::fabs(leaf->depth_scale) + q_size / w_low);
-    far = std::fabs(leaf->depth_scale) + q_size / w_low;
-    divisor = w0 * w_low / kEnlargedPowers.value[pu + pv];
+    OrthographicDepth(bound, &parts);
   }
-  leaf->depth_error = depth_slope * root_error + evaluation + NetDepthError(net, rule, far, divisor);
-  if (!(leaf->depth_error < INFINITY)) return {};
+  leaf_->depth_error =
+      parts.slope * root_error_ + parts.evaluation + NetDepthError(net_, rule_, parts.far, parts.divisor);
+  return leaf_->depth_error < INFINITY ? Step::kHolds : Step::kFails;
+}
 
-  leaf->flags = FlagsOf(rule);
-  leaf->degree_u = static_cast<std::uint8_t>(pu);
-  leaf->degree_v = static_cast<std::uint8_t>(pv);
-  double* next = monomials;
-  for (const NetComponent component : {kX, kY, kW, kQ}) {
-    if ((component == kW && !rule.weight_varies) || (component == kQ && !rule.depth_varies)) continue;
-    for (int i = 0; i < n; ++i) *next++ = m[kNetComponents * i + component];
+// Returns false if the bounds do not keep Q away from 0.
+template <int P, int Q>
+inline bool Certifier<P, Q>::PerspectiveDepth(const Bounds& bound, DepthParts* parts) {
+  const double q_middle = rule_.depth_varies ? q0_ : net_.at(0, kQ);
+  const double q_rest = rule_.depth_varies ? bound.value[kQ] : 0,
+               q_slope = rule_.depth_varies ? bound.Slope(kQ) : 0;
+  const double q_low = 1 - q_rest;
+  if (!(q_middle > 0 && q_low > 0)) return false;
+  // depth = scale + scale·(w − q)/(1 + q), with w and q without their constant terms. For a distant
+  // rational patch, w and q vary together, and their difference hardly varies at all.
+  leaf_->depth_scale = w0_ / q_middle;
+  double difference = w_rest_, difference_slope = slope_;
+  if (rule_.depth_varies) {
+    double apart[kSize];
+    const int n = points();
+    for (int i = 0; i < n; ++i) {
+      const Planes p = At(m_, i);
+      Put((rule_.weight_varies ? Spread<kW>(p) : Same(0)) - p, apart, i);
+    }
+    const Bounds between = Bound<P, Q>(apart, pu_, pv_);
+    difference = between.value[kQ];
+    difference_slope = between.Slope(kQ);
   }
-  return {true, 0, 0};
+  const double range = w_rest_ + q_rest;
+  parts->slope = leaf_->depth_scale * (difference_slope / q_low + difference * q_slope / (q_low * q_low));
+  parts->evaluation = leaf_->depth_scale * (units() * range / q_low * (1 + 1 / q_low) + 4 * kEpsilon);
+  parts->far = leaf_->depth_scale * (1 + range / q_low);
+  parts->divisor = q_middle * q_low / kEnlargedPowers.value[pu_ + pv_];
+  return true;
+}
+
+// Computes relative to the depth of the middle, to preserve precision.
+template <int P, int Q>
+inline void Certifier<P, Q>::OrthographicDepth(const Bounds& bound, DepthParts* parts) {
+  leaf_->depth_scale = depth_middle_;
+  double q_size = 0;
+  if (rule_.depth_varies) {
+    q_size = std::fabs(m_[kQ]) + bound.value[kQ];
+    parts->slope = bound.Slope(kQ) / w_low_ + q_size * slope_ / (w_low_ * w_low_);
+  }
+  parts->evaluation = units() * q_size / w_low_ * (1 + 1 / w_low_) +
+                      4 * kEpsilon * (std::fabs(leaf_->depth_scale) + q_size / w_low_);
+  parts->far = std::fabs(leaf_->depth_scale) + q_size / w_low_;
+  parts->divisor = w0_ * w_low_ / kEnlargedPowers.value[pu_ + pv_];
+}
+
+template <int P, int Q>
+inline void Certifier<P, Q>::FillLeaf(double* monomials) const {
+  leaf_->flags = FlagsOf(rule_);
+  leaf_->degree_u = static_cast<std::uint8_t>(pu_);
+  leaf_->degree_v = static_cast<std::uint8_t>(pv_);
+  double* next = monomials;
+  const int n = points();
+  for (const NetComponent component : {kX, kY, kW, kQ}) {
+    if ((component == kW && !rule_.weight_varies) || (component == kQ && !rule_.depth_varies)) continue;
+    for (int i = 0; i < n; ++i) *next++ = m_[kNetComponents * i + component];
+  }
 }
 
 Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, CertifiedLeaf* leaf,
                 double* monomials) {
   return ByDegrees(net.degree_u, net.degree_v, [&]<int P, int Q>() {
-    return CertifyDegrees<P, Q>(net, rule, arithmetic, leaf, monomials);
+    double room[Certifier<P, Q>::kSize];
+    return Certifier<P, Q>(net, rule, arithmetic, leaf, room).Run(monomials);
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "render/nurbs/edge_on.h"
 
@@ -100,6 +101,22 @@ bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window
          std::fabs(x[2] * y[3] - y[2] * x[3]) > error * longest;
 }
 
+// The samples of the window that a box may hold, with its error; nothing if there are none.
+std::optional<SampleBox> SamplesIn(const NetBox& box, const SplitWindow& window) {
+  const double slack = kBoxSlack + box.error;
+  const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
+  const auto last = [](double high, double half) {
+    return std::min(2 * half, std::floor(high + half - 0.5) + 1);
+  };
+  const double c0 = first(box.x_low - slack, window.half_width),
+               c1 = last(box.x_high + slack, window.half_width);
+  const double r0 = first(box.y_low - slack, window.half_height),
+               r1 = last(box.y_high + slack, window.half_height);
+  if (!(c0 < c1 && r0 < r1)) return std::nullopt;
+  return SampleBox::HalfOpen(static_cast<int>(c0), static_cast<int>(c1), static_cast<int>(r0),
+                             static_cast<int>(r1));
+}
+
 }  // namespace
 
 std::uint64_t NodeLimit(double samples, int degree_u, int degree_v) {
@@ -145,50 +162,32 @@ void LeafSplitter::Visit(const Node& node) {
   const BezierNet& net = node.net;
 
   // Find the sample centres in the projected box; none: no ray meets the piece.
-  const NetOperations& nets = *window_.nets;
-  const double half_window = std::max(window_.half_width, window_.half_height);
-  const NetBox box = nets.project(net, patch_->rule, half_window);
+  const double half_window = HalfWindow();
+  const NetBox box = window_.nets->project(net, patch_->rule, half_window);
   // A box without a measure says nothing: the weights are positive, and too small to divide by.
-  if (!(box.in_front && box.error < INFINITY) && CullFrustum(net, window_) == Visibility::kHidden) return;
+  const bool measured = box.in_front && box.error < INFINITY;
+  if (!measured && CullFrustum(net, window_) == Visibility::kHidden) return;
   if (window_.perspective && box.in_front && box.far_depth <= window_.near_depth) return;
   const SampleBox whole_window = SampleBox::HalfOpen(0, static_cast<int>(2 * window_.half_width), 0,
                                                      static_cast<int>(2 * window_.half_height));
   SampleBox seen_in = whole_window;
   if (box.in_front) {
-    const double slack = kBoxSlack + box.error;
-    const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
-    const auto last = [](double high, double half) {
-      return std::min(2 * half, std::floor(high + half - 0.5) + 1);
-    };
-    const double c0 = first(box.x_low - slack, window_.half_width),
-                 c1 = last(box.x_high + slack, window_.half_width);
-    const double r0 = first(box.y_low - slack, window_.half_height),
-                 r1 = last(box.y_high + slack, window_.half_height);
-    if (!(c0 < c1 && r0 < r1)) return;
-    seen_in = SampleBox::HalfOpen(static_cast<int>(c0), static_cast<int>(c1), static_cast<int>(r0),
-                                  static_cast<int>(r1));
+    const std::optional<SampleBox> samples = SamplesIn(box, window_);
+    if (!samples) return;
+    seen_in = *samples;
   }
 
-  // Ask the trimming, unless the parent knew, about all that the leaf will answer for: its overlap with its
-  // neighbours too.
+  // Ask the trimming, unless the parent knew.
   RectClass trim = node.trim;
   if (trim == RectClass::kMixed && node.level > 0) {
-    const auto u = [&](double s) {
-      return patch_->u_map.ToNative(std::clamp(node.rect.U(s), patch_->bounds.u_low, patch_->bounds.u_high));
-    };
-    const auto v = [&](double t) {
-      return patch_->v_map.ToNative(std::clamp(node.rect.V(t), patch_->bounds.v_low, patch_->bounds.v_high));
-    };
-    constexpr double kBorder = 1 + 2 * kBorderOverlap;
-    trim = patch_->trim->Classify(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder));
+    trim = ClassifyRect(node.rect);
     if (trim == RectClass::kOutside) return;
   }
 
   // Give up what no halving can place: also what lies across the eye plane down to the last level, where the
   // near plane has taken all that is merely near the eye. One leaf says so of the whole patch.
-  const bool last_level = node.level >= kMaxLevels;
   const double nearest_seen = window_.perspective ? window_.near_depth : -INFINITY;
-  if ((!box.in_front && last_level) ||
+  if ((!box.in_front && node.level >= kMaxLevels) ||
       (!(box.in_front && box.error < half_window) && MayLieAnywhere(net, half_window))) {
     if (lost_) return;
     lost_ = true;
@@ -197,9 +196,9 @@ void LeafSplitter::Visit(const Node& node) {
   }
 
   // Give up what is left of a patch that has had its share of work.
-  const double samples = seen_in.samples();
   if (node.level == 0) {
-    const std::uint64_t limit = std::min(patch_->max_nodes, NodeLimit(samples, net.degree_u, net.degree_v));
+    const std::uint64_t limit =
+        std::min(patch_->max_nodes, NodeLimit(seen_in.samples(), net.degree_u, net.degree_v));
     node_limit_ = nodes_ + limit;
   }
   if (nodes_ > node_limit_) {
@@ -209,40 +208,58 @@ void LeafSplitter::Visit(const Node& node) {
 
   // Certify, or halve, or give up on a piece that is small enough.
   Verdict verdict;
-  if (box.in_front) {
-    CertifiedLeaf leaf;
-    double monomials[kNetComponents * kMaxNetPoints];
-    verdict = nets.certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
-    const bool certified = verdict.certified;
-    const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
-    const bool edge_on = !certified && samples > kHardSamples && !CornersSpanArea(net, box, half_window) &&
-                         FitLine(net).is_line;
-    const bool hard = !certified && (samples <= kHardSamples || last_level || edge_on);
-    if (certified && (trimmed_small || last_level)) {
-      leaf.near_depth = box.near_depth - leaf.depth_error;
-      leaf.box = seen_in;
-      KeepCertified(leaf, node, trim, monomials);
-      return;
-    }
-    if (hard) {
-      // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as
-      // large a share of the patch's work as the pieces that they would make.
-      if (!edge_on) node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
-      KeepHard(edge_on ? HardKind::kEdgeOn : HardKind::kSubdivide, box.near_depth, seen_in, node, trim);
-      return;
-    }
-  }
+  if (box.in_front && KeepLeaf(node, trim, box, seen_in, &verdict)) return;
+  VisitHalves(node, HalvingDirection(net, box.in_front, verdict), trim);
+}
 
-  // Halve so that the bound shrinks most; but along a fold no bound ever holds, and there, as across the eye
-  // plane, only the extent counts.
-  const Extent extent = nets.measure(net, patch_->rule, half_window, box.in_front);
-  Direction direction = extent.v > extent.u ? Direction::kV : Direction::kU;
+double LeafSplitter::HalfWindow() const {
+  return std::max(window_.half_width, window_.half_height);
+}
+
+RectClass LeafSplitter::ClassifyRect(const ParameterRect& rect) const {
+  const auto u = [&](double s) {
+    return patch_->u_map.ToNative(std::clamp(rect.U(s), patch_->bounds.u_low, patch_->bounds.u_high));
+  };
+  const auto v = [&](double t) {
+    return patch_->v_map.ToNative(std::clamp(rect.V(t), patch_->bounds.v_low, patch_->bounds.v_high));
+  };
+  constexpr double kBorder = 1 + 2 * kBorderOverlap;
+  return patch_->trim->Classify(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder));
+}
+
+bool LeafSplitter::KeepLeaf(const Node& node, RectClass trim, const NetBox& box, SampleBox seen_in,
+                            Verdict* verdict) {
+  const BezierNet& net = node.net;
+  CertifiedLeaf leaf;
+  double monomials[kNetComponents * kMaxNetPoints];
+  *verdict = window_.nets->certify(net, patch_->rule, window_.arithmetic, &leaf, monomials);
+  const double samples = seen_in.samples();
+  const bool last_level = node.level >= kMaxLevels;
+  if (verdict->certified) {
+    const bool trimmed_small = trim == RectClass::kInside || samples <= kTrimmedSamples;
+    if (!trimmed_small && !last_level) return false;
+    leaf.near_depth = box.near_depth - leaf.depth_error;
+    leaf.box = seen_in;
+    KeepCertified(leaf, node, trim, monomials);
+    return true;
+  }
+  const bool edge_on =
+      samples > kHardSamples && !CornersSpanArea(net, box, HalfWindow()) && FitLine(net).is_line;
+  if (!edge_on && samples > kHardSamples && !last_level) return false;
+  // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as
+  // large a share of the patch's work as the pieces that they would make.
+  if (!edge_on) node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
+  KeepHard(edge_on ? HardKind::kEdgeOn : HardKind::kSubdivide, box.near_depth, seen_in, node, trim);
+  return true;
+}
+
+Direction LeafSplitter::HalvingDirection(const BezierNet& net, bool in_front, const Verdict& verdict) const {
+  const Extent extent = window_.nets->measure(net, patch_->rule, HalfWindow(), in_front);
   if (!verdict.certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {
     const Direction best = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;
-    if ((best == Direction::kV ? extent.v : extent.u) >= 1) direction = best;
+    if ((best == Direction::kV ? extent.v : extent.u) >= 1) return best;
   }
-
-  VisitHalves(node, direction, trim);
+  return extent.v > extent.u ? Direction::kV : Direction::kU;
 }
 
 void LeafSplitter::VisitHalves(const Node& node, Direction direction, RectClass trim) {

@@ -106,6 +106,15 @@ class LeafSplitter {
   struct Node;
   void Visit(const Node& node);
   void VisitHalves(const Node& node, Direction direction, RectClass trim);
+  double HalfWindow() const;
+  // What the trimming says of all that a leaf answers for: the rectangle and its overlap with its neighbours.
+  RectClass ClassifyRect(const ParameterRect& rect) const;
+  // Keeps a piece in front of the eye as a certified leaf, or as a hard one if it is small enough or seen
+  // edge-on. Returns false if it is to be halved; `verdict` then says how that helps.
+  bool KeepLeaf(const Node& node, RectClass trim, const NetBox& box, SampleBox seen_in, Verdict* verdict);
+  // The direction in which a half's bound shrinks most; but along a fold no bound ever holds, and there, as across
+  // the eye plane, only the extent counts.
+  Direction HalvingDirection(const BezierNet& net, bool in_front, const Verdict& verdict) const;
   // Append the leaf of a node, of which near depth and box are known; `monomials`: as many as the leaf's planes
   // have.
   void KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass trim, const double* monomials);

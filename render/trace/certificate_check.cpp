@@ -105,6 +105,108 @@ double PlacedPointRounding(const Surface& surface, double face_size, const Place
   return kEpsilon * (kPlacingUnits + 8 * (surface.degree_u + surface.degree_v)) * size;
 }
 
+// A control point relative to a ray: its distances from two planes through the ray, times its weight on the
+// screen; that weight; and its depth times the weight of the surface.
+struct SeenPoint {
+  double across, down, scale, depth, weight;
+};
+
+// A piece of a patch.
+struct SeenPiece {
+  std::vector<SeenPoint> points;
+  double u = 0, v = 0, size_u = 1, size_v = 1;
+  int level = 0;
+};
+
+std::vector<SeenPoint> SeenFromRay(const CameraFrame& frame, const Vec4* points, std::size_t count,
+                                   const Placement& placement, double x, double y) {
+  const Vec3 shift = TranslationOf(placement) - frame.eye;
+  std::vector<SeenPoint> seen;
+  seen.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vec3 p = placement.Vector({points[k].x, points[k].y, points[k].z}) + points[k].w * shift;
+    const double depth = Dot(p, frame.forward);
+    const double scale = frame.projection == Projection::kPerspective ? depth : points[k].w;
+    seen.push_back({Dot(p, frame.right) / frame.pixel_x - (x - frame.center_x) * scale,
+                    Dot(p, frame.down) / frame.pixel_y - (y - frame.center_y) * scale, scale, depth,
+                    points[k].w});
+  }
+  return seen;
+}
+
+struct SeenBox {
+  explicit SeenBox(const std::vector<SeenPoint>& points) {
+    for (const SeenPoint& p : points) {
+      across_low = std::min(across_low, p.across);
+      across_high = std::max(across_high, p.across);
+      down_low = std::min(down_low, p.down);
+      down_high = std::max(down_high, p.down);
+      least_scale = std::min(least_scale, p.scale);
+    }
+  }
+  bool HoldsRay() const { return !(across_low > 0 || across_high < 0 || down_low > 0 || down_high < 0); }
+  double width() const { return std::max(across_high - across_low, down_high - down_low); }
+
+  double across_low = INFINITY, across_high = -INFINITY, down_low = INFINITY, down_high = -INFINITY;
+  double least_scale = INFINITY;
+};
+
+bool AllFarther(const std::vector<SeenPoint>& points, double depth) {
+  return std::all_of(points.begin(), points.end(),
+                     [&](const SeenPoint& p) { return p.depth > depth * p.weight; });
+}
+
+bool AllNearer(const std::vector<SeenPoint>& points, double depth) {
+  return std::all_of(points.begin(), points.end(),
+                     [&](const SeenPoint& p) { return p.depth <= depth * p.weight; });
+}
+
+SeenPoint Middle(const SeenPoint& a, const SeenPoint& b) {
+  return {0.5 * (a.across + b.across), 0.5 * (a.down + b.down), 0.5 * (a.scale + b.scale),
+          0.5 * (a.depth + b.depth), 0.5 * (a.weight + b.weight)};
+}
+
+// Returns whether the image of the piece is longer along u.
+bool IsLongerAlongU(const SeenPiece& piece, int degree_u, int degree_v) {
+  double along_u = 0, along_v = 0;
+  const auto longest = [](double so_far, const SeenPoint& a, const SeenPoint& b) {
+    return std::max({so_far, std::fabs(a.across - b.across), std::fabs(a.down - b.down)});
+  };
+  const int stride = degree_v + 1;
+  for (int k = 0; k <= degree_u; ++k) {
+    for (int l = 0; l <= degree_v; ++l) {
+      const SeenPoint& here = piece.points[k * stride + l];
+      if (k < degree_u) along_u = longest(along_u, here, piece.points[(k + 1) * stride + l]);
+      if (l < degree_v) along_v = longest(along_v, here, piece.points[k * stride + l + 1]);
+    }
+  }
+  return degree_u * along_u > degree_v * along_v;
+}
+
+// Halves along the direction in which the image is longer. `low` and `high` are both the piece, and become its
+// halves.
+void Halve(int degree_u, int degree_v, SeenPiece* low, SeenPiece* high) {
+  const bool along_u = IsLongerAlongU(*high, degree_u, degree_v);
+  const int stride = degree_v + 1;
+  const int degree = along_u ? degree_u : degree_v, lines = along_u ? degree_v : degree_u;
+  const int step = along_u ? stride : 1, next_line = along_u ? 1 : stride;
+  for (int line = 0; line <= lines; ++line) {
+    SeenPoint* work = high->points.data() + line * next_line;
+    for (int level = 1; level <= degree; ++level) {
+      for (int k = 0; k <= degree - level; ++k) work[k * step] = Middle(work[k * step], work[(k + 1) * step]);
+      low->points[line * next_line + level * step] = work[0];
+    }
+  }
+  low->level = ++high->level;
+  if (along_u) {
+    low->size_u = high->size_u = 0.5 * high->size_u;
+    high->u += low->size_u;
+  } else {
+    low->size_v = high->size_v = 0.5 * high->size_v;
+    high->v += low->size_v;
+  }
+}
+
 }  // namespace
 
 struct CertificateCheck::Budget {
@@ -218,103 +320,33 @@ bool CertificateCheck::PatchMeetsRay(std::uint32_t instance, std::uint32_t face,
                                      double x, double y, double limit, Budget* budget) const {
   const Model& model = *scene_.model;
   const Surface& surface = model.surfaces[model.faces[face].surface];
-  const Placement& placement = model.instances[instance].placement;
   const bool perspective = frame_.projection == Projection::kPerspective;
-  const int pu = surface.degree_u, pv = surface.degree_v, stride = pv + 1;
-  const std::size_t n = surface.PointsPerPatch();
-
-  // A control point relative to the ray: its distances from the two planes, times its weight on the screen;
-  // that weight; and its depth times the weight of the surface.
-  struct Seen {
-    double across, down, scale, depth, weight;
-  };
-  struct Piece {
-    std::vector<Seen> points;
-    double u = 0, v = 0, size_u = 1, size_v = 1;
-    int level = 0;
-  };
-  const auto mean = [](const Seen& a, const Seen& b) {
-    return Seen{0.5 * (a.across + b.across), 0.5 * (a.down + b.down), 0.5 * (a.scale + b.scale),
-                0.5 * (a.depth + b.depth), 0.5 * (a.weight + b.weight)};
-  };
-  const Vec3 shift = TranslationOf(placement) - frame_.eye;
-  std::vector<Piece> open(1);
-  open[0].points.reserve(n);
-  const Vec4* points = PatchPoints(model, surface, patch).data();
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3 p = placement.Vector({points[k].x, points[k].y, points[k].z}) + points[k].w * shift;
-    const double depth = Dot(p, frame_.forward), scale = perspective ? depth : points[k].w;
-    open[0].points.push_back({Dot(p, frame_.right) / frame_.pixel_x - (x - frame_.center_x) * scale,
-                              Dot(p, frame_.down) / frame_.pixel_y - (y - frame_.center_y) * scale, scale,
-                              depth, points[k].w});
-  }
-
+  std::vector<SeenPiece> open(1);
+  open[0].points = SeenFromRay(frame_, PatchPoints(model, surface, patch).data(), surface.PointsPerPatch(),
+                               model.instances[instance].placement, x, y);
   while (!open.empty()) {
-    Piece piece = std::move(open.back());
+    SeenPiece piece = std::move(open.back());
     open.pop_back();
     if (--budget->pieces <= 0) return false;
 
     // Skip a piece that lies on one side of a plane, behind the hit, or behind the eye.
-    double across_low = INFINITY, across_high = -INFINITY, down_low = INFINITY, down_high = -INFINITY;
-    double least_scale = INFINITY, largest_scale = 0;
-    bool farther = true, behind = perspective;
-    for (const Seen& p : piece.points) {
-      across_low = std::min(across_low, p.across);
-      across_high = std::max(across_high, p.across);
-      down_low = std::min(down_low, p.down);
-      down_high = std::max(down_high, p.down);
-      least_scale = std::min(least_scale, p.scale);
-      largest_scale = std::max(largest_scale, p.scale);
-      farther = farther && p.depth > limit * p.weight;
-      behind = behind && p.depth <= frame_.near_mm * p.weight;
-    }
-    if (across_low > 0 || across_high < 0 || down_low > 0 || down_high < 0 || farther || behind) continue;
+    const SeenBox box(piece.points);
+    if (!box.HoldsRay()) continue;
+    if (AllFarther(piece.points, limit)) continue;
+    if (perspective && AllNearer(piece.points, frame_.near_mm)) continue;
 
     // For this check, a narrow piece is assumed to have at most one root.
-    const double width = std::max(across_high - across_low, down_high - down_low);
-    if (least_scale > 0 && width <= kNewtonPixels * least_scale) {
+    if (box.least_scale > 0 && box.width() <= kNewtonPixels * box.least_scale) {
       if (IsCertainHit(instance, face, patch, piece.u + 0.5 * piece.size_u, piece.v + 0.5 * piece.size_v, x,
                        y, limit))
         return true;
       continue;
     }
     if (piece.level >= kMostHalvings) continue;
-
-    // Halve along the direction in which the image is longer.
-    double along_u = 0, along_v = 0;
-    const auto longest = [](double so_far, const Seen& a, const Seen& b) {
-      return std::max({so_far, std::fabs(a.across - b.across), std::fabs(a.down - b.down)});
-    };
-    for (int k = 0; k <= pu; ++k) {
-      for (int l = 0; l <= pv; ++l) {
-        const Seen& here = piece.points[k * stride + l];
-        if (k < pu) along_u = longest(along_u, here, piece.points[(k + 1) * stride + l]);
-        if (l < pv) along_v = longest(along_v, here, piece.points[k * stride + l + 1]);
-      }
-    }
-    const bool halve_u = pu * along_u > pv * along_v;
-    const double size_u = piece.size_u, size_v = piece.size_v;
-    const int level_of_halves = piece.level + 1;
-    Piece low = piece, high = std::move(piece);
-    low.level = high.level = level_of_halves;
-    const int degree = halve_u ? pu : pv, lines = halve_u ? pv : pu, step = halve_u ? stride : 1,
-              next_line = halve_u ? 1 : stride;
-    for (int line = 0; line <= lines; ++line) {
-      Seen* work = high.points.data() + line * next_line;
-      for (int level = 1; level <= degree; ++level) {
-        for (int k = 0; k <= degree - level; ++k) work[k * step] = mean(work[k * step], work[(k + 1) * step]);
-        low.points[line * next_line + level * step] = work[0];
-      }
-    }
-    if (halve_u) {
-      low.size_u = high.size_u = 0.5 * size_u;
-      high.u += low.size_u;
-    } else {
-      low.size_v = high.size_v = 0.5 * size_v;
-      high.v += low.size_v;
-    }
+    SeenPiece low = piece;
+    Halve(surface.degree_u, surface.degree_v, &low, &piece);
     open.push_back(std::move(low));
-    open.push_back(std::move(high));
+    open.push_back(std::move(piece));
   }
   return false;
 }

@@ -8,7 +8,16 @@
 namespace facetless {
 
 struct FallbackSolver::Piece : OwnedNet {
-  double s_mid = 0, s_half = 1, t_mid = 0, t_half = 1;
+  double s_mid = 0, s_half = 1, t_mid = 0, t_half = 1;  // which part of the leaf it is
+};
+
+// One ray in one leaf, and the roots found so far.
+struct FallbackSolver::Task {
+  double x, y;
+  double limit;  // of the depth
+  ParameterRect rect;
+  DepthRule rule;
+  std::vector<FallbackRoot>* roots;
 };
 
 FallbackSolver::FallbackSolver(const NetOperations& nets) : nets_(nets) {}
@@ -44,15 +53,11 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
                                    double limit, RayWork* work_left, std::vector<FallbackRoot>* roots) {
   if (work_left->exhausted()) return kDoubtLimit;
   work_left->Spend(leaf.points());
-  const DepthRule rule = RuleOf(leaf);
-  const auto push = [this](std::size_t depth) -> Piece& {
-    while (stack_.size() <= depth) stack_.push_back(std::make_unique<Piece>());
-    return *stack_[depth];
-  };
+  const Task task{x, y, limit, rect, RuleOf(leaf), roots};
 
   // Start from the leaf's own net. Pieces [0, depth) of the stack are waiting; the one above is scratch.
   std::size_t depth = 1;
-  Piece& root = push(0);
+  Piece& root = StackAt(0);
   root.SetDegrees(leaf.degree_u, leaf.degree_v);
   std::copy_n(leaf.net, kNetComponents * leaf.points(), root.storage.data());
   std::copy_n(leaf.error, int{kNetComponents}, root.net.error);
@@ -63,7 +68,7 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
     const LineImage line = FitLine(root.net);
     return line.DistanceToLine(x, y) > line.half_width ? 0 : kDoubtUnresolved;
   }
-  push(1);
+  StackAt(1);
 
   int pieces = 0;
   while (depth > 0) {
@@ -78,69 +83,85 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
     const BezierNet& net = work->net;
     const Residual residual = nets_.residual(net, x, y);
     if (residual.empty) continue;
-    if (limit < INFINITY && MeasureDepth(net, rule).near > limit) continue;
+    if (limit < INFINITY && MeasureDepth(net, task.rule).near > limit) continue;
 
     // Solve the piece if it can be certified now. The whole leaf cannot.
-    CertifiedLeaf piece;
-    double monomials[kNetComponents * kMaxNetPoints];
-    if (pieces > 1 && nets_.certify(net, rule, kDoubleArithmetic, &piece, monomials).certified) {
-      piece.coefficients = monomials;
-      piece.borders = BordersOf(
-          {rect.U(work->s_mid), work->s_half * rect.u_half, rect.V(work->t_mid), work->t_half * rect.v_half});
-      // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors, and
-      // a piece reaches past its own by as much.
-      const double root_error = piece.RootError(kDoubleArithmetic);
-      FallbackRoot found;
-      const SampleRoot result = kernel_scalar::SolveSample(piece, kDoubleArithmetic, x, y, &found.hit);
-      if (result == SampleRoot::kMiss) continue;
-      if (result == SampleRoot::kHit) {
-        found.on_border = OnPatchBorder(piece, root_error, found.hit.s, found.hit.t);
-        found.hit.s = work->s_mid + found.hit.s * work->s_half;
-        found.hit.t = work->t_mid + found.hit.t * work->t_half;
-        found.error_s = root_error * work->s_half;
-        found.error_t = root_error * work->t_half;
-        found.jacobian_sign = piece.c11 * piece.c22 - piece.c12 * piece.c21;
-        if (found.hit.depth - found.hit.error <= limit) roots->push_back(found);
-        continue;
-      }
-    }
+    if (pieces > 1 && SolveCertified(*work, task)) continue;
     if (residual.size <= std::max(kFloorSamples * residual.weight, 2 * residual.error)) {
-      const DepthRange depths = MeasureDepth(net, rule);
-      const double middle = 0.5 * (depths.near + depths.far);
-      if (!std::isfinite(middle)) return kDoubtUnresolved;
-      roots->push_back({{middle, work->s_mid, work->t_mid, depths.far - middle},
-                        work->s_half,
-                        work->t_half,
-                        /*jacobian_sign=*/0,
-                        /*proven=*/false});
+      if (!AddUnprovenRoot(*work, task)) return kDoubtUnresolved;
       continue;
     }
 
     // Halve along the direction in which F varies more.
-    push(depth + 2);
-    Piece& low = *stack_[depth];
-    Piece& high = *stack_[depth + 2];
-    low.SetDegrees(net.degree_u, net.degree_v);
-    high.SetDegrees(net.degree_u, net.degree_v);
-    low.s_mid = high.s_mid = work->s_mid;
-    low.s_half = high.s_half = work->s_half;
-    low.t_mid = high.t_mid = work->t_mid;
-    low.t_half = high.t_half = work->t_half;
-    const Direction direction = residual.extent.v > residual.extent.u ? Direction::kV : Direction::kU;
-    if (direction == Direction::kU) {
-      low.s_half = high.s_half = work->s_half / 2;
-      low.s_mid = work->s_mid - low.s_half;
-      high.s_mid = work->s_mid + low.s_half;
-    } else {
-      low.t_half = high.t_half = work->t_half / 2;
-      low.t_mid = work->t_mid - low.t_half;
-      high.t_mid = work->t_mid + low.t_half;
-    }
-    nets_.halve(net, direction, &low.net, &high.net);
-    std::swap(stack_[depth + 1], stack_[depth + 2]);
+    HalvePiece(*work, residual.extent.v > residual.extent.u ? Direction::kV : Direction::kU, depth);
     depth += 2;
   }
   return 0;
+}
+
+FallbackSolver::Piece& FallbackSolver::StackAt(std::size_t depth) {
+  while (stack_.size() <= depth) stack_.push_back(std::make_unique<Piece>());
+  return *stack_[depth];
+}
+
+bool FallbackSolver::SolveCertified(const Piece& work, const Task& task) const {
+  CertifiedLeaf piece;
+  double monomials[kNetComponents * kMaxNetPoints];
+  if (!nets_.certify(work.net, task.rule, kDoubleArithmetic, &piece, monomials).certified) return false;
+  piece.coefficients = monomials;
+  const ParameterRect& rect = task.rect;
+  piece.borders = BordersOf(
+      {rect.U(work.s_mid), work.s_half * rect.u_half, rect.V(work.t_mid), work.t_half * rect.v_half});
+  // A neighbour's net is rounded on its own: a root on the border may lie beyond both by their errors, and
+  // a piece reaches past its own by as much.
+  const double root_error = piece.RootError(kDoubleArithmetic);
+  FallbackRoot found;
+  const SampleRoot result = kernel_scalar::SolveSample(piece, kDoubleArithmetic, task.x, task.y, &found.hit);
+  if (result == SampleRoot::kMiss) return true;
+  if (result != SampleRoot::kHit) return false;
+  found.on_border = OnPatchBorder(piece, root_error, found.hit.s, found.hit.t);
+  found.hit.s = work.s_mid + found.hit.s * work.s_half;
+  found.hit.t = work.t_mid + found.hit.t * work.t_half;
+  found.error_s = root_error * work.s_half;
+  found.error_t = root_error * work.t_half;
+  found.jacobian_sign = piece.c11 * piece.c22 - piece.c12 * piece.c21;
+  if (found.hit.depth - found.hit.error <= task.limit) task.roots->push_back(found);
+  return true;
+}
+
+bool FallbackSolver::AddUnprovenRoot(const Piece& work, const Task& task) {
+  const DepthRange depths = MeasureDepth(work.net, task.rule);
+  const double middle = 0.5 * (depths.near + depths.far);
+  if (!std::isfinite(middle)) return false;
+  task.roots->push_back({{middle, work.s_mid, work.t_mid, depths.far - middle},
+                         work.s_half,
+                         work.t_half,
+                         /*jacobian_sign=*/0,
+                         /*proven=*/false});
+  return true;
+}
+
+void FallbackSolver::HalvePiece(const Piece& work, Direction direction, std::size_t depth) {
+  StackAt(depth + 2);
+  Piece& low = *stack_[depth];
+  Piece& high = *stack_[depth + 2];
+  low.SetDegrees(work.net.degree_u, work.net.degree_v);
+  high.SetDegrees(work.net.degree_u, work.net.degree_v);
+  low.s_mid = high.s_mid = work.s_mid;
+  low.s_half = high.s_half = work.s_half;
+  low.t_mid = high.t_mid = work.t_mid;
+  low.t_half = high.t_half = work.t_half;
+  if (direction == Direction::kU) {
+    low.s_half = high.s_half = work.s_half / 2;
+    low.s_mid = work.s_mid - low.s_half;
+    high.s_mid = work.s_mid + low.s_half;
+  } else {
+    low.t_half = high.t_half = work.t_half / 2;
+    low.t_mid = work.t_mid - low.t_half;
+    high.t_mid = work.t_mid + low.t_half;
+  }
+  nets_.halve(work.net, direction, &low.net, &high.net);
+  std::swap(stack_[depth + 1], stack_[depth + 2]);
 }
 
 }  // namespace facetless

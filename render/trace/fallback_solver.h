@@ -66,6 +66,15 @@ class FallbackSolver {
 
  private:
   struct Piece;
+  struct Task;
+  Piece& StackAt(std::size_t depth);
+  // Solves a piece if it can be certified. Returns false if it says nothing of the ray.
+  bool SolveCertified(const Piece& work, const Task& task) const;
+  // Takes a piece of kFloorSamples for a root. Returns false if its depth is not known.
+  static bool AddUnprovenRoot(const Piece& work, const Task& task);
+  // Puts the halves of a piece, which is above the stack at `depth`, on the stack.
+  void HalvePiece(const Piece& work, Direction direction, std::size_t depth);
+
   const NetOperations& nets_;
   std::vector<std::unique_ptr<Piece>> stack_;  // storage is reused from call to call
 };

@@ -239,19 +239,26 @@ class ErrorStream {
   std::string tail_, line_;
 };
 
-}  // namespace
+Error CannotStart(const ChildRequest& request, int reason) {
+  return {ErrorCode::kInternal, "cannot start " + request.program + ": " + strerror(reason)};
+}
 
-Result<ChildOutcome> RunChild(const ChildRequest& request) {
-  const auto failed = [&](int reason) {
-    return Error{ErrorCode::kInternal, "cannot start " + request.program + ": " + strerror(reason)};
-  };
-  // Make the pipes and the plan.
+// The pipes between parent and child; `report` tells why exec failed and is closed when it succeeds.
+struct ChildPipes {
   Pipe out, err, report;
-  const Fd null(open("/dev/null", O_RDONLY | O_CLOEXEC));
-  if (!out.Open() || !err.Open() || !report.Open() || null.get() < 0) return failed(errno);
-  fcntl(out.read.get(), F_SETFL, O_NONBLOCK);
-  fcntl(err.read.get(), F_SETFL, O_NONBLOCK);
-  fcntl(report.read.get(), F_SETFL, O_NONBLOCK);
+  bool Open() {
+    if (!out.Open() || !err.Open() || !report.Open()) return false;
+    for (const Pipe* pipe : {&out, &err, &report}) fcntl(pipe->read.get(), F_SETFL, O_NONBLOCK);
+    return true;
+  }
+  void CloseWriteEnds() {
+    out.write.Close();
+    err.write.Close();
+    report.write.Close();
+  }
+};
+
+ChildPlan PlanChild(const ChildRequest& request, const ChildPipes& pipes, const Fd& null) {
   ChildPlan plan;
   plan.request = &request;
   plan.argument_strings = {request.program};
@@ -262,13 +269,16 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   plan.filter = request.syscall_filter;
   if (request.limits.threads > 0) plan.tasks_before = TasksOfMachine();
   plan.null_fd = null.get();
-  plan.out_fd = out.write.get();
-  plan.err_fd = err.write.get();
-  plan.report_fd = report.write.get();
+  plan.out_fd = pipes.out.write.get();
+  plan.err_fd = pipes.err.write.get();
+  plan.report_fd = pipes.report.write.get();
   plan.parent = getpid();
+  return plan;
+}
 
+// Starts the child. Returns its id, or -1 with errno set.
+pid_t StartChild(ChildPlan& plan) {
   // Fork with every signal blocked, so that no handler of the parent runs in the child.
-  const Stopwatch stopwatch;
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -276,94 +286,130 @@ Result<ChildOutcome> RunChild(const ChildRequest& request) {
   const int fork_error = errno;
   if (child == 0) BecomeChild(plan);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  if (child < 0) return failed(fork_error);
   // Both processes create the group, so that it exists whichever of them runs first. This call fails if the
   // child has already called exec, which does no harm.
-  setpgid(child, child);
-  out.write.Close();
-  err.write.Close();
-  report.write.Close();
+  if (child > 0) setpgid(child, child);
+  errno = fork_error;
+  return child;
+}
 
-  // Watch the child: its streams, the clock, the cancel flag, the limits, and its end.
-  const ChildLimits& limits = request.limits;
-  ChildOutcome outcome;
-  ErrorStream error_stream(request);
-  const auto take_out = [&](std::string_view bytes) {
-    outcome.out += bytes.substr(0, request.stdout_cap - outcome.out.size());
-  };
-  const auto take_err = [&](std::string_view bytes) { error_stream.Append(bytes); };
-  // Use the system call directly, because this C library declares its wrapper without C linkage.
-  const Fd process(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
-  StatusSamples samples;
-  bool out_open = true, err_open = true, started = false, killed = false;
-  int start_error = 0;
-  for (bool running = true; running;) {
-    struct pollfd watched[3] = {{out_open ? out.read.get() : -1, POLLIN, 0},
-                                {err_open ? err.read.get() : -1, POLLIN, 0},
-                                {process.get(), POLLIN, 0}};
-    poll(watched, 3, kPollMs);
-    if (watched[0].revents != 0) out_open = Drain(out.read.get(), take_out);
-    if (watched[1].revents != 0) err_open = Drain(err.read.get(), take_err);
-    // exec has succeeded when the report pipe is closed.
-    if (!started) started = read(report.read.get(), &start_error, sizeof start_error) == 0;
-    if (started) samples.Sample(child);
-    siginfo_t info = {};
-    running =
-        waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0;
-    if (!running || killed) continue;
-    const double seconds = stopwatch.Seconds();
-    std::optional<ChildEnd> end;
-    if (request.cancel != nullptr && *request.cancel) {
-      end = ChildEnd::kCancelled;
-    } else if ((limits.wall_seconds > 0 && seconds > limits.wall_seconds) ||
-               (request.expired && request.expired())) {
-      end = ChildEnd::kTimedOut;
-    } else if (limits.threads > 0 && samples.threads > limits.threads) {
-      end = ChildEnd::kTooManyThreads;
-    } else if (started) {
-      end = DirectoryEnd(request, child);
+// Watches a child from its start to its end: its streams, the clock, the cancel flag and the limits.
+class ChildWatch {
+ public:
+  ChildWatch(const ChildRequest& request, const ChildPipes& pipes, pid_t child, const Stopwatch& stopwatch)
+      : request_(request),
+        pipes_(pipes),
+        child_(child),
+        stopwatch_(stopwatch),
+        // Use the system call directly, because this C library declares its wrapper without C linkage.
+        process_(static_cast<int>(syscall(SYS_pidfd_open, child, 0))),
+        error_stream_(request) {}
+
+  // Returns when the child has ended. A child that exceeds a limit is killed.
+  void WaitForEnd() {
+    for (bool running = true; running;) {
+      struct pollfd watched[3] = {{out_open_ ? pipes_.out.read.get() : -1, POLLIN, 0},
+                                  {err_open_ ? pipes_.err.read.get() : -1, POLLIN, 0},
+                                  {process_.get(), POLLIN, 0}};
+      poll(watched, 3, kPollMs);
+      if (watched[0].revents != 0) DrainOut();
+      if (watched[1].revents != 0) DrainErr();
+      // exec has succeeded when the report pipe is closed.
+      if (!started_) started_ = ReadReport() == 0;
+      if (started_) samples_.Sample(child_);
+      siginfo_t info = {};
+      running = waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+                info.si_pid == 0;
+      if (!running || killed_) continue;
+      const std::optional<ChildEnd> end = ReasonToKill();
+      if (!end) continue;
+      // Kill the group and the child itself, which may have left the group.
+      outcome_.end = *end;
+      kill(-child_, SIGKILL);
+      kill(child_, SIGKILL);
+      killed_ = true;
     }
-    if (!end) continue;
-    // Kill the group and the child itself, which may have left the group.
-    outcome.end = *end;
-    kill(-child, SIGKILL);
-    kill(child, SIGKILL);
-    killed = true;
-  }
-  outcome.wall_ms = stopwatch.Milliseconds();
-
-  // Kill processes that the child may have left behind (the unreaped child still reserves the id of the
-  // group). Then read the remaining output and reap the child.
-  kill(-child, SIGKILL);
-  for (int i = 0; i < 64 && out_open && Drain(out.read.get(), take_out); ++i) {
-  }
-  for (int i = 0; i < 64 && err_open && Drain(err.read.get(), take_err); ++i) {
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  outcome.peak_bytes = samples.resident;
-  outcome.peak_address_bytes = samples.address_space;
-  outcome.error_tail = std::move(error_stream).Tail();
-  // Check the directory once more for what the child wrote last.
-  if (const auto end = DirectoryEnd(request, 0); end && !killed) {
-    outcome.end = *end;
-    killed = true;
+    outcome_.wall_ms = stopwatch_.Milliseconds();
   }
 
-  // If exec failed, read the reason from the report pipe.
-  if (start_error == 0 && !started) {
-    [[maybe_unused]] const ssize_t got = read(report.read.get(), &start_error, sizeof start_error);
+  // Kills what the child has left behind, reads the remaining output and reaps the child, which has ended.
+  Result<ChildOutcome> Reap() {
+    // The unreaped child still reserves the id of the group.
+    kill(-child_, SIGKILL);
+    for (int i = 0; i < 64 && out_open_; ++i) DrainOut();
+    for (int i = 0; i < 64 && err_open_; ++i) DrainErr();
+    int status = 0;
+    while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+    outcome_.peak_bytes = samples_.resident;
+    outcome_.peak_address_bytes = samples_.address_space;
+    outcome_.error_tail = std::move(error_stream_).Tail();
+    // Check the directory once more for what the child wrote last.
+    if (const auto end = DirectoryEnd(request_, 0); end && !killed_) {
+      outcome_.end = *end;
+      killed_ = true;
+    }
+
+    // If exec failed, read the reason from the report pipe.
+    if (start_error_ == 0 && !started_) ReadReport();
+    if (start_error_ != 0) return CannotStart(request_, start_error_);
+    if (killed_) return std::move(outcome_);
+    if (WIFSIGNALED(status)) {
+      outcome_.end = ChildEnd::kSignalled;
+      outcome_.signal = WTERMSIG(status);
+    } else {
+      outcome_.exit_code = WEXITSTATUS(status);
+    }
+    return std::move(outcome_);
   }
-  if (start_error != 0) return failed(start_error);
-  if (killed) return outcome;
-  if (WIFSIGNALED(status)) {
-    outcome.end = ChildEnd::kSignalled;
-    outcome.signal = WTERMSIG(status);
-  } else {
-    outcome.exit_code = WEXITSTATUS(status);
+
+ private:
+  void DrainOut() {
+    out_open_ = Drain(pipes_.out.read.get(), [this](std::string_view bytes) {
+      outcome_.out += bytes.substr(0, request_.stdout_cap - outcome_.out.size());
+    });
   }
-  return outcome;
+  void DrainErr() {
+    err_open_ = Drain(pipes_.err.read.get(), [this](std::string_view bytes) { error_stream_.Append(bytes); });
+  }
+  ssize_t ReadReport() { return read(pipes_.report.read.get(), &start_error_, sizeof start_error_); }
+
+  std::optional<ChildEnd> ReasonToKill() const {
+    const ChildLimits& limits = request_.limits;
+    if (request_.cancel != nullptr && *request_.cancel) return ChildEnd::kCancelled;
+    if (limits.wall_seconds > 0 && stopwatch_.Seconds() > limits.wall_seconds) return ChildEnd::kTimedOut;
+    if (request_.expired && request_.expired()) return ChildEnd::kTimedOut;
+    if (limits.threads > 0 && samples_.threads > limits.threads) return ChildEnd::kTooManyThreads;
+    if (started_) return DirectoryEnd(request_, child_);
+    return std::nullopt;
+  }
+
+  const ChildRequest& request_;
+  const ChildPipes& pipes_;
+  const pid_t child_;
+  const Stopwatch& stopwatch_;
+  const Fd process_;
+  ErrorStream error_stream_;
+  StatusSamples samples_;
+  ChildOutcome outcome_;
+  bool out_open_ = true, err_open_ = true, started_ = false, killed_ = false;
+  int start_error_ = 0;  // errno of the child, if it could not call exec
+};
+
+}  // namespace
+
+Result<ChildOutcome> RunChild(const ChildRequest& request) {
+  ChildPipes pipes;
+  const Fd null(open("/dev/null", O_RDONLY | O_CLOEXEC));
+  if (!pipes.Open() || null.get() < 0) return CannotStart(request, errno);
+  ChildPlan plan = PlanChild(request, pipes, null);
+  const Stopwatch stopwatch;
+  const pid_t child = StartChild(plan);
+  if (child < 0) return CannotStart(request, errno);
+  pipes.CloseWriteEnds();
+  ChildWatch watch(request, pipes, child, stopwatch);
+  watch.WaitForEnd();
+  return watch.Reap();
 }
 
 std::string SignalName(int signal) {

@@ -258,15 +258,160 @@ HttpResponse HandlePost(Service& service, const httplib::Request& request, HttpR
 }  // namespace
 
 struct HttpServer::State {
-  explicit State(Service& s) : service(s) {}
+  State(Service& s, const Listener& l) : service(s), listener(l) {}
+
+  void SetLimits();
+  void SetHandlers();
+  void SetErrorHandlers();
+  // Returns false if the address is not available.
+  bool Bind();
+
+  // Sends what `respond` answers to the request, and reports both.
+  template <typename Respond>
+  void Answer(const httplib::Request& request, httplib::Response& response, Respond respond) const;
+  httplib::Server::HandlerResponse AnswerWithoutBody(const httplib::Request& request,
+                                                     httplib::Response& response);
+  // The status to go on with: 100, or that of the refusal.
+  int AdmitBody(const httplib::Request& request, httplib::Response& response);
+
   Service& service;
   httplib::Server server;
   Listener listener;
+  const HttpServer* owner = nullptr;  // has on_request
   std::atomic<bool> stopping{false}, ended{false};
 };
 
-HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+void HttpServer::State::SetLimits() {
+  // The payload limit of the library is disabled, because it does not cover chunked and compressed bodies;
+  // BodyReader enforces the limit.
+  const ServiceLimits& limits = service.limits();
+  const int threads =
+      listener.operations ? kOperationsThreads : limits.waiters + limits.listeners + kSpareThreads;
+  const int patience = listener.operations ? kOperationsPatienceSeconds : kPatienceSeconds;
+  server.new_task_queue = [threads] { return new Workers(threads); };
+  server.set_keep_alive_max_count(1);
+  server.set_read_timeout(patience, 0);
+  server.set_write_timeout(patience, 0);
+  if (listener.operations)
+    server.set_keep_alive_timeout(patience);  // applies to the first request of a connection, too
+  server.set_default_headers({{"X-Content-Type-Options", "nosniff"}, {"Referrer-Policy", "no-referrer"}});
+}
+
+template <typename Respond>
+void HttpServer::State::Answer(const httplib::Request& request, httplib::Response& response,
+                               Respond respond) const {
+  const Stopwatch stopwatch;
+  HttpRequest translated = TakeAdmitted(request);
+  translated.operations = listener.operations;
+  HttpResponse answer = ProblemForStatus(500);
+  try {
+    answer = respond(translated);
+  } catch (const std::exception&) {
+    // The message of the exception is not sent, because it may contain internal information.
+  }
+  Apply(answer, response);
+  response.set_header(kRequestIdHeader, translated.id);
+  if (!owner->on_request) return;
+  const double ms = stopwatch.Milliseconds();
+  owner->on_request({translated.id, translated.trace_id, request.method, request.path,
+                     translated.caller.owner, answer.job, response.status, ms});
+}
+
+httplib::Server::HandlerResponse HttpServer::State::AnswerWithoutBody(const httplib::Request& request,
+                                                                      httplib::Response& response) {
+  // Wait for a body only if there is something to post to.
+  if (request.method == "POST" && !listener.operations) return httplib::Server::HandlerResponse::Unhandled;
+  Answer(request, response, [&](HttpRequest& translated) {
+    // Ignore ranges, which HTTP allows: the library does not check them against the file, and many ranges
+    // would turn a small request into a large response. The request is an object of the library; it is
+    // const only for handlers.
+    const_cast<httplib::Request&>(request).ranges.clear();
+    if (auto refusal = service.Check(translated)) return *refusal;
+    return service.Handle(translated);
+  });
+  return httplib::Server::HandlerResponse::Handled;
+}
+
+int HttpServer::State::AdmitBody(const httplib::Request& request, httplib::Response& response) {
+  HttpRequest translated = Translated(request);
+  translated.operations = listener.operations;
+  if (const auto refusal = service.Check(translated)) {
+    Apply(*refusal, response);
+    return response.status;
+  }
+  translated.admitted = true;
+  Admitted() = std::move(translated);
+  return 100;
+}
+
+// Uses one handler for methods without a body (the body of a DELETE is ignored), and one for methods with a
+// body.
+void HttpServer::State::SetHandlers() {
+  server.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+    return AnswerWithoutBody(request, response);
+  });
+  server.Post("/.*", [this](const httplib::Request& request, httplib::Response& response,
+                            const httplib::ContentReader& content) {
+    Answer(request, response,
+           [&](HttpRequest& translated) { return HandlePost(service, request, translated, content); });
+  });
+  server.set_expect_100_continue_handler(
+      [this](const httplib::Request& request, httplib::Response& response) {
+        return AdmitBody(request, response);
+      });
+}
+
+// Handles responses of the library itself, and exceptions.
+void HttpServer::State::SetErrorHandlers() {
+  server.set_error_handler([this](const httplib::Request& request, httplib::Response& response) {
+    if (response.body.empty() && response.status != 304) Apply(ProblemForStatus(response.status), response);
+    if (response.has_header(kRequestIdHeader)) return;
+    const std::string id = RandomId();
+    response.set_header(kRequestIdHeader, id);
+    if (owner->on_request)
+      owner->on_request({id, "", request.method, request.path, "", "", response.status, 0});
+  });
+  server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
+    Apply(ProblemForStatus(500), response);
+  });
+}
+
+bool HttpServer::State::Bind() {
+  // The default socket options of the library let several processes share a port, so two services would each
+  // get half of the requests.
+  int bound_socket = -1;
+  server.set_socket_options([&bound_socket](int socket) {
+    bound_socket = socket;
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
+  int& port = listener.port;
+  const bool bound = port == 0 ? (port = server.bind_to_any_port(listener.host)) > 0
+                               : server.bind_to_port(listener.host, port);
+  server.set_socket_options(nullptr);
+  // The library lets only five connections wait, so the sixth of a burst would retry a second later. A second
+  // call of listen increases the limit of the same socket.
+  if (bound) listen(bound_socket, kBacklog);
+  return bound;
+}
+
+HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) {
+  state_->owner = this;
+}
 HttpServer::~HttpServer() = default;
+
+Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Listener& listener) {
+  std::unique_ptr<HttpServer> self(new HttpServer(std::make_unique<State>(service, listener)));
+  State& state = *self->state_;
+  state.SetLimits();
+  state.SetHandlers();
+  state.SetErrorHandlers();
+  if (!state.Bind())
+    return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
+                                           std::to_string(listener.port) +
+                                           ": address in use, or not assigned to this host"};
+  return self;
+}
 
 int HttpServer::port() const {
   return state_->listener.port;
@@ -284,114 +429,6 @@ void HttpServer::Stop() {
   while (!state_->server.is_running() && !state_->ended)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   state_->server.stop();
-}
-
-Result<std::unique_ptr<HttpServer>> HttpServer::Bind(Service& service, const Listener& listener) {
-  std::unique_ptr<HttpServer> self(new HttpServer(std::make_unique<State>(service)));
-  HttpServer* const owner = self.get();
-  httplib::Server& server = self->state_->server;
-  const bool operations = listener.operations;
-
-  // Set the limits. The payload limit of the library is disabled, because it does not cover chunked and
-  // compressed bodies; BodyReader enforces the limit.
-  const int threads =
-      operations ? kOperationsThreads : service.limits().waiters + service.limits().listeners + kSpareThreads;
-  const int patience = operations ? kOperationsPatienceSeconds : kPatienceSeconds;
-  server.new_task_queue = [threads] { return new Workers(threads); };
-  // The default socket options of the library let several processes share a port, so two services would each
-  // get half of the requests.
-  int bound_socket = -1;
-  server.set_socket_options([&bound_socket](int socket) {
-    bound_socket = socket;
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  server.set_keep_alive_max_count(1);
-  server.set_read_timeout(patience, 0);
-  server.set_write_timeout(patience, 0);
-  if (operations)
-    server.set_keep_alive_timeout(patience);  // applies to the first request of a connection, too
-  server.set_default_headers({{"X-Content-Type-Options", "nosniff"}, {"Referrer-Policy", "no-referrer"}});
-
-  // Use one handler for methods without a body (the body of a DELETE is ignored), and one for methods with a
-  // body.
-  const auto timed = [owner, operations](const httplib::Request& request, httplib::Response& response,
-                                         auto respond) {
-    const Stopwatch stopwatch;
-    HttpRequest translated = TakeAdmitted(request);
-    translated.operations = operations;
-    HttpResponse answer = ProblemForStatus(500);
-    try {
-      answer = respond(translated);
-    } catch (const std::exception&) {
-      // The message of the exception is not sent, because it may contain internal information.
-    }
-    Apply(answer, response);
-    response.set_header(kRequestIdHeader, translated.id);
-    if (!owner->on_request) return;
-    const double ms = stopwatch.Milliseconds();
-    owner->on_request({translated.id, translated.trace_id, request.method, request.path,
-                       translated.caller.owner, answer.job, response.status, ms});
-  };
-  server.set_pre_routing_handler(
-      [timed, operations, &service](const httplib::Request& request, httplib::Response& response) {
-        // Wait for a body only if there is something to post to.
-        if (request.method == "POST" && !operations) return httplib::Server::HandlerResponse::Unhandled;
-        timed(request, response, [&](HttpRequest& translated) {
-          // Ignore ranges, which HTTP allows: the library does not check them against the file, and many ranges
-          // would turn a small request into a large response. The request is an object of the library; it is
-          // const only for handlers.
-          const_cast<httplib::Request&>(request).ranges.clear();
-          if (auto refusal = service.Check(translated)) return *refusal;
-          return service.Handle(translated);
-        });
-        return httplib::Server::HandlerResponse::Handled;
-      });
-  server.Post("/.*", [timed, &service](const httplib::Request& request, httplib::Response& response,
-                                       const httplib::ContentReader& content) {
-    timed(request, response,
-          [&](HttpRequest& translated) { return HandlePost(service, request, translated, content); });
-  });
-  server.set_expect_100_continue_handler(
-      [&service, operations](const httplib::Request& request, httplib::Response& response) {
-        HttpRequest translated = Translated(request);
-        translated.operations = operations;
-        const auto refusal = service.Check(translated);
-        if (!refusal) {
-          translated.admitted = true;
-          Admitted() = std::move(translated);
-          return 100;
-        }
-        Apply(*refusal, response);
-        return response.status;
-      });
-
-  // Handle responses of the library itself, and exceptions.
-  server.set_error_handler([owner](const httplib::Request& request, httplib::Response& response) {
-    if (response.body.empty() && response.status != 304) Apply(ProblemForStatus(response.status), response);
-    if (response.has_header(kRequestIdHeader)) return;
-    const std::string id = RandomId();
-    response.set_header(kRequestIdHeader, id);
-    if (owner->on_request)
-      owner->on_request({id, "", request.method, request.path, "", "", response.status, 0});
-  });
-  server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
-    Apply(ProblemForStatus(500), response);
-  });
-
-  self->state_->listener = listener;
-  int& port = self->state_->listener.port;
-  const bool bound = port == 0 ? (port = server.bind_to_any_port(listener.host)) > 0
-                               : server.bind_to_port(listener.host, port);
-  if (!bound)
-    return Error{ErrorCode::kBadUsage, "cannot listen on " + listener.host + " port " +
-                                           std::to_string(listener.port) +
-                                           ": address in use, or not assigned to this host"};
-  // The library lets only five connections wait, so the sixth of a burst would retry a second later. A second
-  // call of listen increases the limit of the same socket.
-  server.set_socket_options(nullptr);
-  listen(bound_socket, kBacklog);
-  return self;
 }
 
 }  // namespace facetless

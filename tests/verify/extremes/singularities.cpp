@@ -40,7 +40,7 @@ std::vector<Camera> ClosingIn(const Model& model, Vec3 point) {
   return views;
 }
 
-void AddPoles(Rows& rows) {
+void AddPolesOfSolids(Rows& rows) {
   const auto sphere = [] { return ModelOf({Sphere({0, 0, 0}, 1)}); };
   const auto cone = [] { return ModelOf({Frustum({0, 0, 0}, 1, 0, 1)}); };
   rows.push_back(
@@ -104,7 +104,10 @@ void AddPoles(Rows& rows) {
                   .certified = {0.5, 0.5, 0.5},
                   .doubts = kSingular,
                   .depth_bound_mm = 1e-6});
-  // A bicubic patch with collapsed control points.
+}
+
+// Adds bicubic patches with collapsed control points.
+void AddCollapsedPatches(Rows& rows) {
   const auto collapsed = [](const std::function<bool(int, int)>& which) {
     PatchGrid grid = BumpyPatch(3, 3, 1);
     for (int k = 0; k <= 3; ++k)
@@ -265,7 +268,8 @@ void AddCusps(Rows& rows) {
 }  // namespace
 
 void AddSingularities(Rows& rows) {
-  AddPoles(rows);
+  AddPolesOfSolids(rows);
+  AddCollapsedPatches(rows);
   AddCusps(rows);
 }
 
