@@ -151,7 +151,10 @@ std::vector<AimSummary> Summarise(const std::vector<BenchValue>& values) {
         if (value.aim != aim.id || value.threads != count || !value.skipped.empty()) continue;
         const bool worse = ratios.empty() || (aim.kind == AimKind::kAtLeast ? value.ratio < summary.worst
                                                                             : value.ratio > summary.worst);
-        if (worse) summary.worst = value.ratio, summary.worst_file = value.file;
+        if (worse) {
+          summary.worst = value.ratio;
+          summary.worst_file = value.file;
+        }
         ratios.push_back(value.ratio);
       }
       summary.values = static_cast<int>(ratios.size());

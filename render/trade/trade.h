@@ -27,12 +27,9 @@
 
 namespace facetless {
 
-// A setting of the direct tracer. A tolerance of 0 is the default of the precision; other tolerances require
-// kStandard.
-struct DirectSetting {
-  Precision precision = Precision::kStandard;
-  double newton_tolerance = 0;
-};
+// A setting of the direct tracer. Tolerances other than the default require kStandard. The memory that a point
+// may take is no part of its setting: budgets are the same for all points.
+using DirectSetting = ExactTraceOptions;
 
 // A setting of Facetless's own mesh: the chord error relative to the diagonal, and the angle between
 // neighbouring facets.

@@ -28,20 +28,24 @@ void Print(const std::string& text) {
   std::printf("%s\n", text.c_str());
 }
 
+Execution ToExecution(const CommandArguments& arguments) {
+  return {arguments.options.threads, &InterruptFlag()};
+}
+
 ImportRequest ToImportRequest(const CommandArguments& arguments, Progress& progress) {
   ImportRequest request;
   request.input = arguments.file;
   request.limits = arguments.options.import_limits;
   request.unit_mm = arguments.options.unit_mm;
-  request.cancel = &InterruptFlag();
+  request.execution = ToExecution(arguments);
   request.progress = [&progress](const std::string& stage, double fraction) {
     progress.Report(stage, fraction);
   };
   return request;
 }
 
-RunContext ToContext(Progress& progress) {
-  return {&InterruptFlag(),
+RunContext ToContext(const CommandArguments& arguments, Progress& progress) {
+  return {ToExecution(arguments),
           [&progress](const std::string& stage, double fraction) { progress.Report(stage, fraction); }};
 }
 
@@ -53,20 +57,6 @@ int LossExitCode(const RunOptions& options, const Model& model, std::size_t unme
 }
 
 constexpr std::size_t kMostNamed = 20;  // faces, on standard error
-
-// The faces without a triangle, from the answer of the importer. The answer is checked like any text of
-// another process.
-std::vector<std::string> ReadUnmeshedFaces(const nlohmann::json& summary) {
-  std::vector<std::string> names;
-  const auto meshes = summary.find("meshes");
-  if (meshes == summary.end() || !meshes->is_array() || meshes->empty() || !meshes->front().is_object())
-    return names;
-  const auto faces = meshes->front().find("faces_unmeshed");
-  if (faces == meshes->front().end() || !faces->is_array()) return names;
-  for (const nlohmann::json& face : *faces)
-    if (face.is_string()) names.push_back(face.get<std::string>());
-  return names;
-}
 
 // Warns of the faces without a triangle.
 void WarnOfUnmeshed(const std::vector<std::string>& faces) {
@@ -116,7 +106,7 @@ int ContinuityCommand(const CommandArguments& arguments) {
   auto imported = Import(ToImportRequest(arguments, progress));
   if (!imported) return PrintError(imported.error());
   const Model& model = *imported.value().model;
-  const auto continuity = MeasureContinuity(model, {arguments.options.threads, &InterruptFlag()});
+  const auto continuity = MeasureContinuity(model, ToExecution(arguments));
   if (!continuity) return PrintError(continuity.error());
   const nlohmann::json answer = {
       {"facetless", ProgramJson(arguments.options.threads)},
@@ -131,8 +121,9 @@ int RenderCommand(const CommandArguments& arguments) {
   Progress progress(arguments.progress);
   auto imported = Import(ToImportRequest(arguments, progress));
   if (!imported) return PrintError(imported.error());
-  return PrintRun(RunRender(imported.value(), arguments.options, arguments.out, ToContext(progress)),
-                  arguments.out);
+  return PrintRun(
+      RunRender(imported.value(), arguments.options, arguments.out, ToContext(arguments, progress)),
+      arguments.out);
 }
 
 int MeshCommand(const CommandArguments& arguments) {
@@ -146,7 +137,7 @@ int MeshCommand(const CommandArguments& arguments) {
   if (!files) return PrintError(files.error());
   auto model = ReadModel(files.value().model_path);
   if (!model) return PrintError(model.error());
-  const std::vector<std::string> unmeshed = ReadUnmeshedFaces(files.value().summary);
+  const std::vector<std::string>& unmeshed = files.value().summary.meshes.front().faces_unmeshed;
   WarnOfUnmeshed(unmeshed);
   auto mesh = LoadMesh(files.value().mesh_paths.front(), {}, nullptr);
   if (!mesh && mesh.error().code == ErrorCode::kNothingUsable)
@@ -171,7 +162,7 @@ int CompareCommand(const CommandArguments& arguments) {
         {ErrorCode::kBadUsage, "--mesh-unit and --mesh-up apply to --mesh, which is not given"});
   const ImportRequest request = ToImportRequest(arguments, progress);
   if (options.mesh.empty()) {
-    auto compared = CompareWithOwnMesh(request, options, arguments.out, ToContext(progress));
+    auto compared = CompareWithOwnMesh(request, options, arguments.out, ToContext(arguments, progress));
     if (!compared) return PrintError(compared.error());
     WarnOfUnmeshed(compared.value().faces_unmeshed);
     return PrintRun(std::move(compared.value().run), arguments.out);
@@ -183,8 +174,9 @@ int CompareCommand(const CommandArguments& arguments) {
                        imported.value().model.get());
   if (!mesh) return PrintError(mesh.error());
   WarnOfUnmeshed(mesh.value().faces_unmeshed);
-  return PrintRun(RunCompare(imported.value(), mesh.value(), options, arguments.out, ToContext(progress)),
-                  arguments.out);
+  return PrintRun(
+      RunCompare(imported.value(), mesh.value(), options, arguments.out, ToContext(arguments, progress)),
+      arguments.out);
 }
 
 int TradeCommand(const CommandArguments& arguments) {
@@ -194,7 +186,8 @@ int TradeCommand(const CommandArguments& arguments) {
     const ImportRequest request = ToImportRequest(arguments, progress);
     auto imported = Import(request);
     if (!imported) return PrintError(imported.error());
-    auto result = RunTrade(request, imported.value(), arguments.options, arguments.out, ToContext(progress));
+    auto result =
+        RunTrade(request, imported.value(), arguments.options, arguments.out, ToContext(arguments, progress));
     if (!result) return PrintError(result.error());
     trade = std::move(result).value();
   }
@@ -210,8 +203,8 @@ int BenchCommand(const CommandArguments& arguments) {
     Progress progress(arguments.progress);
     ImportRequest request = ToImportRequest(arguments, progress);
     request.progress = nullptr;
-    auto measured =
-        RunBench(arguments.files, request, arguments.options, arguments.bench, ToContext(progress));
+    auto measured = RunBench(arguments.files, request, arguments.options, arguments.bench,
+                             ToContext(arguments, progress));
     if (!measured) return PrintError(measured.error());
     report = std::move(measured).value();
   }
@@ -230,9 +223,9 @@ int RegressCommand(const CommandArguments& arguments) {
   request.manifest = arguments.file;
   request.out = arguments.out;
   request.update = arguments.update;
-  request.threads = arguments.options.threads;
   request.import_limits = arguments.options.import_limits;
-  request.context = ToContext(progress);
+  request.unit_mm = arguments.options.unit_mm;
+  request.context = ToContext(arguments, progress);
   const auto result = RunRegress(request);
   if (!result) return PrintError(result.error());
   Print(JsonText(result.value().verdict));

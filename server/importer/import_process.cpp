@@ -418,10 +418,10 @@ std::optional<MeshFailure> EvaluateImporterEnd(const ChildOutcome& outcome, cons
   if (auto error = EndError(outcome, child_limits, name, request.limits, clock,
                             outcome.end == ChildEnd::kSignalled ? LastEntity(files.directory.path()) : ""))
     return MeshFailure{cause != nullptr ? cause : "", *error};
-  files.summary = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
-  const bool answered = files.summary.is_object();
+  files.answer = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
+  const bool answered = files.answer.is_object();
   if (answered) {
-    if (auto error = AnsweredError(files.summary, name)) {
+    if (auto error = AnsweredError(files.answer, name)) {
       const bool memory =
           error->code == ErrorCode::kLimitExceeded;  // the only limit that the importer itself can report
       if (memory && clock.meshing()) error = MemoryError(name, request.limits, true);
@@ -485,7 +485,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   if (!filter) return filter.error();
   child.syscall_filter = std::move(filter).value();
   child.file_access = ImporterFiles(child.program, child.arguments.front(), files.directory.path());
-  child.cancel = request.cancel;
+  child.cancel = request.execution.cancel;
   StageClock clock;
   bool model_told = false;
   child.expired = [&] { return clock.Expired(request.limits); };
@@ -510,9 +510,10 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
     if (!keeps_model) return failure->error;
     files.mesh_failure = std::move(failure);
     files.mesh_paths.clear();
-    files.summary = nullptr;
+    files.answer = nullptr;
     return files;
   }
+  files.summary = ReadImportSummary(files.answer, request.meshes.size());
   if (!request.exact.rays.empty()) {
     auto depths = ReadDepths(depths_path, request.exact.rays.size());
     if (!depths) return depths.error();

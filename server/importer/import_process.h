@@ -20,7 +20,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -29,8 +28,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/execution.h"
 #include "render/base/result.h"
 #include "server/base/temp_dir.h"
+#include "server/importer/import_summary.h"
 
 namespace facetless {
 
@@ -62,7 +63,7 @@ struct ImportRequest {
   double unit_mm = 0;                       // if above 0, the unit of the file, whatever the file states
   ImportLimits limits;
   std::string temp_parent;  // parent directory of the files; empty: $TMPDIR or /tmp
-  const std::atomic<bool>* cancel = nullptr;
+  Execution execution;      // of threads the importer uses one, whatever this allows
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
   // Called on the caller's thread when the model is complete and the mesher starts. The importer still runs
@@ -85,7 +86,8 @@ struct ImportedFiles {
   std::string model_path;
   std::vector<std::string> mesh_paths;      // in the order of ImportRequest::meshes; empty after a failure
   std::optional<MeshFailure> mesh_failure;  // only with ImportRequest::model_suffices
-  nlohmann::json summary;                   // the answer of the importer; null after a failure
+  ImportSummary summary;                    // without meshes after a failure
+  nlohmann::json answer;                    // what the importer wrote; null after a failure
   std::vector<double> exact_depths;  // depths of the first rays of ImportRequest::exact; infinite for a miss
   double wall_ms = 0;
   std::uint64_t peak_bytes = 0;

@@ -76,9 +76,10 @@ class FileImporter {
     auto mesh = LoadMesh(files.value().mesh_paths.back(), {}, &model_);
     if (!mesh) return mesh.error();
     made.mesh = std::make_shared<const Mesh>(std::move(mesh).value());
-    const Json& report = files.value().summary.at("meshes").back();
-    made.mesh_ms = last_ms = report.at("mesh_ms");
-    made.mesher_peak_bytes = report.value("peak_bytes", std::uint64_t{0});
+    const MesherReport& report = files.value().summary.meshes.back();
+    last_ms = report.mesh_ms;
+    made.mesh_ms = report.mesh_ms;
+    made.mesher_peak_bytes = report.peak_bytes;
     made.import_ms = files.value().wall_ms;
     return made;
   }
@@ -93,8 +94,7 @@ class FileImporter {
     request.limits.timeout_s += settings_.exact_s;
     auto files = RunImporter(request);
     if (!files) return files.error();
-    return ExactAnswers{std::move(files.value().exact_depths),
-                        files.value().summary.at("exact").at("trace_ms")};
+    return ExactAnswers{std::move(files.value().exact_depths), files.value().summary.exact_ms};
   }
 
  private:
@@ -110,7 +110,7 @@ class Bench {
         const RunContext& context)
       : request_(request), options_(options), settings_(settings), context_(context) {
     load_ = LoadAverage();
-    json_ = {{"facetless", ProgramJson(options.threads)},
+    json_ = {{"facetless", ProgramJson(context.execution.threads)},
              {"command", "bench"},
              {"machine", MachineJson(load_)},
              {"files", Json::array()}};
@@ -152,7 +152,7 @@ class Bench {
         side.intersect = [&](const std::vector<Ray>& rays) { return importer.Intersect(rays, near); };
       }
       const BenchCase bench_case{std::filesystem::path(path).filename().string(), &model, camera};
-      auto costs = MeasureModel(bench_case, side, {{options_.threads, context_.cancel}, settings_.repeats});
+      auto costs = MeasureModel(bench_case, side, {context_.execution, settings_.repeats});
       if (!costs) return costs.error();
       values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
       details_.push_back(costs.value().details);

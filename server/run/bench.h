@@ -31,8 +31,8 @@ struct BenchReport {
   std::string plot;  // SVG
 };
 
-// Runs the bench. `request` has the common settings of all imports (limits, cancel). Of `options`, cameras,
-// size and threads are used. Errors: the errors of Import, kBadUsage (cameras), kCancelled, and the errors of
+// Runs the bench. `request` has the common settings of all imports (limits, execution). Of `options`, cameras,
+// and size are used. Errors: the errors of Import, kBadUsage (cameras), kCancelled, and the errors of
 // RenderView.
 Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
                              const RunOptions& options, const BenchSettings& settings,

@@ -28,11 +28,11 @@ class Comparing {
         options_(options),
         directory_(directory),
         context_(context),
-        importer_stop_(0, request.cancel),
-        exact_stop_(0, context.cancel) {
+        importer_stop_(0, request.execution.cancel),
+        exact_stop_(0, context.execution.cancel) {
     request_.meshes = {options.tessellation};
     request_.model_suffices = true;
-    request_.cancel = importer_stop_.flag();
+    request_.execution = request.execution.WithFlag(importer_stop_.flag());
     request_.model_written = [this](const std::string& path) { TakeModel(path); };
   }
 
@@ -90,7 +90,7 @@ class Comparing {
     imported_.import_ms = stopwatch_.Milliseconds();
     if (auto read = Read(ModelCopy()); !read) return read;
     auto report = RunWithoutBaseline(imported_, PendingBaseline(imported_.model->info.file), options_,
-                                     directory_, {exact_stop_.flag(), nullptr});
+                                     directory_, {context_.execution.WithFlag(exact_stop_.flag()), nullptr});
     if (report) {
       exact_ = std::move(report).value();
     } else if (!exact_stop_.expired()) {

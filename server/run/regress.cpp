@@ -103,6 +103,7 @@ Result<Entry> ParseEntry(Json json, const fs::path& base, const RegressRequest& 
   auto options = ParseOptions(json);
   if (!options) return BadManifest(options.error().message);
   entry.options = std::move(options).value();
+  if (!json.contains("unit")) entry.options.unit_mm = request.unit_mm;
   if (!json.contains("import_timeout"))
     entry.options.import_limits.timeout_s = request.import_limits.timeout_s;
   if (!json.contains("import_memory"))
@@ -241,7 +242,7 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   import.input = entry.file;
   import.limits = entry.options.import_limits;
   import.unit_mm = entry.options.unit_mm;
-  import.cancel = request.context.cancel;
+  import.execution = request.context.execution;
   auto imported = Import(import);
   if (!imported) return imported.error();
   const auto shown = ShownModel::Of(imported.value(), nullptr, entry.options.picture.arrangement);
@@ -252,8 +253,7 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   const Scene scene(model);
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();
-  const ViewOptions view_options =
-      ToViewOptions(entry.options, sections.value(), {request.threads, request.context.cancel});
+  const ViewOptions view_options = ToViewOptions(entry.options, sections.value(), request.context.execution);
   const ExactSurfaces exact(scene, ToDirectOptions(entry.options, sections.value()));
 
   const std::size_t lost = LossCount(model);
@@ -321,7 +321,7 @@ Result<RegressResult> RunRegress(const RegressRequest& request) {
     result.failures.insert(result.failures.end(), outcome.value().failures.begin(),
                            outcome.value().failures.end());
   }
-  result.verdict = {{"facetless", ProgramJson(request.threads)},
+  result.verdict = {{"facetless", ProgramJson(request.context.execution.threads)},
                     {"command", "regress"},
                     {"manifest", request.manifest},
                     {"updated", request.update},

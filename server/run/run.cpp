@@ -87,10 +87,10 @@ class Run {
         context_(context),
         command_(command),
         timeout_s_(options.timeout_s.value_or(kRunTimeoutS)),
-        deadline_(timeout_s_, context.cancel) {}
+        deadline_(timeout_s_, context.execution.cancel) {}
 
   // Ends with the run's deadline.
-  Execution execution() const { return {options_.threads, deadline_.flag()}; }
+  Execution execution() const { return context_.execution.WithFlag(deadline_.flag()); }
   // Makes the scene, which does not depend on the view.
   Scene MakeScene() {
     const Stopwatch stopwatch;
@@ -201,7 +201,7 @@ class Run {
     findings_.lost = LossCount(*imported_.model);
     findings_.unit_known = KnowsUnit(*imported_.model);
     result_.verdict = Judge(options_, values, findings_);
-    Json report = {{"facetless", ProgramJson(options_.threads)},
+    Json report = {{"facetless", ProgramJson(context_.execution.threads)},
                    {"command", command_},
                    {"options",
                     {{"samples", options_.samples},

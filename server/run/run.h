@@ -23,6 +23,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/base/execution.h"
 #include "render/model/mesh.h"
 #include "render/model/model.h"
 #include "server/options/options.h"
@@ -58,8 +59,8 @@ Result<Mesh> LoadOwnMesh(const std::string& path, const Model& model);
 bool CostsTheBaselineOnly(ErrorCode code);
 
 struct RunContext {
-  // True ends the run with kCancelled; options.timeout_s ends it with kLimitExceeded.
-  const std::atomic<bool>* cancel = nullptr;
+  // Its flag ends the run with kCancelled; options.timeout_s ends it with kLimitExceeded.
+  Execution execution;
   ProgressCallback progress;
 };
 

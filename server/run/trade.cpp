@@ -59,7 +59,7 @@ class Sweep {
         directory_(directory),
         context_(context),
         timeout_s_(options.timeout_s.value_or(kTradeTimeoutS)),
-        deadline_(timeout_s_, context.cancel) {}
+        deadline_(timeout_s_, context.execution.cancel) {}
 
   Result<TradeResult> Run() {
     auto done = Measure();
@@ -71,7 +71,7 @@ class Sweep {
   const Model& model() const { return *imported_.model; }
   const TradeOptions& trade() const { return options_.trade; }
 
-  Execution execution() const { return {options_.threads, deadline_.flag()}; }
+  Execution execution() const { return context_.execution.WithFlag(deadline_.flag()); }
 
   TradeViewOptions ViewOptionsOf(const std::atomic<bool>* budget) const { return {execution(), budget}; }
 
@@ -135,8 +135,7 @@ class Sweep {
   Result<void> MeasureDirectPoint(const Scene& scene, const DirectSetting& setting, TradeView& view) {
     Step("direct");
     DirectOptions options;
-    options.accuracy.precision = setting.precision;
-    options.accuracy.newton_tolerance = setting.newton_tolerance;
+    options.accuracy = setting;
     const ExactSurfaces picture(scene, options);
     options.accuracy.max_bytes = trade().budget_mb * kMegabyte;
     auto point = MeasureWithin(ExactSurfaces(scene, options), picture, setting, view);
@@ -191,7 +190,7 @@ class Sweep {
     const DirectOptions direct;
     const auto made = MakeRepresentation(choice, {.scene = scene,
                                                   .direct = direct,
-                                                  .execution = {options_.threads, budget.flag()},
+                                                  .execution = execution().WithFlag(budget.flag()),
                                                   .max_bytes = trade().budget_mb * kMegabyte});
     if (!made && Stopped(made.error(), budget)) return made.error();
     const std::string reason = made               ? ""
@@ -230,7 +229,7 @@ class Sweep {
         static_cast<std::size_t>(repetitions),
         {.deflection = setting.deflection, .deflection_mm = 0, .angular_deg = setting.angular_deg});
     // The budget applies to meshing alone: neither method is charged for reading the file.
-    request.cancel = deadline_.flag();
+    request.execution = execution();
     request.progress = nullptr;
     request.limits.mesh_timeout_s = trade().budget_s * repetitions;
     request.model_suffices = true;
@@ -275,15 +274,14 @@ class Sweep {
     return shown.value().mesh();
   }
 
-  static void StoreMesherCosts(const Json& summary, Tessellation& tessellation) {
+  // Requires a mesh.
+  static void StoreMesherCosts(const ImportSummary& summary, Tessellation& tessellation) {
     std::vector<double> times;
-    for (const Json& mesh : summary.value("meshes", Json::array())) {
-      times.push_back(mesh.value("mesh_ms", 0.0));
+    for (const MesherReport& mesh : summary.meshes) {
+      times.push_back(mesh.mesh_ms);
       // Later meshes reuse memory of the first one, so the largest peak is that of the first.
-      tessellation.mesher_peak_bytes =
-          std::max(tessellation.mesher_peak_bytes, mesh.value("peak_bytes", std::uint64_t{0}));
+      tessellation.mesher_peak_bytes = std::max(tessellation.mesher_peak_bytes, mesh.peak_bytes);
     }
-    if (times.empty()) return;
     std::sort(times.begin(), times.end());
     tessellation.mesh_ms = times[times.size() / 2];
   }
@@ -358,7 +356,7 @@ class Sweep {
     result.run.verdict =
         Judge(options_, {}, {.problems = {}, .lost = LossCount(model()), .unit_known = KnowsUnit(model())});
     result.run.files = std::move(files_);
-    result.run.report = {{"facetless", ProgramJson(options_.threads)},
+    result.run.report = {{"facetless", ProgramJson(context_.execution.threads)},
                          {"command", "trade"},
                          {"model", ImportedModelJson(imported_)},
                          {"views", std::move(views)},

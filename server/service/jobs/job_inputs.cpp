@@ -187,7 +187,7 @@ Result<ImportRequest> JobInputs::ImportRequestFor(const std::string& path, const
   request.limits.memory_mb = limits_.import_memory_mb;
   request.unit_mm = request_.options.unit_mm;
   request.temp_parent = std::filesystem::path(scratch_.back().path()).parent_path();
-  request.cancel = watch_.deadline->flag();
+  request.execution = execution();
   request.progress = watch_.progress;
   if (watch_.observer != nullptr) request.died = watch_.observer->importer_died;
   return request;

@@ -45,7 +45,7 @@ class JobInputs {
   Result<ImportRequest> AnotherImport() { return ImportRequestFor(stored_->source_path, stored_->name); }
   // Those of the request, within what the service allows: the job's own deadline ends a run.
   RunOptions Options() const;
-  RunContext Context() const { return {watch_.deadline->flag(), watch_.progress}; }
+  RunContext Context() const { return {execution(), watch_.progress}; }
 
   const JobRequest& request() const { return request_; }
   const RunLimits& limits() const { return limits_; }
@@ -55,6 +55,7 @@ class JobInputs {
   }
 
  private:
+  Execution execution() const { return {request_.options.threads, watch_.deadline->flag()}; }
   bool foreign_mesh() const { return !request_.mesh.empty(); }
   bool wants_tessellation() const;
   double MostMeshing() const { return limits_.timeout_s / 2; }  // seconds, law 3

@@ -34,7 +34,7 @@ TEST_F(ImportProcess, GivesModelAndMeshesUntilTheyAreLetGo) {
     ASSERT_EQ(files.value().mesh_paths.size(), 2u);
     for (const std::string& path : files.value().mesh_paths)
       EXPECT_TRUE(std::filesystem::exists(path)) << path;
-    EXPECT_EQ(files.value().summary.at("faces"), 1);
+    EXPECT_EQ(files.value().answer.at("faces"), 1);
     EXPECT_GT(files.value().wall_ms, 0);
     EXPECT_EQ(stages, (std::vector<std::string>{"read 0.500000", "transfer 1.000000"}));
   }
@@ -118,7 +118,7 @@ TEST_F(ImportProcess, IsNotDrownedByAFlood) {
 TEST_F(ImportProcess, StopsWhenAsked) {
   std::atomic<bool> cancel{false};
   ImportRequest request = Request("hang");
-  request.cancel = &cancel;
+  request.execution.cancel = &cancel;
   std::thread canceller([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     cancel = true;
@@ -140,7 +140,7 @@ TEST_F(ImportProcess, AllowsNeitherSocketsNorProcesses) {
   for (const char* mode : {"socket", "fork"}) {
     auto files = RunImporter(Request(mode));
     ASSERT_TRUE(files.ok()) << files.error().message;
-    EXPECT_TRUE(files.value().summary.at("denied").get<bool>()) << mode;
+    EXPECT_TRUE(files.value().answer.at("denied").get<bool>()) << mode;
   }
 }
 
@@ -149,14 +149,14 @@ TEST_F(ImportProcess, GivesOnlyWhatIsNeeded) {
   const ScopedEnvironment resources("CSF_TestDefaults", "/somewhere");
   auto files = RunImporter(Request("env"));
   ASSERT_TRUE(files.ok()) << files.error().message;
-  const std::string environment = files.value().summary.at("environment").dump();
+  const std::string environment = files.value().answer.at("environment").dump();
   EXPECT_THAT(environment, HasSubstr("CSF_TestDefaults=/somewhere"));
   EXPECT_THAT(environment, HasSubstr("TMPDIR=" + files.value().directory.path()));
   EXPECT_THAT(environment, Not(HasSubstr("FACETLESS_SECRET")));
   EXPECT_THAT(environment, Not(HasSubstr("PATH=/usr")));
-  EXPECT_EQ(files.value().summary.at("directory"), files.value().directory.path());
+  EXPECT_EQ(files.value().answer.at("directory"), files.value().directory.path());
   // Only standard input, output and error of this process may be open.
-  EXPECT_EQ(files.value().summary.at("files"), 3);
+  EXPECT_EQ(files.value().answer.at("files"), 3);
 }
 
 TEST_F(ImportProcess, RefusesWhatIsNoFile) {

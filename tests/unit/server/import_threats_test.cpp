@@ -58,7 +58,7 @@ class ImportThreats : public FakeImport {
   void ExpectDenied(const std::string& mode) {
     auto files = RunImporter(Request(mode));
     ASSERT_TRUE(files.ok()) << mode << ": " << files.error().message;
-    EXPECT_EQ(files.value().summary.value("denied", false), true) << mode;
+    EXPECT_EQ(files.value().answer.value("denied", false), true) << mode;
   }
 
   Holdings before_;
@@ -101,8 +101,8 @@ TEST_F(ImportThreats, ManyThreadsEndAtTheirNumber) {
 TEST_F(ImportThreats, NoMoreFilesCanBeOpenedThanAllowed) {
   auto files = RunImporter(Request("open"));
   ASSERT_TRUE(files.ok()) << files.error().message;
-  EXPECT_GT(files.value().summary.at("opened"), 0);
-  EXPECT_LT(files.value().summary.at("opened"), 256);
+  EXPECT_GT(files.value().answer.at("opened"), 0);
+  EXPECT_LT(files.value().answer.at("opened"), 256);
 }
 
 TEST_F(ImportThreats, NoProcessCanBeStarted) {
@@ -162,7 +162,7 @@ TEST_F(ImportThreats, WhatLibrariesNeedStaysReadable) {
                            "list /usr/share", "list .", "write own"}) {
     auto files = RunImporter(Request(mode));
     ASSERT_TRUE(files.ok()) << mode << ": " << files.error().message;
-    EXPECT_EQ(files.value().summary.value("denied", true), false) << mode;
+    EXPECT_EQ(files.value().answer.value("denied", true), false) << mode;
   }
 }
 

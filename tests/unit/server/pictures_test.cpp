@@ -189,7 +189,8 @@ TEST_F(Pictures, ATurntableCanBeStopped) {
   options.picture.turntable = 360;
   std::atomic<bool> cancel{false};
   double last = 0;
-  const RunContext context = {&cancel, [&](const std::string& stage, double fraction) {
+  const RunContext context = {{.threads = 0, .cancel = &cancel},
+                              [&](const std::string& stage, double fraction) {
                                 if (stage != "turntable") return;
                                 last = fraction;
                                 if (fraction > 0.02) cancel = true;

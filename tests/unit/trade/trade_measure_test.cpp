@@ -37,7 +37,7 @@ class TradeOnABall : public ::testing::Test {
 
   Result<TradePoint> MeasureExact(const DirectSetting& setting, const TradeViewOptions& options) const {
     DirectOptions direct;
-    direct.accuracy.precision = setting.precision;
+    direct.accuracy = setting;
     const ExactSurfaces exact(scene_, direct);
     return MeasurePoint(exact, exact, model_, reference_, setting, options);
   }

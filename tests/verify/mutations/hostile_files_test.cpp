@@ -182,7 +182,7 @@ TEST_F(HostileFiles, StepThatNamesOtherFilesReadsNone) {
   request.input = WriteText(directory_.File("reference.step"), text);
   auto files = RunImporter(request);
   ASSERT_TRUE(files.ok()) << files.error().message;
-  EXPECT_EQ(files.value().summary.at("faces"), 1);
+  EXPECT_EQ(files.value().answer.at("faces"), 1);
 }
 
 TEST_F(HostileFiles, IgesThatRefersToItself) {
