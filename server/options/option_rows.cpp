@@ -134,7 +134,7 @@ OptionTable AccuracyRows() {
       {.name = "timeout",
        .kind = OptionKind::kNumber,
        .group = kGroup,
-       .commands = kCamera,
+       .commands = kCamera & ~kBench,
        .value = "S",
        .help = "Time limit in seconds for everything after the import; 0 means no limit",
        .usual_words = "600; 3600 for trade",

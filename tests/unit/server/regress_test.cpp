@@ -124,6 +124,7 @@ class ManifestOptions : public testing::Test {
     request.manifest =
         WriteText(directory_.File("manifest.json"), nlohmann::json{{"files", {options}}}.dump());
     request.update = update;
+    request.unit_mm = unit_mm_;
     auto verdict = RunRegress(request);
     if (!verdict.ok()) {
       message_ = verdict.error().message;
@@ -145,6 +146,7 @@ class ManifestOptions : public testing::Test {
 
   const ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-import")};
   TempDir directory_ = TempDir::Create().value();
+  double unit_mm_ = 0;  // of --unit
   std::string message_;
   RegressResult result_;
 };
@@ -175,6 +177,19 @@ TEST_F(ManifestOptions, OrientIsFollowed) {
 TEST_F(ManifestOptions, NewtonToleranceIsFollowed) {
   ExpectFollowed("wavy_sheet.step", {{"size", "48x40"}, {"tolerances", {{"depth_mm", 0}, {"max", 1}}}},
                  "newton_tolerance", 1e-3);
+}
+
+TEST_F(ManifestOptions, UnitIsFollowedAndComesBeforeThatOfTheCommandLine) {
+  nlohmann::json options = {{"size", "32x32"}, {"tolerances", {{"depth_mm", 1e-9}, {"max", 1}}}};
+  ASSERT_EQ(Regress("sphere.step", options, true), kExitDone) << message_;
+  unit_mm_ = 25.4;
+  EXPECT_EQ(Regress("sphere.step", options, false), kExitFailed) << "--unit makes no difference";
+  EXPECT_THAT(result_.failures, testing::ElementsAre(HasSubstr("depth_mm")));
+  options["unit"] = "mm";
+  EXPECT_EQ(Regress("sphere.step", options, false), kExitDone) << message_;
+  options["unit"] = "in";
+  unit_mm_ = 0;
+  EXPECT_EQ(Regress("sphere.step", options, false), kExitFailed) << "the manifest's unit makes no difference";
 }
 
 TEST_F(ManifestOptions, MaxViewMemoryIsFollowed) {
