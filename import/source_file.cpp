@@ -17,7 +17,7 @@
 namespace facetless {
 namespace {
 
-// Headers are looked for within this many bytes: room for comments that some writers put first.
+// The header is searched within this many bytes, because some writers put comments before it.
 constexpr std::size_t kHeaderBytes = 4096;
 
 std::string Sha256(std::string_view bytes) {
@@ -43,7 +43,8 @@ bool StartsWithNoCase(std::string_view text, std::string_view what) {
          });
 }
 
-// What a file is that is no CAD file, as a sentence with the remedy; empty if nobody knows.
+// Returns a sentence that says what a file is that is no CAD file, with the remedy; empty if the format is
+// unknown.
 std::string Foreign(const std::string& name, std::string_view bytes) {
   const std::string_view head = bytes.substr(0, kHeaderBytes);
   const std::string_view text = head.substr(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
@@ -54,7 +55,7 @@ std::string Foreign(const std::string& name, std::string_view bytes) {
   if (text.substr(0, 1) == "{" && Contains(head, "\"asset\"")) return name + " (glTF)" + mesh;
   if (text.substr(0, 5) == "solid" && Contains(head, "facet")) return name + " (STL)" + mesh;
   if (bytes.size() >= 84) {
-    // A binary STL says in byte 80 how many triangles of 50 bytes follow.
+    // In a binary STL file, the number at byte 80 says how many triangles of 50 bytes follow.
     std::uint32_t triangles = 0;
     for (int i = 3; i >= 0; --i) triangles = triangles << 8 | static_cast<unsigned char>(bytes[80 + i]);
     if (triangles > 0 && bytes.size() == 84 + std::uint64_t{triangles} * 50) return name + " (STL)" + mesh;
@@ -71,7 +72,8 @@ std::string Foreign(const std::string& name, std::string_view bytes) {
   return {};
 }
 
-// IGES: fixed records of 80 columns with the section's letter in column 73, the first of them S.
+// Returns whether the file consists of IGES records: 80 columns each, with the section's letter in column 73.
+// The first letter is S.
 bool LooksLikeIges(std::string_view bytes) {
   const std::string_view line = bytes.substr(0, bytes.find_first_of("\r\n"));
   return line.size() >= 73 && line.size() <= 81 && (line[72] == 'S' || line[72] == 'F');
@@ -85,7 +87,7 @@ std::optional<CadFormat> Recognise(std::string_view bytes) {
   return {};
 }
 
-// Line ends of a text: CR alone and CR LF become LF. True if there was a CR that no LF follows.
+// Converts the line ends CR and CR LF to LF. Returns whether there was a CR without a following LF.
 bool UnifyLineEnds(std::string& bytes) {
   bool lone = false;
   std::string out;
@@ -103,10 +105,10 @@ bool UnifyLineEnds(std::string& bytes) {
   return lone;
 }
 
-// OpenCASCADE 7.6 does not read what these styles are about.
+// Returns the contexts of styles, which OpenCASCADE 7.6 does not read.
 std::vector<StepStyleContext> StyleContexts(std::string_view bytes) {
   constexpr std::string_view kKeyword = "CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM";
-  constexpr std::size_t kContexts = 4;  // their place among the attributes
+  constexpr std::size_t kContexts = 4;  // index of the contexts among the attributes
   std::vector<StepStyleContext> styles;
   if (bytes.find(kKeyword) == std::string_view::npos) return styles;
   const StepEntities entities(bytes);
@@ -124,7 +126,7 @@ std::vector<StepStyleContext> StyleContexts(std::string_view bytes) {
   return styles;
 }
 
-// The bytes of a file, which is a regular one and not empty.
+// Reads the bytes of a file, which must be a regular file and not empty.
 Result<std::string> ReadSource(const std::string& path, const std::string& name) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0)
@@ -140,8 +142,8 @@ Result<std::string> ReadSource(const std::string& path, const std::string& name)
   return bytes;
 }
 
-// The functions that follow repair the bytes of one file and note in `source` what they found and did. Each returns
-// whether it changed the bytes.
+// The following functions repair the bytes of one file, and record in `source` what they found and changed.
+// Each returns whether it changed the bytes.
 
 bool RemoveByteOrderMark(std::string& bytes, SourceFile& source) {
   if (!bytes.starts_with("\xef\xbb\xbf")) return false;
@@ -150,15 +152,15 @@ bool RemoveByteOrderMark(std::string& bytes, SourceFile& source) {
   return true;
 }
 
-// Line ends and NUL bytes of a text.
+// Repairs line ends and NUL bytes of a text.
 bool RepairCharacters(std::string& bytes, SourceFile& source) {
   bool changed = Contains(bytes, "\r");
-  if (UnifyLineEnds(bytes)) source.repairs.push_back("Line ends of CR alone were read as line ends.");
+  if (UnifyLineEnds(bytes)) source.repairs.push_back("Line ends that consist of CR alone were accepted.");
   const auto nuls = std::count(bytes.begin(), bytes.end(), '\0');
   if (nuls > 0) {
     std::replace(bytes.begin(), bytes.end(), '\0', ' ');
     source.repairs.push_back(std::to_string(nuls) +
-                             " NUL bytes were read as spaces; what they replaced is lost.");
+                             " NUL bytes were read as spaces; the characters that they replaced are lost.");
     changed = true;
   }
   return changed;
@@ -179,13 +181,13 @@ Result<bool> PrepareStep(std::string& bytes, SourceFile& source) {
   if (source.step.open_strings > 0)
     source.repairs.push_back(std::to_string(source.step.open_strings) + " texts have no closing apostrophe.");
   if (source.step.has_tessellation && source.step.faces.empty())
-    source.repairs.push_back("Its geometry is tessellated, which is a mesh and no exact surface.");
+    source.repairs.push_back("Its geometry is tessellated: it is a mesh without exact surfaces.");
   if (source.step.cut_off) {
-    // End the data after the last whole entity; whatever refers to what is missing is lost and will be
-    // named.
+    // End the data after the last complete entity. Entities that refer to missing ones are lost, and the
+    // ledger will name them.
     bytes.resize(source.step.complete_bytes);
     bytes += "\nENDSEC;\nEND-ISO-10303-21;\n";
-    source.repairs.push_back("The file is cut off; what comes after entity #" +
+    source.repairs.push_back("The file is cut off; everything after entity #" +
                              std::to_string(source.step.last_entity) + " is lost.");
     changed = true;
   }
@@ -209,7 +211,7 @@ Result<bool> PrepareIges(std::string& bytes, SourceFile& source) {
   source.iges = std::move(facts.value());
   if (source.iges.cut_off) {
     source.repairs.push_back(
-        "The file ends, or is damaged, before its last section; what comes after that is lost.");
+        "The file ends, or is damaged, before its last section; everything after that is lost.");
     return false;
   }
   const IgesRepair repair = RepairIges(bytes);
@@ -224,7 +226,7 @@ Result<bool> PrepareIges(std::string& bytes, SourceFile& source) {
   return repair.reals > 0 || repair.wide_lines > 0;
 }
 
-// Writes the repaired bytes for OpenCASCADE, which reads files only. Returns the path.
+// Writes the repaired bytes to a file, because OpenCASCADE only reads files. Returns the path.
 Result<std::string> WriteRepaired(const std::string& bytes, const SourceFile& source,
                                   const std::string& scratch) {
   const std::string path = scratch + (source.format == CadFormat::kIges   ? "/input.igs"
@@ -247,14 +249,15 @@ Result<SourceFile> OpenSource(const std::string& path, const std::string& scratc
   std::string bytes = std::move(read.value());
   source.sha256 = Sha256(bytes);
 
-  // Remove what stands in front of the header before asking what it is.
+  // Remove text in front of the header before recognising the format.
   bool changed = RemoveByteOrderMark(bytes, source);
   const std::optional<CadFormat> format = Recognise(bytes);
   if (!format) {
     const std::string foreign = Foreign(source.name, bytes);
     return Error{ErrorCode::kFormatUnknown,
-                 foreign.empty() ? source.name + " is none of STEP, IGES and BREP; export the model as STEP."
-                                 : foreign};
+                 foreign.empty()
+                     ? source.name + " is not a STEP, IGES or BREP file; export the model as STEP."
+                     : foreign};
   }
   source.format = *format;
   if (*format != CadFormat::kBrep) {

@@ -1,4 +1,4 @@
-// What the file declares and nobody reads or places; units that cannot be read.
+// Lists what the file declares but the importer does not read or no placement places, and checks units.
 #include "import/step_repairer.h"
 
 #include <map>
@@ -8,7 +8,7 @@ namespace facetless::step_repair {
 
 namespace {
 
-// Bodies that OpenCASCADE 7.6 makes no shape of, and what they are called.
+// Bodies that OpenCASCADE 7.6 does not convert to shapes, and their names in reports.
 struct Unread {
   std::string_view keyword;
   const char* what;
@@ -50,7 +50,7 @@ constexpr std::array kUnread{Unread{"CSG_SOLID", "a CSG solid"},
                              Unread{"COMPLEX_TRIANGULATED_FACE", "a tessellated face, which is a mesh"},
                              Unread{"CUBIC_BEZIER_TRIANGULATED_FACE", "a tessellated face, which is a mesh"}};
 
-// Bodies and sheets of faces that it reads.
+// Bodies and sheets of faces that OpenCASCADE reads.
 constexpr std::array<std::string_view, 16> kRead{"MANIFOLD_SOLID_BREP",
                                                  "BREP_WITH_VOIDS",
                                                  "FACETED_BREP",
@@ -71,7 +71,7 @@ constexpr std::array<std::string_view, 16> kRead{"MANIFOLD_SOLID_BREP",
 // Wireframes.
 constexpr std::array<std::string_view, 3> kCurveSets{"GEOMETRIC_CURVE_SET", "EDGE_BASED_WIREFRAME_MODEL",
                                                      "SHELL_BASED_WIREFRAME_MODEL"};
-// What a shape may hold that is nothing to be seen.
+// Items of a shape that are not visible.
 constexpr std::array<std::string_view, 24> kWithoutBody{"COORDINATES_LIST",
                                                         "TESSELLATED_CURVE_SET",
                                                         "TESSELLATED_POINT_SET",
@@ -97,7 +97,7 @@ constexpr std::array<std::string_view, 24> kWithoutBody{"COORDINATES_LIST",
                                                         "TESSELLATED_GEOMETRIC_SET",
                                                         "CARTESIAN_TRANSFORMATION_OPERATOR_3D"};
 
-// An attribute that is a text, decoded; empty if it is none.
+// Returns an attribute that is a text, decoded; empty if it is no text.
 std::string TextIn(const StepRecord& record, std::size_t index) {
   const StepValue* value = Value(record, index);
   return value != nullptr && value->kind == Kind::kString ? DecodeStepText(value->text) : std::string();
@@ -112,8 +112,8 @@ void Repairer::NoteOtherItem(const StepEntity& item) {
              !item.keyword.ends_with("_CURVE") && !item.keyword.ends_with("_SURFACE") &&
              item.keyword.find("REPRESENTATION_ITEM") == std::string_view::npos &&
              item.keyword.find("ANNOTATION") == std::string_view::npos) {
-    Warn("Item " + Label(item.id) + " of a shape, of the kind " + std::string(item.keyword) +
-         ", is not shown.");
+    Warn("Item " + Label(item.id) + " of a shape is of the kind " + std::string(item.keyword) +
+         ", which is not shown.");
   }
 }
 
@@ -135,7 +135,7 @@ void Repairer::FindUnread() {
         continue;
       }
       const auto record = FindStepRecord(*entity);
-      // A tessellation that says of which body it is one is not missed where the body is shown.
+      // A tessellation that names its body is not lost if that body is shown.
       if (record && entity->keyword.starts_with("TESSELLATED_S") && Value(*record, 2) != nullptr &&
           Value(*record, 2)->IsReference())
         continue;
@@ -155,20 +155,22 @@ std::uint64_t Repairer::ReferenceIn(const StepRecord& record, std::size_t index)
   return value != nullptr && value->IsReference() ? value->reference : 0;
 }
 
-// What the file says about assemblies. Definitions, shapes and representations are named by their ids.
+// The assembly data of the file. Definitions, shapes and representations are given by their ids.
 struct Repairer::Assembly {
   std::map<std::uint64_t, const StepEntity*> usages;  // occurrences
   std::vector<const StepEntity*> products;
-  std::unordered_map<std::uint64_t, std::uint64_t>
-      definition_of;                         // PRODUCT_DEFINITION_SHAPE → what it is the shape of
-  std::vector<std::uint64_t> placed_shapes;  // … that a placement names
+  // PRODUCT_DEFINITION_SHAPE → the definition or occurrence whose shape it is.
+  std::unordered_map<std::uint64_t, std::uint64_t> definition_of;
+  std::vector<std::uint64_t> placed_shapes;  // PRODUCT_DEFINITION_SHAPEs to which a placement refers
   std::vector<std::pair<std::uint64_t, std::uint64_t>> used;             // shape → representation
-  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;  // representations that are the same
-  std::unordered_map<std::uint64_t, std::set<std::uint64_t>> shapes;  // what has a shape → representations
-  std::unordered_map<std::uint64_t, std::set<std::uint64_t>> maps;    // representation → those that it maps
-  std::set<std::uint64_t> placed;                                     // occurrences
-  std::set<std::uint64_t> with_bodies;                                // representations
-  std::set<std::uint64_t> parents;                                    // definitions that hold others
+  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> linked;  // representations of the same shape
+  std::unordered_map<std::uint64_t, std::set<std::uint64_t>>
+      shapes;  // definition or occurrence → representations
+  std::unordered_map<std::uint64_t, std::set<std::uint64_t>>
+      maps;                             // representation → representations that it maps
+  std::set<std::uint64_t> placed;       // occurrences with a placement
+  std::set<std::uint64_t> with_bodies;  // representations that contain bodies
+  std::set<std::uint64_t> parents;      // definitions with components
 
   const std::set<std::uint64_t>& ShapesOf(std::uint64_t definition) const {
     static const std::set<std::uint64_t> none;
@@ -179,7 +181,7 @@ struct Repairer::Assembly {
     const std::set<std::uint64_t>& own = ShapesOf(definition);
     return std::any_of(own.begin(), own.end(), [&](std::uint64_t id) { return with_bodies.contains(id); });
   }
-  // Returns whether the parent holds the child as a mapped item.
+  // Returns whether the parent contains the child as a mapped item.
   bool IsMapped(std::uint64_t parent, std::uint64_t child) const {
     for (const std::uint64_t own : ShapesOf(parent)) {
       const auto mapped = maps.find(own);
@@ -291,7 +293,7 @@ bool Repairer::IsReadable(const StepRecord& unit, int depth) const {
                                                        "HECTO", "DECA", "DECI",  "CENTI", "MILLI", "MICRO",
                                                        "NANO",  "PICO", "FEMTO", "ATTO"};
   if (const StepPart* si = unit.Find("SI_UNIT")) {
-    // The dimensions come first where the unit is an entity of one part.
+    // If the unit is an entity of one part, the dimensions are its first attribute.
     const std::size_t first = si->values.size() == 3 ? 1 : 0;
     if (si->values.size() < first + 2) return false;
     const StepValue &prefix = si->values[first], &name = si->values[first + 1];

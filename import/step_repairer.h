@@ -206,9 +206,10 @@ class Repairer {
   void FindUnread();
   std::uint64_t ReferenceIn(const StepRecord& record, std::size_t index) const;
   struct Assembly;
-  // Collects occurrences, products, shapes, and how they refer to each other.
+  // Collects occurrences, products and shapes, and the references between them.
   void CollectAssembly(Assembly& assembly) const;
-  // Finds whose each representation is, and which hold bodies or map others. FindRepresentations must have run.
+  // Finds the owner of each representation, and the representations that contain bodies or map others.
+  // FindRepresentations must have run.
   void CollectShapes(Assembly& assembly) const;
   // Returns the name of the product of a PRODUCT_DEFINITION.
   std::string NameOfDefinition(std::uint64_t definition) const;

@@ -13,7 +13,7 @@ struct Execution {
   const std::atomic<bool>* cancel =
       nullptr;  // polled if not null; the work ends with kCancelled once it is true
 
-  // The same threads, with another flag: that of a time limit that watches this one.
+  // Returns the same threads with another flag, which belongs to a time limit that watches this flag.
   Execution WithFlag(const std::atomic<bool>* flag) const { return {threads, flag}; }
   bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
 };

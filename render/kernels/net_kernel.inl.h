@@ -208,12 +208,12 @@ inline Verdict AfterHalving(const double* monomials, bool weight_varies, int deg
           std::fmax(by_v[kX], 2 * by_v[kY]) + (weight_varies ? by_v[kW] : 0)};
 }
 
-// Certifies one net of degrees P and Q (0: they are known only at run time), step by step.
+// Certifies one net of degrees P and Q (0: the degrees are known only at run time), step by step.
 template <int P, int Q>
 class Certifier {
  public:
-  // The numbers of a net of centred monomials. Arrays stay outside of the object, so that the compiler can keep the
-  // object in registers.
+  // The numbers that describe a net of centred monomials. Arrays are outside of the object, so that the
+  // compiler can keep the object in registers.
   static constexpr int kSize = P > 0 ? (P + 1) * (Q + 1) * kNetComponents : kNumbers;
 
   // `room` has kSize numbers.
@@ -242,8 +242,8 @@ class Certifier {
  private:
   enum class Step {
     kHolds,
-    kTooWide,  // a bound does not hold, and AfterHalving says what halving would do to it
-    kFails     // an error leaves no room for a certificate
+    kTooWide,  // a bound does not hold, and AfterHalving estimates it after a halving
+    kFails     // an error is too large for a certificate
   };
 
   int stride() const { return pv_ + 1; }
@@ -256,7 +256,7 @@ class Certifier {
   Step BoundDepth(const Bounds& bound);
   void FillLeaf(double* monomials) const;
 
-  // What the error of the depth is made of.
+  // The parts of the error of the depth.
   struct DepthParts {
     double slope = 0, evaluation = 0, far = 0, divisor = 0;
   };
@@ -279,8 +279,8 @@ class Certifier {
 };
 
 // Shifts the origin to the pixel of the middle control point, and in orthographic views also to its depth, so
-// that the following numbers are of the size of the leaf and not of the image; converts the net; and moves the
-// origin on to the pixel of (0,0).
+// that the following numbers are of the size of the leaf and not of the image; converts the net; and moves
+// the origin on to the pixel of (0,0).
 template <int P, int Q>
 inline bool Certifier<P, Q>::CenterOnPixel() {
   const int middle = (pu_ / 2) * stride() + pv_ / 2, n = points();

@@ -119,7 +119,7 @@ class Packet {
     if (depth < doubt_depth_[lane]) doubt_depth_[lane] = depth;
   }
 
-  // The bits that stand for [begin, end) among the `count` positions from `first` on.
+  // Returns the bits of the positions [begin, end), among the `count` positions from `first` on.
   static unsigned Covered(int begin, int end, int first, int count) {
     const int from = begin > first ? begin - first : 0;
     const int to = end - first < count ? end - first : count;
@@ -357,7 +357,7 @@ class Packet {
   double error_[kPacketLanes];        // error of the depth, as a root of its leaf
   double least_[kPacketLanes];        // with several_: lower bound of the depths of the lane's hits
   double reach_[kPacketLanes];        // Reach(); −inf outside the image
-  double leaf_[kPacketLanes];         // its index, or kMiss
+  double leaf_[kPacketLanes];         // index of the leaf, or kMiss
   double doubt_depth_[kPacketLanes];  // lower bound of the depths at which doubts arose
   std::uint8_t doubt_[kPacketLanes];
 };

@@ -7,7 +7,7 @@
 // so that H(s,t) = G − b·W vanishes exactly where the ray meets the surface, and its Jacobian is close to the
 // identity.
 //
-// Of a certified leaf:
+// Laws of certified leaves:
 //  1. Over the enlarged leaf |s|, |t| ≤ kEnlarged and for every ray that can meet it, ‖I − H'‖∞ ≤ kappa < 1
 //     and ‖H''‖∞ ≤ the Lipschitz constant behind newton_factor. Hence at most one root per ray.
 //  2. A ray with |b|∞ > b_limit misses the enlarged leaf.
@@ -59,10 +59,10 @@ enum LeafFlag : std::uint8_t {
   kLeafWeightVaries = 1,  // W is not constant: H depends on b
   kLeafPerspective = 2,   // depth is W/Q, else Q/W
   kLeafDepthVaries = 4,   // Q is not constant
-  kLeafTrimmed = 8,       // a hit must be asked of the face's trim index
+  kLeafTrimmed = 8,       // a hit must be tested with the face's trim index
 };
 
-// The borders of its patch that a leaf ends at.
+// The borders of its patch at which a leaf ends.
 enum LeafBorder : std::uint8_t {
   kBorderLowU = 1,   // u = 0
   kBorderHighU = 2,  // u = 1
@@ -94,24 +94,24 @@ struct SampleBox {
   }
 };
 
-// What a packet's walk asks of a leaf of any kind.
+// The data that a packet's walk needs of a leaf of any kind.
 struct LeafHeader {
   double near_depth = 0;  // no point of the leaf is nearer
   SampleBox box;
   std::uint32_t placed_face = 0;
   std::uint8_t degree_u = 1, degree_v = 1;
-  std::uint8_t flags = 0;    // of LeafFlag
-  std::uint8_t borders = 0;  // of LeafBorder
+  std::uint8_t flags = 0;    // bits of LeafFlag
+  std::uint8_t borders = 0;  // bits of LeafBorder
 
   int points() const { return (degree_u + 1) * (degree_v + 1); }
 };
 static_assert(sizeof(LeafHeader) == 24);
 
-// Its LeafPlace is kept apart from it: it is asked for where a root is accepted, and not before.
+// Its LeafPlace is stored separately, because it is needed only when a root is accepted.
 struct CertifiedLeaf : LeafHeader {
-  // Planes G1, G2, [W if it varies], [Q if it varies] of points() monomials, floats or doubles as the kernel
-  // has it that the leaf is made for: see CoefficientsOf. The depth is depth_scale·W/Q with Q(0,0) = 1 in
-  // perspective, else depth_scale + Q/W.
+  // The planes G1, G2, [W if it varies], [Q if it varies] of points() monomials each. They are floats or
+  // doubles, depending on the kernel for which the leaf is made: see CoefficientsOf. The depth is
+  // depth_scale·W/Q with Q(0,0) = 1 in perspective, else depth_scale + Q/W.
   const void* coefficients = nullptr;
   double center_x = 0, center_y = 0;          // pixel coordinates relative to the image centre
   double c11 = 0, c12 = 0, c21 = 0, c22 = 0;  // C
@@ -132,31 +132,31 @@ const Real* CoefficientsOf(const CertifiedLeaf& leaf) {
   return static_cast<const Real*>(leaf.coefficients);
 }
 
-// What is to be done with a leaf that has no certificate.
+// The treatment of a leaf that has no certificate.
 enum class HardKind : std::uint8_t {
   kSubdivide,
-  kEdgeOn,  // its image is a line (edge_on.h): a ray misses it, or nothing is known
-  // It stands for a piece that its patch may not split any further: a ray beside its control points misses
-  // it, and of the others nothing is known (kDoubtLimit).
+  kEdgeOn,  // its image is a line (edge_on.h): a ray misses it, or the result is unknown
+  // It represents a piece that may not be split any further because its patch has reached its work limit. A
+  // ray that passes beside its control points misses it; for other rays the result is unknown (kDoubtLimit).
   kGivenUp,
 };
 
 struct HardLeaf : LeafHeader {
-  const double* net = nullptr;  // as BezierNet::value, and
+  const double* net = nullptr;  // as BezierNet::value
   double error[kNetComponents] = {};
   LeafPlace place;
   HardKind kind = HardKind::kSubdivide;
 };
 
 struct SeamLeaf : LeafHeader {
-  const double* net = nullptr;  // of the patch, as BezierNet::value
+  const double* net = nullptr;  // net of the patch, as BezierNet::value
   double s = 0, t = 0;
   std::uint32_t patch = 0;
   bool odd = false;  // the ray should cross the face an odd number of times
 };
 
-// A leaf of a view is named by its kind and its index among the leaves of its kind: a certified leaf by its
-// index alone. kNoIndex names none.
+// The id of a leaf in a view consists of its kind and its index among the leaves of its kind; that of a
+// certified leaf is its index alone. kNoIndex is no leaf.
 enum class LeafKind : std::uint8_t { kCertified, kHard, kSeam };
 inline constexpr int kLeafIndexBits = 30;
 inline constexpr std::size_t kMostLeaves = std::size_t{1} << kLeafIndexBits;  // of a kind
@@ -170,7 +170,7 @@ inline constexpr std::uint32_t IndexWithin(std::uint32_t id) {
   return id & ((std::uint32_t{1} << kLeafIndexBits) - 1);
 }
 
-// Leaves of all kinds, to look at.
+// Read-only views of the leaves of all kinds.
 struct LeafSpans {
   std::span<const CertifiedLeaf> certified;
   std::span<const LeafPlace> places;  // of the certified ones
@@ -190,7 +190,7 @@ struct LeafSpans {
   }
 };
 
-// Leaves of all kinds, as they are made.
+// The leaves of all kinds while they are made.
 struct LeafLists {
   std::vector<CertifiedLeaf> certified;
   std::vector<LeafPlace> places;  // of the certified ones
@@ -200,7 +200,7 @@ struct LeafLists {
   LeafSpans spans() const { return {certified, places, hard, seams}; }
 };
 
-// How far outside a leaf its own roots may lie, for the error of a root.
+// Returns how far outside a leaf its own roots may lie, given the error of a root.
 inline double Overlap(double root_error) {
   return 4 * root_error > kBorderOverlap ? 4 * root_error : kBorderOverlap;
 }

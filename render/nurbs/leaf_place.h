@@ -1,8 +1,8 @@
-// LeafPlace: which piece of which patch a leaf is. A leaf is what is left of its patch after halvings; the place
-// keeps the halvings, in 16 bytes, and the rectangle of Bézier parameters follows from them.
+// LeafPlace: the piece of a patch that a leaf covers. A leaf results from halvings of its patch. The place
+// stores the halvings in 16 bytes, and the rectangle of Bézier parameters follows from them.
 //
-//  1. RectOf repeats the halvings in the order in which Halved was told of them: the same rectangle, bit by bit,
-//     as that of a splitter that halves at the middle.
+//  1. RectOf repeats the halvings in the order of the calls of Halved. Its rectangle is bitwise equal to that
+//     of a splitter that halves at the middle.
 //  2. A patch is halved at most kMostPatchHalvings times, in both directions together.
 #pragma once
 
@@ -14,7 +14,8 @@ namespace facetless {
 
 inline constexpr int kMostPatchHalvings = 64;
 
-// The Bézier parameters that a patch spans: beyond [0,1] where it is continued past the border of its face.
+// The Bézier parameters that a patch covers. They extend beyond [0,1] where the patch is continued past the
+// border of its face.
 struct PatchBounds {
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
 };
@@ -28,14 +29,14 @@ struct ParameterRect {
 };
 
 struct LeafPlace {
-  // A bit for each halving, set where the upper half was taken: those in u, the last one lowest, and above them
-  // those in v.
+  // One bit per halving, set if the upper half was taken. The halvings in u are in the lowest bits, the last
+  // one lowest; those in v are above them.
   std::uint64_t path = 0;
-  std::uint32_t patch = 0;  // of its surface
+  std::uint32_t patch = 0;  // index within its surface
   std::uint8_t u_halvings = 0, v_halvings = 0;
 };
 
-// Requires fewer than kMostPatchHalvings so far.
+// Requires fewer than kMostPatchHalvings halvings so far.
 inline LeafPlace Halved(LeafPlace place, Direction direction, bool upper) {
   if (direction == Direction::kU) {
     place.path = place.path << 1 | std::uint64_t{upper};

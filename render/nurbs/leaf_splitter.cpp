@@ -9,12 +9,12 @@
 namespace facetless {
 namespace {
 
-// A chain of halvings no longer than this resolves 2^-32 of a patch in both directions; a piece that is still
-// without a certificate then is left to the subdivision solver, which is exact down to the last digit.
+// This many halvings resolve 2^-32 of a patch in both directions. A piece that still has no certificate is
+// left to the subdivision solver, which is exact to the last digit.
 constexpr int kMaxLevels = kMostPatchHalvings;
 
-// Slack of every screen box, in samples, besides the net's own error: covers the rounding of a division and
-// the overlap of neighbouring leaves.
+// The slack of every screen box in samples, in addition to the net's own error. It covers the rounding of a
+// division and the overlap of neighbouring leaves.
 constexpr double kBoxSlack = 0x1p-20;
 
 constexpr std::size_t kArenaBlock = 1 << 15, kLargestArenaBlock = 1 << 20;  // doubles
@@ -35,7 +35,7 @@ double* CoefficientArena::Allocate(std::size_t count) {
 
 struct LeafSplitter::Node : OwnedNet {
   ParameterRect rect;
-  LeafPlace place;  // `rect` is RectOf it
+  LeafPlace place;  // `rect` is RectOf(place)
   RectClass trim = RectClass::kMixed;
   int level = 0;
 };
@@ -44,8 +44,8 @@ namespace {
 
 enum class Visibility : std::uint8_t { kHidden, kSeen };
 
-// Homogeneous half-space tests, valid whatever the sign of W: all control points on the wrong side of one
-// plane of the frustum mean that no ray of the window meets the patch in front of the near plane.
+// Tests homogeneous half-spaces, which is valid for any sign of W: if all control points are on the wrong
+// side of one plane of the frustum, no ray of the window meets the patch in front of the near plane.
 Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   bool left = true, right = true, above = true, below = true, behind = window.perspective;
   const int n = net.points();
@@ -64,11 +64,13 @@ Visibility CullFrustum(const BezierNet& net, const SplitWindow& window) {
   return left || right || above || below || behind ? Visibility::kHidden : Visibility::kSeen;
 }
 
-// Returns whether all of the net may lie anywhere in the window: its errors are wider, or leave next to no
-// digit of its weights, and so near the middle of the window that no piece of it could be told to lie
-// outside. Halving makes no error smaller and no number larger.
+// Returns whether every part of the net may lie anywhere in the window. This is so if its errors are wider
+// than the window, or leave almost no correct digit of its weights, and if the net is so close to the middle
+// of the window that no piece of it could be proven to lie outside. Halving does not change this, because it
+// makes no error smaller and no number larger.
 bool MayLieAnywhere(const BezierNet& net, double half_window) {
-  // Between lost and told apart there must be room: what has a part of both is halved.
+  // The two factors leave a margin between nets that are given up and nets whose pieces can be separated. A
+  // net with parts of both kinds is halved.
   constexpr double kDigits = 1024, kRoom = 4;
   double x = 0, y = 0, w = 0;
   for (int i = 0; i < net.points(); ++i) {
@@ -81,12 +83,12 @@ bool MayLieAnywhere(const BezierNet& net, double half_window) {
   return !(x > kRoom * (window + net.error[kX] + blur)) && !(y > kRoom * (window + net.error[kY] + blur));
 }
 
-// Returns whether the net's corners alone show that its image is no line: they span more than its errors and
-// rounding could.
+// Returns whether the net's corners alone prove that its image is no line: they span a larger area than
+// errors and rounding can explain.
 bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window) {
   const double size = std::max(std::max(-box.x_low, box.x_high), std::max(-box.y_low, box.y_high));
-  // Of a corner: the net's own error, by the size instead of the window's, and rounding. FitLine allows four
-  // of them.
+  // The error of a corner: the net's own error, scaled from the window's size to the net's size, and
+  // rounding. FitLine allows four such errors.
   const double error = 64 * (box.error * std::max(1.0, size / half_window) + 0x1p-49 * size);
   const int corners[] = {0, net.degree_v, net.points() - net.stride(), net.points() - 1};
   double x[4], y[4];
@@ -101,7 +103,8 @@ bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window
          std::fabs(x[2] * y[3] - y[2] * x[3]) > error * longest;
 }
 
-// The samples of the window that a box may hold, with its error; nothing if there are none.
+// Returns the samples of the window that the box, widened by its error, may contain; nothing if there are
+// none.
 std::optional<SampleBox> SamplesIn(const NetBox& box, const SplitWindow& window) {
   const double slack = kBoxSlack + box.error;
   const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
@@ -120,8 +123,8 @@ std::optional<SampleBox> SamplesIn(const NetBox& box, const SplitWindow& window)
 }  // namespace
 
 std::uint64_t NodeLimit(double samples, int degree_u, int degree_v) {
-  // A piece without a certificate ends at kHardSamples, and boxes of neighbours overlap; a patch of higher
-  // degrees folds over itself more often.
+  // Splitting ends at kHardSamples for a piece without a certificate, and the boxes of neighbouring pieces
+  // overlap. A patch of higher degrees may fold over itself more often.
   constexpr double kLeastNodes = 1 << 14, kNodesPerSample = 4;
   return static_cast<std::uint64_t>(kLeastNodes + kNodesPerSample * std::max(degree_u, degree_v) * samples);
 }
@@ -161,10 +164,10 @@ void LeafSplitter::Visit(const Node& node) {
   if (budget_->Stopped()) return;
   const BezierNet& net = node.net;
 
-  // Find the sample centres in the projected box; none: no ray meets the piece.
+  // Find the sample centres in the projected box. If there are none, no ray meets the piece.
   const double half_window = HalfWindow();
   const NetBox box = window_.nets->project(net, patch_->rule, half_window);
-  // A box without a measure says nothing: the weights are positive, and too small to divide by.
+  // A box that is not measured gives no information: the weights are positive, but too small to divide by.
   const bool measured = box.in_front && box.error < INFINITY;
   if (!measured && CullFrustum(net, window_) == Visibility::kHidden) return;
   if (window_.perspective && box.in_front && box.far_depth <= window_.near_depth) return;
@@ -177,15 +180,16 @@ void LeafSplitter::Visit(const Node& node) {
     seen_in = *samples;
   }
 
-  // Ask the trimming, unless the parent knew.
+  // Classify the piece against the trimming, unless the class of the parent applies.
   RectClass trim = node.trim;
   if (trim == RectClass::kMixed && node.level > 0) {
     trim = ClassifyRect(node.rect);
     if (trim == RectClass::kOutside) return;
   }
 
-  // Give up what no halving can place: also what lies across the eye plane down to the last level, where the
-  // near plane has taken all that is merely near the eye. One leaf says so of the whole patch.
+  // Give up a patch whose pieces no halving can locate. This includes a piece that crosses the eye plane at
+  // the last level: the near plane has already removed pieces that are merely near the eye. One leaf
+  // represents all such pieces of the patch.
   const double nearest_seen = window_.perspective ? window_.near_depth : -INFINITY;
   if ((!box.in_front && node.level >= kMaxLevels) ||
       (!(box.in_front && box.error < half_window) && MayLieAnywhere(net, half_window))) {
@@ -195,7 +199,7 @@ void LeafSplitter::Visit(const Node& node) {
     return;
   }
 
-  // Give up what is left of a patch that has had its share of work.
+  // Give up the remaining pieces of a patch that has used up its work limit.
   if (node.level == 0) {
     const std::uint64_t limit =
         std::min(patch_->max_nodes, NodeLimit(seen_in.samples(), net.degree_u, net.degree_v));
@@ -206,7 +210,7 @@ void LeafSplitter::Visit(const Node& node) {
     return;
   }
 
-  // Certify, or halve, or give up on a piece that is small enough.
+  // Certify the piece, or keep it as a hard leaf if it is small enough, or halve it.
   Verdict verdict;
   if (box.in_front && KeepLeaf(node, trim, box, seen_in, &verdict)) return;
   VisitHalves(node, HalvingDirection(net, box.in_front, verdict), trim);
@@ -246,8 +250,8 @@ bool LeafSplitter::KeepLeaf(const Node& node, RectClass trim, const NetBox& box,
   const bool edge_on =
       samples > kHardSamples && !CornersSpanArea(net, box, HalfWindow()) && FitLine(net).is_line;
   if (!edge_on && samples > kHardSamples && !last_level) return false;
-  // The fallback solver will be asked at each sample: a leaf that is left with many of them takes as
-  // large a share of the patch's work as the pieces that they would make.
+  // The fallback solver will be called at each sample. Therefore a leaf that keeps many samples uses as much
+  // of the patch's work limit as the pieces into which its samples would be divided.
   if (!edge_on) node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
   KeepHard(edge_on ? HardKind::kEdgeOn : HardKind::kSubdivide, box.near_depth, seen_in, node, trim);
   return true;

@@ -107,19 +107,20 @@ class LeafSplitter {
   void Visit(const Node& node);
   void VisitHalves(const Node& node, Direction direction, RectClass trim);
   double HalfWindow() const;
-  // What the trimming says of all that a leaf answers for: the rectangle and its overlap with its neighbours.
+  // Classifies the range of a leaf against the trimming: the rectangle and its overlap with its neighbours.
   RectClass ClassifyRect(const ParameterRect& rect) const;
   // Keeps a piece in front of the eye as a certified leaf, or as a hard one if it is small enough or seen
-  // edge-on. Returns false if it is to be halved; `verdict` then says how that helps.
+  // edge-on. Returns false if it must be halved; `verdict` then says how much a halving in each direction
+  // improves the bound.
   bool KeepLeaf(const Node& node, RectClass trim, const NetBox& box, SampleBox seen_in, Verdict* verdict);
-  // The direction in which a half's bound shrinks most; but along a fold no bound ever holds, and there, as across
-  // the eye plane, only the extent counts.
+  // Returns the direction of the halving that improves the bound most. Along a fold no bound ever holds, so
+  // there, and for a piece that crosses the eye plane, only the extent decides.
   Direction HalvingDirection(const BezierNet& net, bool in_front, const Verdict& verdict) const;
-  // Append the leaf of a node, of which near depth and box are known; `monomials`: as many as the leaf's planes
-  // have.
+  // These append the leaf of a node whose near depth and box are known. `monomials` has as many coefficients
+  // as the leaf's planes.
   void KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass trim, const double* monomials);
   void KeepHard(HardKind kind, double near_depth, SampleBox box, const Node& node, RectClass trim);
-  // What leaves of both kinds have from their patch and node.
+  // Fills in the data that leaves of both kinds take from their patch and node.
   void FillHeader(const Node& node, RectClass trim, LeafHeader* leaf) const;
   void Spend(std::size_t leaf_bytes, std::size_t coefficients);
   Node* Level(int level, int side);

@@ -8,7 +8,7 @@ namespace facetless {
 void SortCrossings(const PreparedView& view, std::vector<Crossing>* crossings) {
   const LeafSpans leaves = view.tiles->leaves();
   const auto face_of = [&](const Crossing& c) { return leaves.Header(c.leaf).placed_face; };
-  // Where nothing else tells two crossings apart, their leaves come in the order of the tile's list.
+  // If nothing else distinguishes two crossings, the order of their leaves in the tile's list decides.
   const auto leaf_first = [&](const Crossing& a, const Crossing& b) {
     return FrontToBack(leaves, a.leaf, b.leaf);
   };

@@ -65,14 +65,14 @@ struct CheckStats {
   }
 };
 
-// How accurately exact surfaces are traced, and how much memory that may take: what every run says in the same
-// way, from the command line to the kernels.
+// The accuracy with which exact surfaces are traced, and the memory limit. All runs use this struct, from the
+// command line to the kernels.
 struct ExactTraceOptions {
   Precision precision = Precision::kStandard;
   CheckLevel check = CheckLevel::kAuto;
   double newton_tolerance = 0;  // error bound of a root, as a share of half its leaf, at which the iteration
                                 // stops; 0: the default of the precision (2^-42; kFast: 2^-17)
-  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // what the leaves of a view may take
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // memory limit of the leaves of a view
 };
 
 struct DirectOptions {
@@ -80,10 +80,10 @@ struct DirectOptions {
   ExactTraceOptions accuracy;
   bool uv = false;           // fill samples.uv
   bool depth_error = false;  // fill samples.depth_error
-  bool audit = false;        // count every crossing of every ray; of the whole model, sections or not
-  std::vector<SectionPlane> sections;  // what is cut away; certified samples then answer for their whole ray
-  // By placed face: those that rays pass as if they were not there. Null: none. Not with sections or an
-  // audit, whose solids would be open.
+  bool audit = false;  // count every crossing of every ray, with the whole model even if there are sections
+  std::vector<SectionPlane> sections;  // the planes that cut the model; certificates then cover the whole ray
+  // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored. It must not be
+  // combined with sections or an audit, because solids would be open.
   const std::vector<bool>* leave_out = nullptr;
 };
 

@@ -108,7 +108,7 @@ RootJets JetsOf(const LeafHeader& leaf, const double* net, double s, double t, d
   return {{0, jx.ds - x * w.ds, jx.dt - x * w.dt}, {0, jy.ds - y * w.ds, jy.dt - y * w.dt}, w, q};
 }
 
-// Where a leaf's depth begins, and its unit: depth is scale·W/Q in perspective, else offset + Q/W.
+// The offset and the scale of a leaf's depth: the depth is scale·W/Q in perspective views, else offset + Q/W.
 struct DepthUnits {
   double offset = 0, scale = 1;
 };

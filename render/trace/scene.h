@@ -13,15 +13,15 @@ namespace facetless {
 
 struct FaceData {
   FaceTrim trim;
-  Box3 bounds;                     // of the patches, continued as below; part coordinates
-  std::vector<RectClass> patches;  // where each patch lies in the trimming, whatever the view
-  // What the outermost patches are continued to, each in its own Bézier parameters: beyond [0,1] where the face
-  // ends with the grid and its edges lie off the surface by a gap.
+  Box3 bounds;                     // box of the patches, continued as below; part coordinates
+  std::vector<RectClass> patches;  // class of each patch against the trimming; independent of the view
+  // The range to which the outermost patches are continued, each in its own Bézier parameters. It extends
+  // beyond [0,1] where the face ends with the grid and its edges lie off the surface by a gap.
   PatchBounds continued;
   bool u_low_continued = false, u_high_continued = false, v_low_continued = false, v_high_continued = false;
 };
 
-// What patch (i, j) of a face's surface is continued to.
+// Returns the range to which patch (i, j) of a face's surface is continued.
 inline PatchBounds SetBoxBounds(const FaceData& face, const Surface& surface, std::uint32_t i,
                                 std::uint32_t j) {
   PatchBounds bounds;

@@ -23,7 +23,7 @@ std::optional<PatchBorder> FindPatchBorder(double u, double error_u, double v, d
   return PatchBorder{low_u || high_u, high_u || high_v};
 }
 
-// How far off the depths of a leaf's roots may be, where the leaf says so of all of them.
+// Returns the error bound of the depths of a leaf's roots, if the leaf has one bound for all of them.
 double DepthErrorOf(const LeafSpans& leaves, std::uint32_t leaf) {
   return KindOf(leaf) == LeafKind::kCertified ? leaves.certified[leaf].depth_error : 0;
 }

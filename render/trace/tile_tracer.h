@@ -101,7 +101,8 @@ class TileTracer final : private HitResolver {
                                 RootSink* roots) override;
   void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) override;
 
-  // For what the kernel asks about: it asks many times of one leaf before it asks of the next.
+  // Returns the site of a leaf that the kernel asks about. The last one is cached, because the kernel asks
+  // many times about one leaf before the next.
   const LeafSite& SiteOf(std::uint32_t leaf);
   std::uint8_t DoubtForRoot(std::uint32_t leaf, const FallbackRoot& root, double x, double y) const;
 
@@ -114,7 +115,7 @@ class TileTracer final : private HitResolver {
   std::vector<FallbackRoot> roots_;
   std::vector<RootTwin> seam_roots_;
   std::vector<Crossing>* crossings_ = nullptr;
-  LeafSite site_;  // SiteOf's
+  LeafSite site_;  // the cached site of SiteOf
 };
 
 }  // namespace facetless

@@ -5,7 +5,8 @@
 namespace facetless {
 namespace {
 
-// On a closed surface without edges the other side of the seam may have left a root in the overlap to this one.
+// Moves a root in the overlap onto the border of the patch. On a closed surface without edges, the leaf on
+// the other side of the seam may have left such a root to this leaf.
 double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
   const double overlap = 2 * leaf_overlap * half;
   if (!low_continued && bezier < 0 && bezier >= -overlap) return 0;
@@ -13,7 +14,7 @@ double OntoPatch(double bezier, double half, double leaf_overlap, bool low_conti
   return bezier;
 }
 
-// How far outside a leaf its own roots may lie.
+// Returns how far outside a leaf its own roots may lie.
 double OverlapOf(const PreparedView& view, std::uint32_t leaf) {
   if (KindOf(leaf) != LeafKind::kCertified) return kBorderOverlap;
   return Overlap(view.tiles->leaves().certified[leaf].RootError(view.arithmetic));
@@ -57,7 +58,7 @@ TraceShared::LeafSite TraceShared::SiteOf(std::uint32_t leaf) const {
   const Surface& surface = scene.model->surfaces[scene.model->faces[site.placed.face].surface];
   const FaceData& data = scene.faces[site.placed.face];
   const std::uint32_t i = place.patch / surface.v_spans.count, j = place.patch % surface.v_spans.count;
-  // A seam leaf's parameters are those of the patch as it is.
+  // The parameters of a seam leaf are those of the whole patch.
   const bool is_seam = KindOf(leaf) == LeafKind::kSeam;
   site.rect = RectOf(place, is_seam ? PatchBounds{} : SetBoxBounds(data, surface, i, j));
   site.u_map = &scene.spans[surface.u_spans.first + i];
@@ -107,8 +108,8 @@ RootTwin::RootTwin(const PreparedView& view, std::uint32_t leaf, const TileHit& 
   const LeafKind kind = KindOf(leaf);
   on_border = kind == LeafKind::kHard ||
               (kind == LeafKind::kCertified && (std::fabs(hit.s) >= border || std::fabs(hit.t) >= border));
-  // An error of the root moves the depth by at most the leaf's own depth range times it; a hard leaf's by the
-  // range of a floor piece.
+  // An error of the root changes the depth by at most that error times the leaf's depth range; in a hard
+  // leaf, by the depth range of a piece of the smallest size.
   const double near_depth = view.tiles->leaves().Header(leaf).near_depth;
   error = std::fabs(hit.depth) * 0x1p-44 + std::fabs(hit.depth - near_depth) * 2 * overlap;
 }

@@ -1,7 +1,7 @@
-// TraceShared: what all tracers of a view share besides the leaves, and what they ask of a leaf and its roots
-// whatever its kind.
+// TraceShared: the data that all tracers of a view share in addition to the leaves, and functions for leaves
+// of all kinds and their roots.
 //
-//  1. All of it is read only once it is made: the tracers of all threads ask it.
+//  1. All of it is read-only after construction, so that the tracers of all threads can use it.
 #pragma once
 
 #include <cmath>
@@ -25,48 +25,49 @@ struct TraceShared {
   const Camera& camera;
   const CameraFrame& frame;
 
-  // What a placed face id stands for.
+  // The face to which a placed-face id refers.
   struct PlacedFace {
     std::uint32_t instance, face;  // indices into the model's
-    double outward;                // +1, or −1 where the outward normal is −(Su × Sv)
+    double outward;                // +1, or −1 if the outward normal is −(Su × Sv)
   };
   PlacedFace Placed(std::uint32_t placed_face) const;
 
-  // Where in its face a leaf lies.
+  // The place of a leaf in its face.
   struct LeafSite {
     std::uint32_t leaf = kNoIndex;
     std::uint32_t placed_face, patch;
     PlacedFace placed;
     ParameterRect rect;
-    double overlap;  // of the leaf and its neighbours, in s and t
+    double overlap;  // overlap of the leaf and its neighbours, in s and t
     const SpanParameter *u_map, *v_map;
-    // Where the patch is continued past the border of its face, a root lies where it lies.
+    // True where the patch is continued past the border of its face. A root beyond such a border is not moved
+    // onto it.
     bool u_low_continued, u_high_continued, v_low_continued, v_high_continued;
 
-    // Bézier parameters in the patch, for u_map and v_map. A root in the overlap past the border of its patch
-    // belongs to the border.
+    // Return Bézier parameters in the patch, for u_map and v_map. A root in the overlap beyond the border of
+    // its patch is moved onto the border.
     double U(double s) const;
     double V(double t) const;
   };
   LeafSite SiteOf(std::uint32_t leaf) const;
-  // EvaluateHit of the leaf, whichever its kind.
+  // Calls EvaluateHit for a leaf of any kind.
   HitGeometry HitAt(std::uint32_t leaf, double s, double t, double x, double y) const;
 
-  // A root of a leaf, in the leaf's parameters, and how far off it may be.
+  // A root of a leaf, in the leaf's parameters, with its error.
   struct LeafRoot {
     double s, t, error_s, error_t;
   };
-  // Asks `check` about a certified hit of the ray through (x, y), relative to the image centre. Returns
+  // Verifies a certified hit of the ray through (x, y), relative to the image centre, with `check`. Returns
   // kDoubtContradicted or 0. Requires a check.
   std::uint8_t CheckRoot(const LeafSite& site, const LeafRoot& root, double x, double y, double depth,
                          double error, CheckStats* stats) const;
-  // Returns whether the root of a certified sample is one of the share that is asked about. The pattern meets
-  // every place in a packet.
+  // Returns whether the root of a certified sample belongs to the share that is verified. The pattern covers
+  // every position in a packet.
   bool IsRootChecked(int column, int row) const {
     return ((column + 7 * row) & (roots_per_checked_root - 1)) == 0;
   }
 
-  const CertificateCheck* check = nullptr;                   // null: certificates are not asked again
+  const CertificateCheck* check = nullptr;                   // null: certificates are not verified again
   int roots_per_checked_root = 1, rays_per_checked_ray = 1;  // powers of two
 
   std::vector<ProjectedEdges> edges;  // per instance
@@ -76,9 +77,8 @@ struct TraceShared {
   std::vector<bool> mirrored_;                   // per instance
 };
 
-// Returns whether two roots of one face may be one root that two leaves own, for all that tells them apart:
-// both lie on the border of their leaves, or were met without proof, and their depths agree to within the
-// solver's error.
+// Returns whether two roots of one face may be the same root, found in two leaves: both lie on the border of
+// their leaves, or were found without proof, and their depths agree to within the solver's error.
 struct RootTwin {
   RootTwin(const PreparedView& view, std::uint32_t leaf, const TileHit& hit);
   bool Is(const RootTwin& other) const {

@@ -27,8 +27,8 @@
 
 namespace facetless {
 
-// A setting of the direct tracer. Tolerances other than the default require kStandard. The memory that a point
-// may take is no part of its setting: budgets are the same for all points.
+// A setting of the direct tracer. Tolerances other than the default require kStandard. The memory limit is
+// not part of a setting, because budgets are the same for all points.
 using DirectSetting = ExactTraceOptions;
 
 // A setting of Facetless's own mesh: the chord error relative to the diagonal, and the angle between

@@ -170,8 +170,8 @@ Result<Mesh> Arranged(const Mesh& mesh, const Model& model, const Arrangement& a
   if (!mesh.from_model)
     return Error{
         ErrorCode::kBadUsage,
-        "--parts, --hide and --explode need a mesh of our own: nobody knows what the parts of another "
-        "program's are"};
+        "--parts, --hide and --explode need Facetless's own mesh, because the parts of another program's "
+        "mesh are unknown"};
   // The new index of each instance.
   std::vector<std::uint32_t> place(model.instances.size(), kNoIndex);
   std::vector<std::uint32_t> first_placed_face;

@@ -5,7 +5,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The value under a key; null if there is none.
+// Returns the value of a key; null if there is none.
 const Json& Member(const Json& object, const char* key) {
   static const Json none;
   if (!object.is_object()) return none;

@@ -9,10 +9,10 @@
 //  3. Functions that use the options take a table as an argument, so that a test can pass a table with
 //     another row.
 //
-//  OptionRow row = {.name = "margin", .kind = OptionKind::kNumber, .group = "Views", .commands = kCamera,
-//  .value = "SHARE",
-//                   .help = "Margin on each side, as a share of the picture", .low = 0, .high = 0.45, .usual
-//                   = 0.05, .binding = Bound([](auto& o) -> auto& { return o.picture.margin; })};
+//     OptionRow row = {.name = "margin", .kind = OptionKind::kNumber, .group = "Views", .commands = kCamera,
+//                      .value = "SHARE", .help = "Margin on each side, as a share of the picture",
+//                      .low = 0, .high = 0.45, .usual = 0.05,
+//                      .binding = Bound([](auto& o) -> auto& { return o.picture.margin; })};
 #pragma once
 
 #include <cmath>
@@ -45,7 +45,8 @@ enum class OptionKind {
 using Commands = unsigned;
 inline constexpr Commands kInspect = 1, kContinuity = 2, kRender = 4, kMesh = 8, kCompare = 16, kTrade = 32,
                           kBench = 64, kRegress = 128;
-// An entry of a manifest of regress, which is no command: it says how one file is rendered.
+// Entries of a manifest of regress, which say how one file is rendered. This is no command, but entries take
+// options, too.
 inline constexpr Commands kManifest = 256;
 
 enum class OptionOwner {
@@ -99,8 +100,8 @@ std::string RangeText(const OptionRow& row);
 std::string UsualText(const OptionRow& row);
 // The full help text: "Margin on each side, as a share of the picture (0 … 0.45; default: 0.05)".
 std::string HelpText(const OptionRow& row);
-// The row of the table in docs/api.md, for an option that requests to `collections` take: "| `margin` | number,
-// 0 … 0.45 | 0.05 | renders, comparisons, trades |".
+// The row of the table in docs/api.md for an option that requests to `collections` accept, such as "|
+// `margin` | number, 0 … 0.45 | 0.05 | renders, comparisons, trades |".
 std::string ApiRow(const OptionRow& row, const std::vector<std::string>& collections);
 
 }  // namespace facetless

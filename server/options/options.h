@@ -60,7 +60,7 @@ struct RunOptions {
   int samples = 4;
   // max_bytes bounds the search tree of the mesh that a view is compared with, too.
   ExactTraceOptions accuracy;
-  int threads = 0;                  // for the caller, who makes the Execution of a run from it
+  int threads = 0;                  // the caller makes the Execution of a run from it
   std::optional<double> timeout_s;  // nothing: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;

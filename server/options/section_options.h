@@ -1,9 +1,9 @@
 // Parsing section planes in the forms in which callers write them.
 //
-//  "x,y,z,nx,ny,nz"   a point in millimetres and a normal of any length; the side that it points to is
-//  removed "z=12.5"           the plane z = 12.5; everything above it is removed; "-z=12.5": everything below
-//  it "z=50%"            the same, at this percentage of the model's bounds
-//  [x,y,z,nx,ny,nz]   in JSON, or {"point": [x,y,z], "normal": [nx,ny,nz]}
+//   "x,y,z,nx,ny,nz"   a point in millimetres and a normal of any length; the normal's side is removed
+//   "z=12.5"           the plane z = 12.5; removes everything above it; "-z=12.5" everything below
+//   "z=50%"            the same, at this percentage of the model's bounds
+//   [x,y,z,nx,ny,nz]   in JSON, or {"point": [x,y,z], "normal": [nx,ny,nz]}
 #pragma once
 
 #include <string>
@@ -19,8 +19,8 @@ namespace facetless {
 // A section plane whose position may depend on the model's bounds.
 struct SectionRequest {
   SectionPlane plane;
-  int axis =
-      -1;  // 0 … 2: the plane is perpendicular to this axis, at `share` of the bounds; −1: `plane` is complete
+  // 0 … 2: the plane is perpendicular to this axis, at `share` of the bounds; −1: `plane` is complete.
+  int axis = -1;
   double share = 0;  // 0 … 1
 };
 

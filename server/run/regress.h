@@ -26,7 +26,7 @@ struct RegressRequest {
   std::string out;      // directory of report.html and of the pictures of failed views; empty: not written
   bool update = false;  // write the references
   ImportLimits import_limits;
-  double unit_mm = 0;  // if above 0, the unit of the files of which the manifest gives none
+  double unit_mm = 0;  // if above 0: the unit of files for which the manifest gives none
   RunContext context;
 };
 

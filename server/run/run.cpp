@@ -76,7 +76,8 @@ bool ShowsNothing(const Json& views) {
   return !views.empty();
 }
 
-// What all runs share, with a mesh or without: cameras, the clock, the report's envelope and its files.
+// The parts that all runs share, with a mesh or without: cameras, the clock, the report's common entries and
+// its files.
 class Run {
  public:
   Run(const ImportedModel& imported, const RunOptions& options, const std::string& directory,
@@ -89,7 +90,7 @@ class Run {
         timeout_s_(options.timeout_s.value_or(kRunTimeoutS)),
         deadline_(timeout_s_, context.execution.cancel) {}
 
-  // Ends with the run's deadline.
+  // The execution ends at the run's deadline.
   Execution execution() const { return context_.execution.WithFlag(deadline_.flag()); }
   // Makes the scene, which does not depend on the view.
   Scene MakeScene() {
@@ -103,9 +104,9 @@ class Run {
   void Note(const std::string& key, Json value) {
     if (!value.is_null()) notes_[key] = std::move(value);
   }
-  // What the run leaves in its directory.
+  // The files that the run leaves in its directory.
   RunFiles& files() { return result_.files; }
-  // Notes what a program may want to know of the exact view, and a person may not see.
+  // Records the rays and the time of the exact view, and a warning if its picture needs one.
   void NoteExact(const std::string& name, const View& view) {
     constexpr double kMillisecond = 1e-3;
     if (view.direct)

@@ -1,8 +1,8 @@
-// What a run has brought about, for the program that asked for it: the report is for readers, and nothing that
-// the program itself needs has to be looked up in it.
+// The result of a run, for the program that started it. The report is for readers; the program itself does
+// not need to look anything up in it.
 //
-//  1. Every file that a run leaves in its directory is in `files`, with the role under which the report names
-//     it; report.json and report.html are there as "report" and "page".
+//  1. Every file that a run leaves in its directory is in `files`, with the role that it has in the report.
+//     report.json and report.html have the roles "report" and "page".
 //
 //   for (const RunFile& file : result.files.list()) Print(file.view + " " + file.role + " " + file.name);
 #pragma once
@@ -18,14 +18,14 @@
 namespace facetless {
 
 struct RunFile {
-  std::string view;  // its name; empty: the file is of the whole run
+  std::string view;  // name of the view; empty: the file belongs to the whole run
   std::string role;  // "direct", "depth", …
-  std::string name;  // in the run's directory
+  std::string name;  // file name in the run's directory
 };
 
 class RunFiles {
  public:
-  // A file of the same view and role is replaced.
+  // Adds a file. It replaces a file of the same view and role.
   void Add(const std::string& view, const std::string& role, const std::string& name) {
     for (RunFile& file : list_)
       if (file.view == view && file.role == role) {
@@ -37,9 +37,9 @@ class RunFiles {
   void AddFrame(const std::string& name) { frames_.push_back(name); }
 
   const std::vector<RunFile>& list() const { return list_; }
-  // Of a turntable, in their order.
+  // The frames of a turntable, in order.
   const std::vector<std::string>& frames() const { return frames_; }
-  // A report's "files": the name of each role of the view. Null where there is none.
+  // Returns the report's "files" of the view: the file name for each role. Null if there is none.
   nlohmann::json Json(const std::string& view) const {
     nlohmann::json json;
     for (const RunFile& file : list_)
@@ -52,15 +52,15 @@ class RunFiles {
   std::vector<std::string> frames_;
 };
 
-// Why a comparison has no baseline. `reason`: that of MeshFailure; unusable (no triangle); or pending, in a
-// report that is written while the mesher still works. `message` is one sentence, which names the file, what
-// ran out and the remedy.
+// The reason why a comparison has no baseline. `reason` is that of MeshFailure, or unusable (no triangle), or
+// pending in a report that is written while the mesher still works. `message` is one sentence that names the
+// file, the cause and the remedy.
 struct NoBaseline {
   std::string reason, message;
 };
 
-// Whether the reason lies in the file, so that the same question has the same answer again. What ran out (time,
-// memory, threads) may be there at the next attempt, on a machine with less to do or with other limits.
+// Returns whether the reason lies in the file, so that the same question always has this answer. If time,
+// memory or threads ran out, the next attempt may succeed, on a less busy machine or with other limits.
 inline bool LiesInFile(const NoBaseline& why) {
   return why.reason != "timeout" && why.reason != "memory" && why.reason != "threads" &&
          why.reason != "pending";
@@ -76,8 +76,8 @@ struct RunResult {
   Verdict verdict;
   RunFiles files;
   std::vector<TracedRays> traced;
-  std::vector<std::string> warnings;      // sentences for a person
-  std::optional<NoBaseline> no_baseline;  // of a comparison that has its exact half alone
+  std::vector<std::string> warnings;      // sentences for the user
+  std::optional<NoBaseline> no_baseline;  // the reason if a comparison has only its exact half
 };
 
 }  // namespace facetless

@@ -1,5 +1,5 @@
-// What the options of a run mean for the renderer: one place, so that every command that shows exact surfaces
-// follows the same options.
+// Converts the options of a run to those of the renderer, in one place, so that all commands that show exact
+// surfaces obey the same options.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@ namespace facetless {
 ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
                           const Execution& execution);
 
-// How the exact surfaces are traced, where `taken_bytes` of the memory of a view are taken already.
+// Returns the options with which exact surfaces are traced. `taken_bytes` of the memory limit of a view are
+// in use already.
 DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
                               std::uint64_t taken_bytes = 0);
 

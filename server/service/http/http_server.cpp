@@ -266,12 +266,12 @@ struct HttpServer::State {
   // Returns false if the address is not available.
   bool Bind();
 
-  // Sends what `respond` answers to the request, and reports both.
+  // Sends the response of `respond` to the request, and reports both.
   template <typename Respond>
   void Answer(const httplib::Request& request, httplib::Response& response, Respond respond) const;
   httplib::Server::HandlerResponse AnswerWithoutBody(const httplib::Request& request,
                                                      httplib::Response& response);
-  // The status to go on with: 100, or that of the refusal.
+  // Returns the status with which to continue: 100, or that of the refusal.
   int AdmitBody(const httplib::Request& request, httplib::Response& response);
 
   Service& service;
@@ -319,7 +319,7 @@ void HttpServer::State::Answer(const httplib::Request& request, httplib::Respons
 
 httplib::Server::HandlerResponse HttpServer::State::AnswerWithoutBody(const httplib::Request& request,
                                                                       httplib::Response& response) {
-  // Wait for a body only if there is something to post to.
+  // Wait for a body only if the address accepts POST.
   if (request.method == "POST" && !listener.operations) return httplib::Server::HandlerResponse::Unhandled;
   Answer(request, response, [&](HttpRequest& translated) {
     // Ignore ranges, which HTTP allows: the library does not check them against the file, and many ranges

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// How a mesh of ours was made, as a key of the store.
+// Returns the store's key of a mesh of our own, which describes how it was made.
 std::string MeshKey(const TessellationOptions& mesh) {
   const Json identity = {{"version", Version()},
                          {"deflection", mesh.deflection_mm > 0 ? 0 : mesh.deflection},
@@ -35,8 +35,8 @@ bool JobInputs::wants_tessellation() const {
   return RowOf(job_.kind).compares_mesh && !foreign_mesh();
 }
 
-// Read in another unit than its own a file is another model. It needs the file: that of the upload, or the
-// one that the model came from.
+// A file that is read in another unit than its own is another model. To make it, the job needs the file: the
+// uploaded one, or the one from which the model was made.
 void JobInputs::FindInUnit() {
   if (request_.options.unit_mm == 0) return;
   if (const auto own = store_.FindModel(job_.owner, request_.model_id); own && request_.file_name.empty())
@@ -55,13 +55,13 @@ Result<void> JobInputs::MakeModel() {
   const auto source = store_.Pin(source_id_.empty() ? request_.model_id : source_id_);
   if (!source) return Error{ErrorCode::kInternal, "the uploaded file is not there any more"};
 
-  // Import it, with its mesh on the way.
+  // Import the file, and mesh it in the same process.
   std::vector<TessellationOptions> meshes;
   if (wants_tessellation()) meshes.push_back(request_.options.tessellation);
   auto files = Import(source->path, request_.file_name, meshes);
   if (!files) return files.error();
 
-  // Describe it and keep it.
+  // Describe the model and store it.
   if (auto described = Describe(files.value(), *source); !described) return described;
   if (!meshes.empty()) {
     auto kept = StoreMesh(files.value(), request_.model_id);
@@ -74,7 +74,7 @@ Result<void> JobInputs::MakeModel() {
   return {};
 }
 
-// Reads what the importer has written, and moves it into the store.
+// Reads the importer's files, and moves them into the store.
 Result<void> JobInputs::Describe(const ImportedFiles& files, const StoredFile& source) {
   if (auto read = ReadInto(files.model_path); !read) return read;
   imported_.import_ms = files.wall_ms;
@@ -94,7 +94,7 @@ Result<const ImportedModel*> JobInputs::Model() {
   return &imported_;
 }
 
-// The one place where a job reads a model.
+// This is the only place where a job reads a model.
 Result<void> JobInputs::ReadInto(const std::string& path) {
   const Stopwatch stopwatch;
   auto read = ReadModel(path);
@@ -131,13 +131,13 @@ Result<ComparisonMesh> JobInputs::MakeMesh() {
   return made;
 }
 
-// Where the mesh lies; "" if there is none, and no_baseline_ says why.
+// Returns the path of the mesh; "" if there is none, in which case no_baseline_ has the reason.
 Result<std::string> JobInputs::MeshPath() {
   if (no_baseline_) return std::string();
   if (foreign_mesh()) {
     posted_mesh_ = store_.Pin(request_.mesh);
     if (!posted_mesh_) return Error{ErrorCode::kInternal, "the uploaded mesh is not there any more"};
-    // Under the name that it came with, which errors show.
+    // Errors show the name, so the file gets the name with which it was uploaded.
     return LinkUnderName(posted_mesh_->path, request_.mesh_name.empty() ? "mesh" : request_.mesh_name);
   }
   const std::string key = MeshKey(request_.options.tessellation);
@@ -147,7 +147,8 @@ Result<std::string> JobInputs::MeshPath() {
   return StoreMesh(files.value(), stored_->id);
 }
 
-// Keeps the mesh of an import that was to make one, and says where it lies; or notes why there is none: "".
+// Stores the mesh of an import and returns its path. If the import made no mesh, it records the reason and
+// returns "".
 Result<std::string> JobInputs::StoreMesh(const ImportedFiles& files, const std::string& model_id) {
   if (files.mesh_failure) {
     no_baseline_ = NoBaselineFor(*files.mesh_failure);
@@ -162,7 +163,7 @@ Result<std::string> JobInputs::StoreMesh(const ImportedFiles& files, const std::
 
 // ---- The importer ----
 
-// The file at `path`, in a scratch directory of the job's under another name.
+// Links the file at `path` into a scratch directory of the job under another name, and returns the new path.
 Result<std::string> JobInputs::LinkUnderName(const std::string& path, const std::string& name) {
   auto scratch = store_.Scratch();
   if (!scratch) return scratch.error();
@@ -174,14 +175,14 @@ Result<std::string> JobInputs::LinkUnderName(const std::string& path, const std:
   return link;
 }
 
-// What every import of the job has in common. The file lies in the job's scratch directory under the name that
-// it came with: reports show it.
+// Returns the request that all imports of the job share. The file is in the job's scratch directory under the
+// name with which it was uploaded, because reports show the name.
 Result<ImportRequest> JobInputs::ImportRequestFor(const std::string& path, const std::string& name) {
   auto input = LinkUnderName(path, name);
   if (!input) return input.error();
   ImportRequest request;
   request.input = std::move(input).value();
-  // The job's deadline ends it first.
+  // The job's deadline ends the import first.
   request.limits.timeout_s = 2 * limits_.timeout_s;
   request.limits.mesh_timeout_s = std::min(request_.options.import_limits.mesh_timeout_s, MostMeshing());
   request.limits.memory_mb = limits_.import_memory_mb;
@@ -200,11 +201,11 @@ Result<ImportedFiles> JobInputs::Import(const std::string& path, const std::stri
   request.value().meshes = meshes;
   request.value().model_suffices = true;
   auto files = RunImporter(request.value());
-  // The job's deadline ends an importer before its own does.
+  // The job's deadline ends an importer before the importer's own time limit does.
   if (!files && files.error().code == ErrorCode::kCancelled && watch_.deadline->expired() &&
       request.value().died)
     request.value().died("timeout");
-  // The request's own option cannot allow what the service does not.
+  // The option of the request cannot exceed the limit of the service.
   if (files && files.value().mesh_failure && files.value().mesh_failure->reason == "timeout" &&
       request_.options.import_limits.mesh_timeout_s > MostMeshing())
     files.value().mesh_failure->error.message =

@@ -1,9 +1,10 @@
-// What a job works on: its model, and for a comparison its mesh, from the store or from the importer.
+// The inputs of a job: its model, and for a comparison its mesh, from the store or from the importer.
 //
-//  1. What is in the store is not made again, and what is made goes in before anything else is done with it:
-//     after a crash, or at a second attempt, work goes on where it was.
-//  2. The model's file is read once at most: the importer's is described and then used, not read again.
-//  3. Meshing may take half of the job's time at most, so that time is left for the exact half.
+//  1. An input that is in the store is not made again, and a new input is stored before it is used. After a
+//     crash, or at a second attempt, the work therefore continues where it ended.
+//  2. The model's file is read at most once. A model that the importer has just made is described and then
+//     used without reading its file again.
+//  3. Meshing may take at most half of the job's time, so that time remains for the exact half.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@
 
 namespace facetless {
 
-// A mesh to compare with, or why there is none.
+// The mesh of a comparison, or the reason why there is none.
 struct ComparisonMesh {
   std::optional<Mesh> mesh;
   NoBaseline none;
@@ -27,29 +28,31 @@ struct ComparisonMesh {
 
 class JobInputs {
  public:
-  // All must outlive it.
+  // All arguments must outlive this object.
   JobInputs(const Job& job, JobRequest request, Store& store, const RunLimits& limits, const JobWatch& watch)
       : job_(job), request_(std::move(request)), store_(store), limits_(limits), watch_(watch) {}
 
-  // Finds the model, or imports its file. Errors: those of the importer and of ReadModel, kWriteFailed.
+  // Finds the model in the store, or imports its file. Errors: those of the importer and of ReadModel,
+  // kWriteFailed.
   Result<void> MakeModel();
   // Requires that MakeModel has succeeded.
   const StoredModel& stored() const { return *stored_; }
-  // The model in memory. Errors: those of ReadModel.
+  // Returns the model in memory. Errors: those of ReadModel.
   Result<const ImportedModel*> Model();
-  // The mesh that was posted, or one of our own, which is made if it is not there. Errors: as for MakeModel, and
-  // those of LoadMesh.
+  // Returns the mesh that was posted, or our own tessellation, which is made if it is not in the store.
+  // Errors: those of MakeModel and of LoadMesh.
   Result<ComparisonMesh> MakeMesh();
 
-  // Of another import of the same file, for a run that makes its own.
+  // Returns a request for another import of the same file, for a run that makes its own.
   Result<ImportRequest> AnotherImport() { return ImportRequestFor(stored_->source_path, stored_->name); }
-  // Those of the request, within what the service allows: the job's own deadline ends a run.
+  // Returns the options of the request, limited to what the service allows. The job's own deadline ends a
+  // run.
   RunOptions Options() const;
   RunContext Context() const { return {execution(), watch_.progress}; }
 
   const JobRequest& request() const { return request_; }
   const RunLimits& limits() const { return limits_; }
-  // Tells the caller on the way.
+  // Sends a sentence to the caller while the job runs.
   void Say(const std::string& sentence) const {
     if (watch_.message) watch_.message(sentence);
   }
@@ -75,11 +78,11 @@ class JobInputs {
   Store& store_;
   const RunLimits& limits_;
   const JobWatch& watch_;
-  std::string source_id_;  // of the file, where the model is read in another unit than its own
+  std::string source_id_;  // id of the file, if the model is read in another unit than its own
   std::optional<StoredModel> stored_;
   ImportedModel imported_;  // its model is null until it is read
   std::optional<StoredFile> posted_mesh_;
-  std::optional<NoBaseline> no_baseline_;  // of a tessellation that was not made
+  std::optional<NoBaseline> no_baseline_;  // reason why a tessellation was not made
   std::vector<TempDir> scratch_;
 };
 

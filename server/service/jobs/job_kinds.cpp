@@ -14,7 +14,7 @@ bool Takes(const JobKindRow& row, const OptionRow& option) {
   return option.owner == OptionOwner::kCaller && (option.commands & row.commands) != 0;
 }
 
-// "/v1/renders or /v1/comparisons": of the kinds whose commands have the option.
+// Returns the addresses of the kinds whose commands have the option: "/v1/renders or /v1/comparisons".
 std::string PathsOf(const OptionRow& option) {
   std::string paths;
   for (const JobKindRow& row : JobKinds())

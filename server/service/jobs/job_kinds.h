@@ -1,11 +1,12 @@
-// The kinds of jobs: one table, of which addresses, what a request may say, what runs, and the names in the
-// store, in answers and in metrics are made. A new kind is one enumerator and one row of JobKinds().
+// The kinds of jobs, in one table. The addresses, the contents of requests, the functions that run, and the
+// names in the store, in answers and in metrics come from this table. A new kind is one enumerator and one
+// row of JobKinds().
 //
-//  1. There is one row for each kind but kUnknown, in the order of the enumeration.
-//  2. A kind takes the options of its commands (option_table.h) and no others; what it does not take is an
-//     error that names the option and the addresses that take it.
-//  3. The store may hold jobs of a kind that this version does not know, because a newer version put them
-//     there. Such a job is kUnknown, and fails with a sentence that says so.
+//  1. There is one row for each kind except kUnknown, in the order of the enumeration.
+//  2. A kind accepts the options of its commands (option_table.h). For any other option, the error names the
+//     option and the addresses that accept it.
+//  3. The store may contain jobs of a kind that this version does not know, because a newer version stored
+//     them. Such a job is kUnknown, and fails with a sentence that says so.
 #pragma once
 
 #include <string>
@@ -26,31 +27,32 @@ enum class JobKind { kModel, kRender, kComparison, kTrade, kUnknown };
 struct JobKindRow {
   JobKind kind = JobKind::kUnknown;
   std::string name;                    // "comparison": in the store, in answers and in metrics
-  std::vector<std::string> addresses;  // where it is posted; the first one is what the documentation says
-  Commands commands = 0;       // their options are the kind's; 0: it takes none, and the body may be the file
-  bool compares_mesh = false;  // it needs a mesh: the part "mesh", or a tessellation of our own
-  // What can be known of options without the model. Null: nothing. Errors: kBadUsage.
+  std::vector<std::string> addresses;  // addresses for POST; the documentation uses the first one
+  Commands commands = 0;       // the kind accepts their options; 0: none, and the body may be the file
+  bool compares_mesh = false;  // the kind needs a mesh: the part "mesh", or our own tessellation
+  // Checks the options as far as that is possible without the model. Null: nothing to check. Error:
+  // kBadUsage.
   Result<void> (*check)(const RunOptions& options) = nullptr;
-  // Does the work and writes its files into `directory`, which it creates; the result names them. Null: the
-  // model itself is the answer.
+  // Does the work and writes its files into `directory`, which it creates. The result names the files. Null:
+  // the model itself is the answer.
   Result<RunResult> (*run)(JobInputs& inputs, const std::string& directory) = nullptr;
 };
 
 const std::vector<JobKindRow>& JobKinds();
 
-// The row of a kind. Requires another kind than kUnknown.
+// Returns the row of a kind. Requires that the kind is not kUnknown.
 const JobKindRow& RowOf(JobKind kind);
-// "unknown" of kUnknown.
+// Returns "unknown" for kUnknown.
 const std::string& JobKindName(JobKind kind);
-// kUnknown where no kind has the name.
+// Returns kUnknown if no kind has the name.
 JobKind JobKindOf(const std::string& name);
 
-// The address without what all have in common: "comparisons".
+// Returns the last part of the kind's address, such as "comparisons".
 std::string Collection(const JobKindRow& row);
-// The collections whose requests take the option; none where it has another owner than the caller.
+// Returns the collections whose requests accept the option; none if the caller does not own the option.
 std::vector<std::string> CollectionsOf(const OptionRow& option);
 
-// Law 2. Besides, a name of no option, and an option that a request may not give, are errors. Error: kBadUsage.
+// Checks law 2. An unknown option, and an option that no request may give, are errors, too. Error: kBadUsage.
 Result<void> CheckOptionNames(const JobKindRow& row, const nlohmann::json& options);
 
 }  // namespace facetless

@@ -10,10 +10,10 @@
 namespace facetless {
 namespace {
 
-// A trade whose caller names no budget: so many of its points fit into the job's time at the least.
+// The number of points of a trade that fit into the job's time at least, if the caller gives no budget.
 constexpr double kTradePoints = 20;
 
-// A result without a baseline says why in the terms of the caller.
+// Translates the reason of a result without a baseline to the terms of HTTP.
 Result<RunResult> TranslateReportToHttp(JobInputs& inputs, Result<RunResult> result,
                                         const std::string& directory) {
   if (!result || !result.value().no_baseline) return result;

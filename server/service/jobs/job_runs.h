@@ -1,9 +1,9 @@
-// What each kind of job runs, as its row in job_kinds.cpp says: on inputs that are there, into a directory that
-// is its own.
+// The functions that run each kind of job, to which the rows in job_kinds.cpp refer. They use inputs that
+// have been made, and write into a directory of their own.
 //
-//  1. A comparison whose mesh cannot be made has the exact half alone as its answer, and says why in the terms
-//     of HTTP, on the way too.
-//  2. A trade whose caller names no budget takes a share of the job's time for each point.
+//  1. If the mesh of a comparison cannot be made, the answer has only the exact half. The answer, and a
+//     message while the job runs, give the reason in the terms of HTTP.
+//  2. If the caller of a trade gives no budget, each point gets a share of the job's time.
 #pragma once
 
 #include <string>

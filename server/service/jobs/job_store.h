@@ -37,7 +37,7 @@ const char* JobStateName(JobState state);
 struct Job {
   std::string id;  // 128 random bits, hexadecimal
   JobKind kind = JobKind::kModel;
-  std::string unknown_kind;  // kUnknown: what the store calls it
+  std::string unknown_kind;  // for kUnknown: the name in the store
   std::string owner;         // the id of a key; "" where there are none
   std::string question;      // digest of what is asked
   nlohmann::json request;    // what is asked, in full
@@ -131,7 +131,7 @@ class JobStore {
   virtual Result<void> Forget(double finished_before) = 0;
 };
 
-// "comparison"; of an unknown kind what the store calls it.
+// The name of the job's kind, such as "comparison"; for an unknown kind, the name in the store.
 const std::string& KindText(const Job& job);
 
 // The problem document with the ids that identify the job in the log: its job_id, and the request_id and

@@ -1,4 +1,4 @@
-// A run's files on their way into the store, and the answer that links them.
+// Moves the files of a run into the store, and makes the answer that links to them.
 #pragma once
 
 #include <string>

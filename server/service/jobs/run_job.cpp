@@ -21,14 +21,14 @@ Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits
   const bool answers = row.run != nullptr;
   if (answers && store.FindAnswer(job.owner, job.question)) return AnswerItem(job.owner, job.question);
 
-  // A job that waited while the service was started again may ask for more than is allowed by now.
+  // The limits may have been lowered while the job waited for a restart of the service.
   if (answers)
     if (auto small = CheckSamples(request.value().options, limits.max_samples); !small) return small.error();
   JobInputs inputs(job, std::move(request).value(), store, limits, watch);
   if (auto made = inputs.MakeModel(); !made) return made.error();
   if (!answers) return ModelItem(job.owner, inputs.stored().id);
 
-  // Run into a directory of its own, then move its files into the store.
+  // Run the job in a directory of its own, and then move its files into the store.
   auto scratch = store.Scratch();
   if (!scratch) return scratch.error();
   const std::string directory = scratch.value().File("out");
@@ -37,7 +37,8 @@ Result<std::string> RunJob(const Job& job, Store& store, const RunLimits& limits
   if (watch.observer != nullptr && watch.observer->traced)
     for (const TracedRays& pass : result.value().traced) watch.observer->traced(pass.rays, pass.seconds);
   if (watch.progress) watch.progress("publish", 0);
-  // What a passing shortage has left is this job's answer, and no later one's.
+  // If time, memory or threads ran out, the exact half is the answer of this job only, and later jobs try
+  // again.
   const auto& none = result.value().no_baseline;
   const std::string key = none && !LiesInFile(*none) ? Sha256Hex(job.question + job.id) : job.question;
   if (auto published =

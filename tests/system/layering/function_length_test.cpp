@@ -1,4 +1,5 @@
-// No function of ours is longer than a hundred lines. Tables (lists outside of functions) are not counted.
+// Tests that no function of ours is longer than a hundred lines. Tables (lists outside of functions) are not
+// counted.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ using testing::IsEmpty;
 
 constexpr int kMostLines = 100;
 
-// Each function as "head: lines".
+// Returns each function as "head: lines".
 std::vector<std::string> Listed(const FunctionList& list) {
   std::vector<std::string> listed;
   for (const FunctionExtent& function : list.functions)

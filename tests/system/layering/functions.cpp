@@ -16,7 +16,7 @@ bool IsSpace(char c) {
   return std::isspace(static_cast<unsigned char>(c)) != 0;
 }
 
-// Copies a source without its comments and with empty texts; the line ends stay. Directives stay, too.
+// Copies a source without its comments and with empty texts. Line ends and directives stay.
 class CommentStripper {
  public:
   CommentStripper(std::string_view source, SourceLanguage language) : source_(source), language_(language) {}
@@ -106,10 +106,10 @@ class FunctionFinder {
 
  private:
   enum class Kind {
-    kScope,       // a namespace or a class: functions may stand in it
+    kScope,       // a namespace or a class, which may contain functions
     kFunction,    // the body of a function
     kMemberInit,  // a member that a constructor initialises with braces
-    kOther        // anything inside of these, and a table
+    kOther        // anything inside of these, or a table
   };
   struct Opened {
     Kind kind;
@@ -118,7 +118,7 @@ class FunctionFinder {
   };
   struct State {
     std::vector<Opened> open;
-    std::string head;  // what has been read of a declaration
+    std::string head;  // the part of a declaration that has been read
     int head_line = 0;
     int parentheses = 0;
   };
@@ -150,7 +150,7 @@ class FunctionFinder {
   bool InScope() const { return state_.open.empty() || state_.open.back().kind == Kind::kScope; }
 
   void Open(int line) {
-    // Between parentheses there is a function only if it is passed as an argument.
+    // Between parentheses, a function can only be an argument.
     const bool may_be_function = InScope() && (state_.parentheses == 0 || EndsLikeLambda(state_.head));
     const Kind kind = may_be_function ? KindOf(state_.head) : Kind::kOther;
     state_.open.push_back({kind, state_.head, state_.head.empty() ? line : state_.head_line});
@@ -184,7 +184,7 @@ class FunctionFinder {
     state_.head += c;
   }
 
-  // What the braces after `head` hold.
+  // Returns what the braces after `head` contain.
   static Kind KindOf(const std::string& head) {
     static const std::regex kNamespace(R"(((inline )?namespace\b|extern "").*)");
     static const std::regex kClass(
@@ -209,7 +209,7 @@ class FunctionFinder {
 
   State state_;
   std::vector<State> at_if_;  // the state at each #if that is open
-  bool continued_ = false;    // the directive goes on in the next line
+  bool continued_ = false;    // the directive continues in the next line
   FunctionList list_;
 };
 

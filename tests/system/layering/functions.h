@@ -2,11 +2,11 @@
 //
 //     for (const FunctionExtent& function : FindFunctions(text, SourceLanguage::kCpp).functions) ...
 //
-//  1. A function is what has parameters and a body in braces, and stands in a file, a namespace or a class: a function,
-//     a member, a test, a lambda that a global variable is made with. What stands inside of it is a part of it.
+//  1. A function has parameters and a body in braces, and is in a file, a namespace or a class: a function, a
+//     member, a test, or a lambda that initialises a global variable. Functions inside of it are parts of it.
 //  2. A list in braces (a table) outside of functions is no function.
-//  3. Comments, texts and directives do not count as code. Of the branches of an #if, each is read as if it followed
-//     what comes before the #if.
+//  3. Comments, texts and directives are not code. Each branch of an #if is read as if it followed the code
+//     before the #if.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct FunctionExtent {
 
 struct FunctionList {
   std::vector<FunctionExtent> functions;
-  bool balanced = true;  // false: the braces could not be paired, and the list is not to be trusted
+  bool balanced = true;  // false: the braces could not be paired, and the list is unreliable
 };
 
 FunctionList FindFunctions(std::string_view source, SourceLanguage language);

@@ -1,4 +1,4 @@
-// What a unit that is given instead of the file's own does to a document.
+// Tests the effect of a given unit, which replaces the file's own, on a document.
 
 #include "import/readers.h"
 

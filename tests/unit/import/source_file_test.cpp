@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, Refusals,
                                            Refusal{"ply", "ply\nformat ascii 1.0\n", "--mesh"},
                                            Refusal{"zip", "PK\x03\x04", "unpack"},
                                            Refusal{"gzip", "\x1f\x8b\x08", "unpack"},
-                                           Refusal{"noise", "hello", "none of STEP"}),
+                                           Refusal{"noise", "hello", "is not a STEP, IGES or BREP file"}),
                          [](const auto& info) { return info.param.what; });
 
 TEST(SourceFile, WhatCannotBeReadIsSaid) {

@@ -1,4 +1,4 @@
-// The importer's answer as a struct, whatever the importer answers.
+// The importer's answer is parsed into a struct, whatever the answer contains.
 
 #include "server/importer/import_summary.h"
 
