@@ -1,6 +1,8 @@
 // facetless-import reads one CAD file and writes one model file and any number of meshes; then the process
 // ends. The caller sets its limits of memory, time and file size.
 //
+// With --serve-forks it becomes a process that forks a child for each file instead (sandbox/fork_requests.h).
+//
 // Standard output is one JSON object. Standard error has lines `progress STAGE FRACTION`. Exit status: 0
 // written, 4 nothing usable, 64 bad usage.
 #include <sys/resource.h>
@@ -20,6 +22,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "import/command_line.h"
@@ -28,9 +31,12 @@
 #include "import/exact_intersector.h"
 #include "import/mesh_file.h"
 #include "import/readers.h"
+#include "import/scratch.h"
 #include "import/source_file.h"
+#include "import/warm_up.h"
 #include "render/base/stopwatch.h"
 #include "render/model/model_file.h"
+#include "sandbox/fork_requests.h"
 
 namespace facetless {
 namespace {
@@ -89,23 +95,6 @@ class Answer {
 
  private:
   int descriptor_;
-};
-
-// A folder that only this process uses, removed at the end.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "facetless-import-XXXXXX").string();
-    if (mkdtemp(name.data())) path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
 };
 
 // The answer of a process that runs out of time. It is prepared in advance, because a signal handler must not
@@ -242,7 +231,7 @@ int Import(const CommandLine& options, const Answer& answer) {
   return kExitDone;
 }
 
-int Run(int argc, char** argv) {
+int Run(int argc, const char* const* argv) {
   const auto options = ParseCommandLine(argc, argv);
   if (options.ok() && options.value().help) {
     std::cout << CommandLineHelp();
@@ -268,11 +257,23 @@ int Run(int argc, char** argv) {
   }
 }
 
+int RunArguments(const std::vector<std::string>& arguments) {
+  std::vector<const char*> words;
+  for (const std::string& argument : arguments) words.push_back(argument.c_str());
+  return Run(static_cast<int>(words.size()), words.data());
+}
+
+int ServeForks() {
+  WarmUp();
+  return ServeForkRequests(kForkSocket, RunArguments);
+}
+
 }  // namespace
 }  // namespace facetless
 
 int main(int argc, char** argv) {
-  const int status = facetless::Run(argc, argv);
+  const bool serves = argc == 2 && std::string_view(argv[1]) == facetless::kServeForks;
+  const int status = serves ? facetless::ServeForks() : facetless::Run(argc, argv);
   // Everything is written. OpenCASCADE's destructors of static objects race with the threads of its pool, and
   // about one run in ten crashes in them. Therefore the process ends without running them.
   std::cout.flush();

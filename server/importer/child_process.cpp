@@ -1,13 +1,9 @@
 #include "server/importer/child_process.h"
 
 #include <fcntl.h>
-#include <linux/capability.h>
-#include <linux/seccomp.h>
 #include <poll.h>
 #include <signal.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,45 +16,16 @@
 #include <utility>
 
 #include "render/base/stopwatch.h"
+#include "sandbox/fork_requests.h"
+#include "server/importer/descriptor.h"
 #include "server/importer/directory_use.h"
-#include "server/importer/sandbox.h"
+#include "server/importer/fork_server.h"
 
 namespace facetless {
 namespace {
 
 // The interval at which the cancel flag, the wall clock and the watched limits are checked.
 constexpr int kPollMs = 20;
-// The number of tasks that other programs of this user may start while the child runs, such as other imports.
-constexpr std::uint64_t kSpareTasks = 4096;
-
-class Fd {
- public:
-  explicit Fd(int fd = -1) : fd_(fd) {}
-  ~Fd() { Close(); }
-  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Fd& operator=(Fd&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  int get() const { return fd_; }
-  void Close() {
-    if (fd_ >= 0) close(std::exchange(fd_, -1));
-  }
-
- private:
-  int fd_;
-};
-
-struct Pipe {
-  Fd read, write;
-  bool Open() {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return false;
-    read = Fd(ends[0]);
-    write = Fd(ends[1]);
-    return true;
-  }
-};
 
 std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   std::vector<char*> pointers;
@@ -66,96 +33,6 @@ std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   for (const std::string& s : strings) pointers.push_back(const_cast<char*>(s.c_str()));
   pointers.push_back(nullptr);
   return pointers;
-}
-
-bool SetLimit(int resource, std::uint64_t value, std::uint64_t hard_extra = 0) {
-  if (value == 0) return true;
-  struct rlimit limit = {value, value + hard_extra};
-  struct rlimit now = {};
-  if (getrlimit(static_cast<__rlimit_resource>(resource), &now) != 0) return false;
-  // Do not raise a limit that is already lower.
-  limit.rlim_max = std::min(limit.rlim_max, now.rlim_max);
-  limit.rlim_cur = std::min(limit.rlim_cur, limit.rlim_max);
-  return setrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0;
-}
-
-// The data that the child needs between fork and exec. It is prepared before the fork, because after it only
-// async-signal-safe calls are allowed: another thread may have held any lock.
-struct ChildPlan {
-  std::vector<std::string> argument_strings;
-  std::vector<char*> arguments, environment;
-  const ChildRequest* request = nullptr;
-  std::vector<sock_filter> filter;
-  std::uint64_t tasks_before = 0;
-  int null_fd = -1, out_fd = -1, err_fd = -1, report_fd = -1;
-  pid_t parent = 0;
-};
-
-[[noreturn]] void FailInChild(int report_fd) {
-  const int reason = errno;
-  [[maybe_unused]] const ssize_t written = write(report_fd, &reason, sizeof reason);
-  _exit(127);
-}
-
-// Removes all capabilities of root except reading any file, because files to import may belong to other
-// users. For other users, there is nothing to remove, and the calls fail.
-void DropCapabilities() {
-  prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
-  for (int capability = 0; capability < 64; ++capability) {
-    if (capability != CAP_DAC_READ_SEARCH) prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
-  }
-}
-
-[[noreturn]] void BecomeChild(ChildPlan& plan) {
-  // Die with the parent, even if it has just died.
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || setpgid(0, 0) != 0) FailInChild(plan.report_fd);
-  if (getppid() != plan.parent) _exit(127);
-
-  // Restore default signal handling, and unblock all signals.
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  struct sigaction standard = {};
-  standard.sa_handler = SIG_DFL;
-  for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
-
-  // Set up the standard streams. The pipe that reports a failed start becomes descriptor 3 and closes on
-  // exec. All other descriptors are closed.
-  const int report = fcntl(plan.report_fd, F_DUPFD, 10);
-  if (report < 0 || dup2(plan.null_fd, 0) < 0 || dup2(plan.out_fd, 1) < 0 || dup2(plan.err_fd, 2) < 0 ||
-      dup2(report, 3) < 0 || fcntl(3, F_SETFD, FD_CLOEXEC) != 0)
-    FailInChild(plan.report_fd);
-  if (close_range(4, ~0U, 0) != 0) {
-    const long open_max = sysconf(_SC_OPEN_MAX);
-    for (int fd = 4; fd < open_max; ++fd) close(fd);
-  }
-
-  // Set the working directory and the limits.
-  const ChildLimits& limits = plan.request->limits;
-  if (chdir(plan.request->working_directory.c_str()) != 0) FailInChild(3);
-  const struct rlimit no_core = {0, 0};
-  if (setrlimit(RLIMIT_CORE, &no_core) != 0 || !SetLimit(RLIMIT_AS, limits.memory_bytes) ||
-      // The soft limit sends SIGXCPU, which can be distinguished from the parent's SIGKILL. The hard limit is
-      // for a child that ignores SIGXCPU.
-      !SetLimit(RLIMIT_CPU, limits.cpu_seconds, 2) || !SetLimit(RLIMIT_FSIZE, limits.file_bytes) ||
-      !SetLimit(RLIMIT_NOFILE, limits.open_files) ||
-      // This limit only supplements the watched limit, because it counts all processes of this user.
-      (limits.threads > 0 && !SetLimit(RLIMIT_NPROC, plan.tasks_before + limits.threads + kSpareTasks)))
-    FailInChild(3);
-
-  // Give up privileges, restrict files, and finally install the system-call filter.
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) FailInChild(3);
-  if (!plan.request->file_access.empty()) {
-    DropCapabilities();
-    if (!ConfineFileAccess(plan.request->file_access)) FailInChild(3);
-  }
-  if (!plan.filter.empty()) {
-    SetOwnProcess(plan.filter, static_cast<std::uint32_t>(getpid()));
-    const sock_fprog program = {static_cast<unsigned short>(plan.filter.size()), plan.filter.data()};
-    if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) FailInChild(3);
-  }
-  execve(plan.request->program.c_str(), plan.arguments.data(), plan.environment.data());
-  FailInChild(3);
 }
 
 // Reads the available data. Returns false at the end of the stream.
@@ -243,14 +120,18 @@ Error CannotStart(const ChildRequest& request, int reason) {
   return {ErrorCode::kInternal, "cannot start " + request.program + ": " + strerror(reason)};
 }
 
-// The pipes between parent and child; `report` tells why exec failed and is closed when it succeeds.
+// The streams between parent and child, with the ends of both. `report` tells why the child could not start, and is
+// closed when it runs.
 struct ChildPipes {
+  Descriptor null;
   Pipe out, err, report;
   bool Open() {
-    if (!out.Open() || !err.Open() || !report.Open()) return false;
+    null = Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC));
+    if (null.get() < 0 || !out.Open() || !err.Open() || !report.Open()) return false;
     for (const Pipe* pipe : {&out, &err, &report}) fcntl(pipe->read.get(), F_SETFL, O_NONBLOCK);
     return true;
   }
+  ChildStreams Streams() const { return {null.get(), out.write.get(), err.write.get(), report.write.get()}; }
   void CloseWriteEnds() {
     out.write.Close();
     err.write.Close();
@@ -258,52 +139,76 @@ struct ChildPipes {
   }
 };
 
-ChildPlan PlanChild(const ChildRequest& request, const ChildPipes& pipes, const Fd& null) {
-  ChildPlan plan;
-  plan.request = &request;
-  plan.argument_strings = {request.program};
-  plan.argument_strings.insert(plan.argument_strings.end(), request.arguments.begin(),
-                               request.arguments.end());
-  plan.arguments = Pointers(plan.argument_strings);
-  plan.environment = Pointers(request.environment);
-  plan.filter = request.syscall_filter;
-  if (request.limits.threads > 0) plan.tasks_before = TasksOfMachine();
-  plan.null_fd = null.get();
-  plan.out_fd = pipes.out.write.get();
-  plan.err_fd = pipes.err.write.get();
-  plan.report_fd = pipes.report.write.get();
-  plan.parent = getpid();
-  return plan;
+ForkRequest ToForkRequest(const ChildRequest& request) {
+  ForkRequest fork;
+  fork.arguments = {request.program};
+  fork.arguments.insert(fork.arguments.end(), request.arguments.begin(), request.arguments.end());
+  fork.environment = request.environment;
+  fork.confinement.working_directory = request.working_directory;
+  fork.confinement.limits = request.limits;
+  fork.confinement.syscall_filter = request.syscall_filter;
+  fork.confinement.file_access = request.file_access;
+  if (request.limits.threads > 0) fork.confinement.tasks_before = TasksOfMachine();
+  fork.confinement.parent = getpid();
+  return fork;
 }
 
-// Starts the child. Returns its id, or -1 with errno set.
-pid_t StartChild(ChildPlan& plan) {
+// Forks, and executes the program. Returns the child's id, or -1 with errno set.
+pid_t ForkAndExec(ForkRequest& request, const ChildStreams& streams) {
+  const std::vector<char*> arguments = Pointers(request.arguments);
+  const std::vector<char*> environment = Pointers(request.environment);
   // Fork with every signal blocked, so that no handler of the parent runs in the child.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   const pid_t child = fork();
   const int fork_error = errno;
-  if (child == 0) BecomeChild(plan);
+  if (child == 0) {
+    ConfineChild(request.confinement, streams);
+    execve(arguments.front(), arguments.data(), environment.data());
+    EndUnconfined(kReportDescriptor);
+  }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = fork_error;
+  return child;
+}
+
+struct StartedChild {
+  pid_t id = -1;
+  bool forked = false;  // by the fork server
+};
+
+// Starts the child, by the fork server if it can. If the child cannot be started, its id is -1 and errno is set.
+StartedChild StartChild(const ChildRequest& request, ChildPipes& pipes) {
+  ForkRequest fork = ToForkRequest(request);
+  StartedChild child;
+  if (request.fork_server != nullptr && request.fork_server->program() == request.program) {
+    child.id = request.fork_server->Start(fork, pipes.Streams(), pipes.report.read).value_or(-1);
+    child.forked = child.id > 0;
+  }
+  if (!child.forked) child.id = ForkAndExec(fork, pipes.Streams());
+  const int start_error = errno;
   // Both processes create the group, so that it exists whichever of them runs first. This call fails if the
   // child has already called exec, which does no harm.
-  if (child > 0) setpgid(child, child);
-  errno = fork_error;
+  if (child.id > 0) setpgid(child.id, child.id);
+  errno = start_error;
   return child;
 }
 
 // Watches a child from its start to its end: its streams, the clock, the cancel flag and the limits.
 class ChildWatch {
  public:
-  ChildWatch(const ChildRequest& request, const ChildPipes& pipes, pid_t child, const Stopwatch& stopwatch)
+  ChildWatch(const ChildRequest& request, const ChildPipes& pipes, const StartedChild& child,
+             const Stopwatch& stopwatch)
       : request_(request),
         pipes_(pipes),
-        child_(child),
+        child_(child.id),
         stopwatch_(stopwatch),
         // Use the system call directly, because this C library declares its wrapper without C linkage.
-        process_(static_cast<int>(syscall(SYS_pidfd_open, child, 0))),
-        error_stream_(request) {}
+        process_(static_cast<int>(syscall(SYS_pidfd_open, child.id, 0))),
+        error_stream_(request) {
+    outcome_.forked = child.forked;
+  }
 
   // Returns when the child has ended. A child that exceeds a limit is killed.
   void WaitForEnd() {
@@ -314,7 +219,7 @@ class ChildWatch {
       poll(watched, 3, kPollMs);
       if (watched[0].revents != 0) DrainOut();
       if (watched[1].revents != 0) DrainErr();
-      // exec has succeeded when the report pipe is closed.
+      // The child runs when the report pipe is closed.
       if (!started_) started_ = ReadReport() == 0;
       if (started_) samples_.Sample(child_);
       siginfo_t info = {};
@@ -388,7 +293,7 @@ class ChildWatch {
   const ChildPipes& pipes_;
   const pid_t child_;
   const Stopwatch& stopwatch_;
-  const Fd process_;
+  const Descriptor process_;
   ErrorStream error_stream_;
   StatusSamples samples_;
   ChildOutcome outcome_;
@@ -400,12 +305,10 @@ class ChildWatch {
 
 Result<ChildOutcome> RunChild(const ChildRequest& request) {
   ChildPipes pipes;
-  const Fd null(open("/dev/null", O_RDONLY | O_CLOEXEC));
-  if (!pipes.Open() || null.get() < 0) return CannotStart(request, errno);
-  ChildPlan plan = PlanChild(request, pipes, null);
+  if (!pipes.Open()) return CannotStart(request, errno);
   const Stopwatch stopwatch;
-  const pid_t child = StartChild(plan);
-  if (child < 0) return CannotStart(request, errno);
+  const StartedChild child = StartChild(request, pipes);
+  if (child.id < 0) return CannotStart(request, errno);
   pipes.CloseWriteEnds();
   ChildWatch watch(request, pipes, child, stopwatch);
   watch.WaitForEnd();

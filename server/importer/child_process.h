@@ -28,22 +28,11 @@
 #include <vector>
 
 #include "render/base/result.h"
-#include "server/importer/file_access.h"
+#include "sandbox/confinement.h"
 
 namespace facetless {
 
-struct ChildLimits {               // 0: no limit
-  std::uint64_t memory_bytes = 0;  // address space (RLIMIT_AS)
-  std::uint64_t cpu_seconds = 0;   // CPU time of all threads together
-  double wall_seconds = 0;         // ChildRequest::expired allows other rules
-  std::uint64_t file_bytes = 0;    // size of each file that the child writes
-  std::uint64_t open_files = 0;
-  std::uint64_t threads = 0;  // watched; unlike RLIMIT_NPROC, it also applies to root
-  std::uint64_t directory_bytes =
-      0;  // watched: size of all files below the working directory, and of removed
-          // files that the child keeps open
-  std::uint64_t directory_names = 0;  // watched: number of files and directories there
-};
+class ForkServer;
 
 struct ChildRequest {
   std::string program;                   // path; PATH is not searched
@@ -52,7 +41,7 @@ struct ChildRequest {
   std::string working_directory;
   ChildLimits limits;
   std::vector<sock_filter>
-      syscall_filter;      // empty: no filter; kOwnProcess is replaced by the child's id (sandbox.h)
+      syscall_filter;      // empty: no filter; kOwnProcess is replaced by the child's id (confinement.h)
   FileAccess file_access;  // empty: the same files as the parent
   std::size_t stdout_cap = 1 << 20;
   std::size_t stderr_cap = 1 << 16;
@@ -61,6 +50,7 @@ struct ChildRequest {
   const std::atomic<bool>* cancel = nullptr;  // true kills the child
   std::function<bool()>
       expired;  // true kills the child like the wall clock; called at every check; may be empty
+  ForkServer* fork_server = nullptr;  // of this program: it starts the child if it can (fork_server.h)
 };
 
 enum class ChildEnd : std::uint8_t {
@@ -79,6 +69,7 @@ struct ChildOutcome {
   int signal = 0;               // kSignalled
   std::string out, error_tail;  // standard output and the end of standard error
   double wall_ms = 0;
+  bool forked = false;  // by the fork server
   std::uint64_t peak_bytes =
       0;  // largest sampled resident size; 0 if the child ended before the first sample
   std::uint64_t peak_address_bytes = 0;  // largest sampled address space

@@ -22,7 +22,7 @@
 #include "render/base/stopwatch.h"
 #include "server/base/files.h"
 #include "server/importer/child_process.h"
-#include "server/importer/sandbox.h"
+#include "server/importer/syscall_filter.h"
 
 namespace facetless {
 namespace {
@@ -71,9 +71,8 @@ bool NamesResources(std::string_view variable) {
 }
 
 // The environment of the importer. It names only the resources and the shared libraries of OpenCASCADE.
-std::vector<std::string> ImporterEnvironment(const std::string& directory) {
-  std::vector<std::string> environment = {"LC_ALL=C.UTF-8", "TZ=UTC", "HOME=" + directory,
-                                          "TMPDIR=" + directory};
+std::vector<std::string> ImporterEnvironment() {
+  std::vector<std::string> environment = {"LC_ALL=C.UTF-8", "TZ=UTC"};
   if (kSanitized) {
     environment.push_back("ASAN_OPTIONS=detect_leaks=0");
     environment.push_back("TSAN_OPTIONS=report_signal_unsafe=0");  // tools/tsan.supp explains why
@@ -447,6 +446,10 @@ std::optional<MeshFailure> EvaluateImporterEnd(const ChildOutcome& outcome, cons
 
 }  // namespace
 
+ForkServerSettings ImporterForkServer() {
+  return {.program = ImporterPath(), .environment = ImporterEnvironment(), .log = {}};
+}
+
 ErrorCode ErrorCodeFromName(const std::string& name) {
   for (int code = 0; code <= static_cast<int>(ErrorCode::kInternal); ++code) {
     if (name == ErrorCodeName(static_cast<ErrorCode>(code))) return static_cast<ErrorCode>(code);
@@ -479,7 +482,10 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
 
   // Set the limits.
   child.limits = MakeChildLimits(request);
-  child.environment = ImporterEnvironment(files.directory.path());
+  child.environment = ImporterEnvironment();
+  child.environment.push_back("HOME=" + files.directory.path());
+  child.environment.push_back("TMPDIR=" + files.directory.path());
+  child.fork_server = request.fork_server;
   child.working_directory = files.directory.path();
   auto filter = ImporterSyscallFilter();
   if (!filter) return filter.error();
@@ -502,6 +508,7 @@ Result<ImportedFiles> RunImporter(const ImportRequest& request) {
   if (!run) return run.error();
   const ChildOutcome& outcome = run.value();
   files.wall_ms = outcome.wall_ms;
+  if (request.ended) request.ended(outcome.forked);
   files.peak_bytes = outcome.peak_bytes;
   files.peak_address_bytes = outcome.peak_address_bytes;
   if (auto failure = EvaluateImporterEnd(outcome, child.limits, request, clock, outputs, files)) {

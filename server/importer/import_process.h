@@ -6,7 +6,7 @@
 //
 //  1. The importer is a separate process (child_process.h) with limits on memory, CPU time, wall time,
 //     threads, files and output. It cannot use sockets, start processes or send signals to other processes
-//     (sandbox.h). It runs in an empty directory of its own; outside of it, it can read only its input and
+//     (syscall_filter.h). It runs in an empty directory of its own; outside of it, it can read only its input and
 //     the system's libraries (file_access.h).
 //  2. Whatever the file causes, RunImporter returns either files or one Error, and leaves nothing behind
 //     except what ImportedFiles owns.
@@ -15,7 +15,9 @@
 //  4. The importer first writes the complete model, and then makes the meshes. Meshing has a time limit of
 //     its own. If the caller can use the model alone (model_suffices), a failure of the mesher loses the
 //     meshes but not the model.
-//  5. The importer is the program next to the running binary, unless the environment variable
+//  5. The importer is started for the file, or forked by one that is loaded already (fork_server.h), under the same
+//     restrictions.
+//  6. The importer is the program next to the running binary, unless the environment variable
 //     FACETLESS_IMPORTER names another one.
 #pragma once
 
@@ -31,6 +33,7 @@
 #include "render/base/execution.h"
 #include "render/base/result.h"
 #include "server/base/temp_dir.h"
+#include "server/importer/fork_server.h"
 #include "server/importer/import_summary.h"
 
 namespace facetless {
@@ -62,13 +65,16 @@ struct ImportRequest {
   ExactRays exact;                          // rays to intersect; may be empty
   double unit_mm = 0;                       // if above 0, the unit of the file, whatever the file states
   ImportLimits limits;
-  std::string temp_parent;  // parent directory of the files; empty: $TMPDIR or /tmp
-  Execution execution;      // of threads the importer uses one, whatever this allows
+  std::string temp_parent;            // parent directory of the files; empty: $TMPDIR or /tmp
+  Execution execution;                // of threads the importer uses one, whatever this allows
+  ForkServer* fork_server = nullptr;  // made with ImporterForkServer; null: the program is started
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;
   // Called on the caller's thread when the model is complete and the mesher starts. The importer still runs
   // and could change its files, so a callback that uses the model must copy it first.
   std::function<void(const std::string& model_path)> model_written;
+  // Called when the importer has ended, however it ended. `forked` tells whether the fork server started it.
+  std::function<void(bool forked)> ended;
   // Called if the importer did not end by itself, or if its answer was unusable. `cause` is crash, timeout,
   // memory, output (too many or too large files), threads or answer.
   std::function<void(const std::string& cause)> died;
@@ -99,6 +105,9 @@ struct ImportedFiles {
 // message names the limit, and the option that raises it if there is one); kCancelled; kInternal (there is no
 // importer); and all errors that the importer itself reports.
 Result<ImportedFiles> RunImporter(const ImportRequest& request);
+
+// The settings of a fork server for RunImporter, without its log.
+ForkServerSettings ImporterForkServer();
 
 // The error code with the given stable name (ErrorCodeName); kInternal for an unknown name.
 ErrorCode ErrorCodeFromName(const std::string& name);

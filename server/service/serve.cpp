@@ -14,6 +14,7 @@
 #include "server/base/exit_code.h"
 #include "server/base/heap.h"
 #include "server/base/interrupt.h"
+#include "server/importer/import_process.h"
 #include "server/service/access/access.h"
 #include "server/service/access/keys.h"
 #include "server/service/http/http_server.h"
@@ -90,6 +91,7 @@ Observer MakeObserver(Metrics& metrics, ServiceLog& log) {
   };
   observer.traced = [&](double rays, double seconds) { metrics.Traced(rays, seconds); };
   observer.model_read = [&](double seconds) { metrics.ModelRead(seconds); };
+  observer.importer_ended = [&](bool forked) { metrics.ImporterEnded(forked); };
   observer.importer_died = [&](const std::string& cause) { metrics.ImporterDied(cause); };
   return observer;
 }
@@ -186,6 +188,11 @@ int Serve(const ServeOptions& options) {
   SqlJobStore queue(*directory.value(), queue_limits);
   JobSettings settings = MakeJobSettings(options, data);
   settings.observer = MakeObserver(metrics, log);
+  // One importer stays loaded and forks a child for each file. It outlives the jobs.
+  ForkServerSettings loaded_importer = ImporterForkServer();
+  loaded_importer.log = [&](const std::string& sentence) { log.Write(ServiceEntry(sentence, "warning")); };
+  ForkServer fork_server(std::move(loaded_importer));
+  settings.fork_server = &fork_server;
   Jobs jobs(queue, *store.value(), settings);
   ServiceLimits limits;
   limits.queue = options.queue;

@@ -80,6 +80,8 @@ struct Metrics::Families {
       AddHistogram("facetless_rays_per_second", "Rays per second of each view of the direct renderer");
   Family<Histogram>& model_seconds = AddHistogram(
       "facetless_model_read_duration_seconds", "Seconds of reading a model's file, at most once for a job");
+  Family<Counter>& importers = AddCounter(
+      "facetless_importers_total", "Importers that ended, by start: forked by the loaded one, or executed");
   Family<Counter>& deaths =
       AddCounter("facetless_importer_deaths_total", "Importers that did not end by themselves, by cause");
   Family<Counter>& look_ups =
@@ -95,6 +97,7 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {
       .Add({{"version", Version()}})
       .Set(1);
   // Create these series at the start, so that a rate includes the first event.
+  for (const char* start : {"forked", "executed"}) families_->importers.Add({{"start", start}});
   for (const char* cause : {"crash", "timeout", "memory", "output", "threads", "answer"})
     families_->deaths.Add({{"cause", cause}});
   for (const JobKindRow& kind : JobKinds()) {
@@ -134,6 +137,10 @@ void Metrics::Traced(double rays, double seconds) {
 
 void Metrics::ModelRead(double seconds) {
   families_->model_seconds.Add({}, kWorkSeconds).Observe(seconds);
+}
+
+void Metrics::ImporterEnded(bool forked) {
+  families_->importers.Add({{"start", forked ? "forked" : "executed"}}).Increment();
 }
 
 void Metrics::ImporterDied(const std::string& cause) {

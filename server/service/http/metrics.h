@@ -33,6 +33,7 @@ class Metrics {
   void StageEnded(const std::string& stage, double seconds);
   void Traced(double rays, double seconds);
   void ModelRead(double seconds);
+  void ImporterEnded(bool forked);
   void ImporterDied(const std::string& cause);
   // Counts a look-up of an answer of this kind; `found` tells whether the answer existed already.
   void LookedUp(JobKind kind, bool found);

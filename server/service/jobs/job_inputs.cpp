@@ -189,8 +189,12 @@ Result<ImportRequest> JobInputs::ImportRequestFor(const std::string& path, const
   request.unit_mm = request_.options.unit_mm;
   request.temp_parent = std::filesystem::path(scratch_.back().path()).parent_path();
   request.execution = execution();
+  request.fork_server = watch_.fork_server;
   request.progress = watch_.progress;
-  if (watch_.observer != nullptr) request.died = watch_.observer->importer_died;
+  if (watch_.observer != nullptr) {
+    request.ended = watch_.observer->importer_ended;
+    request.died = watch_.observer->importer_died;
+  }
   return request;
 }
 

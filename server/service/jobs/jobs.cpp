@@ -141,6 +141,7 @@ void Jobs::Run(const std::shared_ptr<Active>& active) {
     changed_.notify_all();
   };
   watch.observer = &settings_.observer;
+  watch.fork_server = settings_.fork_server;
   watch.message = [&](const std::string& sentence) {
     const std::lock_guard lock(mutex_);
     active->messages.push_back(sentence);

@@ -50,6 +50,8 @@ struct JobSettings {
       0;  // time after which ended jobs are deleted, seconds; 0: only their number is limited
   std::string private_directory;  // paths below this directory are removed from problem documents
   Observer observer;
+  ForkServer* fork_server =
+      nullptr;  // of the importer, which outlives the runner; null: each import starts it
 };
 
 class Jobs {

@@ -19,6 +19,7 @@ struct Observer {
   std::function<void(const std::string& stage, double seconds)> stage_ended;
   std::function<void(double rays, double seconds)> traced;  // one view of the direct renderer
   std::function<void(double seconds)> model_read;           // a model's file, into memory
+  std::function<void(bool forked)> importer_ended;          // however it ended; import_process.h
   // `cause` is crash, timeout, memory, output, threads or answer (import_process.h).
   std::function<void(const std::string& cause)> importer_died;
 };

@@ -14,6 +14,7 @@
 
 #include "render/base/result.h"
 #include "server/base/interrupt.h"
+#include "server/importer/fork_server.h"
 #include "server/service/jobs/job_store.h"
 #include "server/service/jobs/observer.h"
 #include "server/service/store/store.h"
@@ -32,6 +33,7 @@ struct JobWatch {
   std::function<void(const std::string& stage, double fraction)> progress;
   std::function<void(const std::string& sentence)> message;  // information for the user during the job
   const Observer* observer = nullptr;
+  ForkServer* fork_server = nullptr;  // of the importer
 };
 
 // Runs a job and returns the item that contains the answer (store.h). Errors: the errors of the importer, of

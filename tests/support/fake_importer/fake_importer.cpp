@@ -22,6 +22,7 @@
 //   words      dies with an error text that must not reach a terminal
 //   lies       answers with an error code that does not exist
 //   open       reports how many files it may open, as `opened`
+// With --serve-forks alone it forks a child for each file, as the importer does.
 // The following report as `denied` whether they were prevented:
 //   socket, fork, vfork, memfd
 //   signal     signals its parent, its parent's group and all processes
@@ -59,6 +60,7 @@
 
 #include "render/model/builder.h"
 #include "render/model/model_file.h"
+#include "sandbox/fork_requests.h"
 
 namespace {
 
@@ -115,7 +117,7 @@ std::string SquareMesh() {
          word(data.size()) + std::string("BIN\0", 4) + data;
 }
 
-int WriteModelAndMeshes(int argc, char** argv, bool answer = true) {
+int WriteModelAndMeshes(int argc, const char* const* argv, bool answer = true) {
   std::fprintf(stderr, "progress read 0.5\nprogress transfer 1\n");
   for (int i = 2; i + 1 < argc; ++i) {
     if (std::string(argv[i]) == "--mesh") std::ofstream(argv[i + 1]) << SquareMesh();
@@ -128,7 +130,7 @@ int WriteModelAndMeshes(int argc, char** argv, bool answer = true) {
   return answer ? Answer(R"({"ok":true,"faces":1})") : 0;
 }
 
-int ReportDenied(int argc, char** argv, bool denied) {
+int ReportDenied(int argc, const char* const* argv, bool denied) {
   WriteModelAndMeshes(argc, argv, false);
   return Answer(std::string("{\"ok\":true,\"denied\":") + (denied ? "true}" : "false}"));
 }
@@ -233,9 +235,7 @@ int ReportEnvironment() {
   return Answer(text + "],\"files\":" + std::to_string(files - 2) + "}");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int Run(int argc, const char* const* argv) {
   std::ifstream input(argv[1]);
   std::string mode, detail;
   input >> mode >> detail;
@@ -320,4 +320,18 @@ int main(int argc, char** argv) {
   if (mode == "garbage") return Answer("hello");
   std::fprintf(stderr, "unknown mode %s\n", mode.c_str());
   return 70;
+}
+
+int RunArguments(const std::vector<std::string>& arguments) {
+  std::vector<const char*> words;
+  for (const std::string& argument : arguments) words.push_back(argument.c_str());
+  return Run(static_cast<int>(words.size()), words.data());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc == 2 && std::string_view(argv[1]) == facetless::kServeForks)
+    return facetless::ServeForkRequests(facetless::kForkSocket, RunArguments);
+  return Run(argc, argv);
 }

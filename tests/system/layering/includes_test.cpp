@@ -1,8 +1,8 @@
 // Tests who may include whom. The rules are those of ARCHITECTURE.md, "Who may include whom", and must be
 // changed in both places.
 //
-//  1. Of our own folders: server → bench, render; bench → render; import → render/base, render/model; render
-//     → render. Nothing includes tests/ or samples/.
+//  1. Of our own folders: server → bench, render, sandbox; bench → render; import → render/base, render/model,
+//     sandbox; render → render; sandbox → sandbox. Nothing includes tests/ or samples/.
 //  2. The folders of render/ form a chain, and so do those of server/: each includes itself and those before
 //     it.
 //  3. Each third-party library has one home.
@@ -47,7 +47,7 @@ SourceFile ReadSource(const fs::path& root, const fs::path& file) {
 const std::vector<SourceFile>& Sources() {
   static const std::vector<SourceFile> sources = [] {
     std::vector<SourceFile> found;
-    for (const char* folder : {"import", "render", "bench", "server", "samples", "tests"}) {
+    for (const char* folder : {"import", "render", "sandbox", "bench", "server", "samples", "tests"}) {
       for (const auto& entry : fs::recursive_directory_iterator(SourceRoot() / folder)) {
         const std::string extension = entry.path().extension().string();
         if (extension == ".h" || extension == ".cpp") found.push_back(ReadSource(SourceRoot(), entry.path()));
@@ -76,7 +76,8 @@ std::vector<std::string> ForbiddenIncludes(const std::string& folder,
   for (const SourceFile& source : Sources()) {
     if (!StartsWith(source.path, folder)) continue;
     for (const std::string& include : source.includes) {
-      if (!StartsWithAny(include, {"import/", "render/", "bench/", "server/", "samples/", "tests/"}))
+      if (!StartsWithAny(include,
+                         {"import/", "render/", "sandbox/", "bench/", "server/", "samples/", "tests/"}))
         continue;
       if (!StartsWithAny(include, allowed)) forbidden.push_back(source.path + " includes " + include);
     }
@@ -118,11 +119,16 @@ TEST(Layering, RenderKnowsNothingOfOursOutside) {
 }
 
 TEST(Layering, ImportSeesOnlyTheModel) {
-  EXPECT_THAT(ForbiddenIncludes("import/", {"import/", "render/base/", "render/model/"}), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes("import/", {"import/", "render/base/", "render/model/", "sandbox/"}),
+              IsEmpty());
 }
 
 TEST(Layering, ServerDoesNotSeeImport) {
-  EXPECT_THAT(ForbiddenIncludes("server/", {"server/", "render/", "bench/"}), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes("server/", {"server/", "render/", "sandbox/", "bench/"}), IsEmpty());
+}
+
+TEST(Layering, SandboxStandsAlone) {
+  EXPECT_THAT(ForbiddenIncludes("sandbox/", {"sandbox/"}), IsEmpty());
 }
 
 TEST(Layering, BenchSeesOnlyRender) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "server/base/temp_dir.h"
@@ -13,13 +14,26 @@
 
 namespace facetless {
 
-class FakeImport : public ::testing::Test {
+enum class ImporterStart { kExecuted, kForked };
+
+class FakeImport : public ::testing::TestWithParam<ImporterStart> {
  protected:
+  FakeImport() {
+    if (GetParam() != ImporterStart::kForked) return;
+    fork_server_ = std::make_unique<ForkServer>(ImporterForkServer());
+    EXPECT_GT(fork_server_->WaitForProcess(30), 0);
+  }
+  ~FakeImport() override {
+    // Every importer was started as the test says.
+    EXPECT_EQ(GetParam() == ImporterStart::kForked ? executed_ : forked_, 0);
+  }
   ImportRequest Request(const std::string& mode) {
     ImportRequest request;
     request.input = WriteText(inputs_.File("part.step"), mode);
     request.temp_parent = scratch_.path();
     request.limits.timeout_s = 30;
+    request.fork_server = fork_server_.get();
+    request.ended = [this](bool forked) { ++(forked ? forked_ : executed_); };
     return request;
   }
   Error ErrorOf(const ImportRequest& request) {
@@ -32,6 +46,12 @@ class FakeImport : public ::testing::Test {
   ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-fake-importer")};
   TempDir inputs_ = TempDir::Create().value();
   TempDir scratch_ = TempDir::Create().value();
+  std::unique_ptr<ForkServer> fork_server_;  // null: importers are executed
+  int forked_ = 0, executed_ = 0;
 };
+
+inline std::string NameOfStart(const testing::TestParamInfo<ImporterStart>& info) {
+  return info.param == ImporterStart::kForked ? "Forked" : "Executed";
+}
 
 }  // namespace facetless

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 using ImportProcess = FakeImport;
 
-TEST_F(ImportProcess, GivesModelAndMeshesUntilTheyAreLetGo) {
+TEST_P(ImportProcess, GivesModelAndMeshesUntilTheyAreLetGo) {
   ImportRequest request = Request("ok");
   request.meshes = {{}, {.deflection_mm = 0.5}};
   std::vector<std::string> stages;
@@ -41,19 +41,19 @@ TEST_F(ImportProcess, GivesModelAndMeshesUntilTheyAreLetGo) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }
 
-TEST_F(ImportProcess, PassesTheImportersOwnErrorOn) {
+TEST_P(ImportProcess, PassesTheImportersOwnErrorOn) {
   const Error error = ErrorOf(Request("unusable nothing-usable"));
   EXPECT_EQ(error.code, ErrorCode::kNothingUsable);
   EXPECT_EQ(error.message, "nothing in here");
 }
 
-TEST_F(ImportProcess, SurvivesACrashAndNamesTheSignal) {
+TEST_P(ImportProcess, SurvivesACrashAndNamesTheSignal) {
   const Error error = ErrorOf(Request("crash"));
   EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
   EXPECT_THAT(error.message, HasSubstr("part.step: the importer was killed by SIGSEGV"));
 }
 
-TEST_F(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
+TEST_P(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
   ImportRequest request = Request("hang");
   request.limits.timeout_s = 0.3;
   const Error error = ErrorOf(request);
@@ -61,7 +61,7 @@ TEST_F(ImportProcess, StopsOneThatHangsAndNamesTheOption) {
   EXPECT_THAT(error.message, HasSubstr("0.3 s; use --import-timeout to allow more"));
 }
 
-TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
+TEST_P(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
   if (kSanitized) GTEST_SKIP() << "sanitizers need more address space than a limit allows";
   ImportRequest request = Request("memory");
   request.limits.memory_mb = 300;
@@ -70,7 +70,7 @@ TEST_F(ImportProcess, StopsOneThatEatsMemoryAndNamesTheOption) {
   EXPECT_THAT(error.message, HasSubstr("300 MB of memory; use --import-memory to allow more"));
 }
 
-TEST_F(ImportProcess, KeepsTheModelOfAMesherThatFailsIfThatSuffices) {
+TEST_P(ImportProcess, KeepsTheModelOfAMesherThatFailsIfThatSuffices) {
   std::vector<std::pair<std::string, std::string>> ends = {{"mesh-hang", "timeout"},
                                                            {"mesh-crash", "crash"},
                                                            {"mesh-garbage", "crash"},
@@ -101,7 +101,7 @@ TEST_F(ImportProcess, KeepsTheModelOfAMesherThatFailsIfThatSuffices) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path()));
 }
 
-TEST_F(ImportProcess, StopsOneThatFillsTheDisk) {
+TEST_P(ImportProcess, StopsOneThatFillsTheDisk) {
   ImportRequest request = Request("bigfile");
   request.limits.file_mb = 2;
   const Error error = ErrorOf(request);
@@ -109,13 +109,13 @@ TEST_F(ImportProcess, StopsOneThatFillsTheDisk) {
   EXPECT_THAT(error.message, HasSubstr("larger than 2 MB"));
 }
 
-TEST_F(ImportProcess, IsNotDrownedByAFlood) {
+TEST_P(ImportProcess, IsNotDrownedByAFlood) {
   ImportRequest request = Request("flood");
   request.limits.timeout_s = 0.5;
   EXPECT_EQ(ErrorOf(request).code, ErrorCode::kLimitExceeded);
 }
 
-TEST_F(ImportProcess, StopsWhenAsked) {
+TEST_P(ImportProcess, StopsWhenAsked) {
   std::atomic<bool> cancel{false};
   ImportRequest request = Request("hang");
   request.execution.cancel = &cancel;
@@ -127,7 +127,7 @@ TEST_F(ImportProcess, StopsWhenAsked) {
   canceller.join();
 }
 
-TEST_F(ImportProcess, MistrustsAnAnswerThatIsNone) {
+TEST_P(ImportProcess, MistrustsAnAnswerThatIsNone) {
   const Error unknown = ErrorOf(Request("no such mode"));
   EXPECT_EQ(unknown.code, ErrorCode::kImporterCrashed);
   EXPECT_THAT(unknown.message, HasSubstr("exit code 70: unknown mode no"));
@@ -136,7 +136,7 @@ TEST_F(ImportProcess, MistrustsAnAnswerThatIsNone) {
   EXPECT_THAT(error.message, HasSubstr("gave up with exit code 0"));
 }
 
-TEST_F(ImportProcess, AllowsNeitherSocketsNorProcesses) {
+TEST_P(ImportProcess, AllowsNeitherSocketsNorProcesses) {
   for (const char* mode : {"socket", "fork"}) {
     auto files = RunImporter(Request(mode));
     ASSERT_TRUE(files.ok()) << files.error().message;
@@ -144,7 +144,7 @@ TEST_F(ImportProcess, AllowsNeitherSocketsNorProcesses) {
   }
 }
 
-TEST_F(ImportProcess, GivesOnlyWhatIsNeeded) {
+TEST_P(ImportProcess, GivesOnlyWhatIsNeeded) {
   const ScopedEnvironment secret("FACETLESS_SECRET", "yes");
   const ScopedEnvironment resources("CSF_TestDefaults", "/somewhere");
   auto files = RunImporter(Request("env"));
@@ -159,7 +159,7 @@ TEST_F(ImportProcess, GivesOnlyWhatIsNeeded) {
   EXPECT_EQ(files.value().answer.at("files"), 3);
 }
 
-TEST_F(ImportProcess, RefusesWhatIsNoFile) {
+TEST_P(ImportProcess, RefusesWhatIsNoFile) {
   ImportRequest request = Request("ok");
   request.input = inputs_.File("absent.step");
   EXPECT_EQ(ErrorOf(request).code, ErrorCode::kFileUnreadable);
@@ -168,6 +168,9 @@ TEST_F(ImportProcess, RefusesWhatIsNoFile) {
   EXPECT_EQ(error.code, ErrorCode::kFileUnreadable);
   EXPECT_THAT(error.message, HasSubstr("not a regular file"));
 }
+
+INSTANTIATE_TEST_SUITE_P(Starts, ImportProcess,
+                         testing::Values(ImporterStart::kExecuted, ImporterStart::kForked), NameOfStart);
 
 TEST(ErrorCodes, ComeBackFromTheirNames) {
   for (int code = 0; code <= static_cast<int>(ErrorCode::kInternal); ++code)

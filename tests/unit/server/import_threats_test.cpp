@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "render/model/model_file.h"
-#include "server/importer/file_access.h"
+#include "sandbox/file_access.h"
 #include "server/importer/import_process.h"
 #include "tests/support/sanitized.h"
 #include "tests/unit/server/fake_import.h"
@@ -52,6 +52,7 @@ class ImportThreats : public FakeImport {
     EXPECT_EQ(after.open_files, before_.open_files);
     EXPECT_EQ(after.threads, before_.threads);
     EXPECT_LE(after.resident, before_.resident + kKeptBytes);
+    fork_server_.reset();
     EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child process still runs";
     EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "something was left behind";
   }
@@ -64,7 +65,7 @@ class ImportThreats : public FakeImport {
   Holdings before_;
 };
 
-TEST_F(ImportThreats, ManyOutputsEndAtTheirTotal) {
+TEST_P(ImportThreats, ManyOutputsEndAtTheirTotal) {
   ImportRequest request = Request("outputs");
   request.limits.file_mb = 8;
   const Error error = ErrorOf(request);
@@ -72,7 +73,7 @@ TEST_F(ImportThreats, ManyOutputsEndAtTheirTotal) {
   EXPECT_THAT(error.message, HasSubstr("larger than 8 MB"));
 }
 
-TEST_F(ImportThreats, OutputsWithoutANameCountToo) {
+TEST_P(ImportThreats, OutputsWithoutANameCountToo) {
   ImportRequest request = Request("nameless");
   request.limits.file_mb = 8;
   const Error error = ErrorOf(request);
@@ -80,59 +81,59 @@ TEST_F(ImportThreats, OutputsWithoutANameCountToo) {
   EXPECT_THAT(error.message, HasSubstr("larger than 8 MB"));
 }
 
-TEST_F(ImportThreats, ManyFilesEndAtTheirNumber) {
+TEST_P(ImportThreats, ManyFilesEndAtTheirNumber) {
   const Error error = ErrorOf(Request("manyfiles"));
   EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
   EXPECT_THAT(error.message, HasSubstr("more than 256 files"));
 }
 
-TEST_F(ImportThreats, DirectoriesDeeperThanAPathAreStoppedAndRemoved) {
+TEST_P(ImportThreats, DirectoriesDeeperThanAPathAreStoppedAndRemoved) {
   const Error error = ErrorOf(Request("deep"));
   EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
   EXPECT_THAT(error.message, HasSubstr("more than 256 files"));
 }
 
-TEST_F(ImportThreats, ManyThreadsEndAtTheirNumber) {
+TEST_P(ImportThreats, ManyThreadsEndAtTheirNumber) {
   const Error error = ErrorOf(Request("threads"));
   EXPECT_EQ(error.code, ErrorCode::kLimitExceeded);
   EXPECT_THAT(error.message, HasSubstr("threads"));
 }
 
-TEST_F(ImportThreats, NoMoreFilesCanBeOpenedThanAllowed) {
+TEST_P(ImportThreats, NoMoreFilesCanBeOpenedThanAllowed) {
   auto files = RunImporter(Request("open"));
   ASSERT_TRUE(files.ok()) << files.error().message;
   EXPECT_GT(files.value().answer.at("opened"), 0);
   EXPECT_LT(files.value().answer.at("opened"), 256);
 }
 
-TEST_F(ImportThreats, NoProcessCanBeStarted) {
+TEST_P(ImportThreats, NoProcessCanBeStarted) {
   ExpectDenied("fork");
   ExpectDenied("vfork");
 }
 
-TEST_F(ImportThreats, NoSocketOfAnyFamilyCanBeMade) {
+TEST_P(ImportThreats, NoSocketOfAnyFamilyCanBeMade) {
   ExpectDenied("socket");
 }
 
-TEST_F(ImportThreats, NoMemoryBesideItsAddressSpaceCanBeHad) {
+TEST_P(ImportThreats, NoMemoryBesideItsAddressSpaceCanBeHad) {
   ExpectDenied("memfd");
 }
 
-TEST_F(ImportThreats, NoSignalReachesItsParent) {
+TEST_P(ImportThreats, NoSignalReachesItsParent) {
   ExpectDenied("signal");
 }
 
-TEST_F(ImportThreats, ItsParentCanNeitherBeReadNorChanged) {
+TEST_P(ImportThreats, ItsParentCanNeitherBeReadNorChanged) {
   ExpectDenied("ptrace");
 }
 
-TEST_F(ImportThreats, LeavingItsGroupDoesNotSaveItFromTheClock) {
+TEST_P(ImportThreats, LeavingItsGroupDoesNotSaveItFromTheClock) {
   ImportRequest request = Request("leave");
   request.limits.timeout_s = 0.3;
   EXPECT_EQ(ErrorOf(request).code, ErrorCode::kLimitExceeded);
 }
 
-TEST_F(ImportThreats, FilesOfOthersCanBeNeitherReadNorListedNorRun) {
+TEST_P(ImportThreats, FilesOfOthersCanBeNeitherReadNorListedNorRun) {
   if (LandlockVersion() == 0)
     GTEST_SKIP() << "this kernel has no Landlock, so files of the same user remain readable";
   const TempDir others = TempDir::Create().value();
@@ -157,7 +158,7 @@ TEST_F(ImportThreats, FilesOfOthersCanBeNeitherReadNorListedNorRun) {
   EXPECT_EQ(ReadText(secret), "nobody's business");
 }
 
-TEST_F(ImportThreats, WhatLibrariesNeedStaysReadable) {
+TEST_P(ImportThreats, WhatLibrariesNeedStaysReadable) {
   for (const char* mode : {"read /proc/self/status", "read /dev/null", "read /etc/ld.so.cache",
                            "list /usr/share", "list .", "write own"}) {
     auto files = RunImporter(Request(mode));
@@ -166,7 +167,7 @@ TEST_F(ImportThreats, WhatLibrariesNeedStaysReadable) {
   }
 }
 
-TEST_F(ImportThreats, NeitherLinksNorPipesArePassedOffAsItsFiles) {
+TEST_P(ImportThreats, NeitherLinksNorPipesArePassedOffAsItsFiles) {
   for (const char* mode : {"link /etc/passwd", "pipe"}) {
     const Error error = ErrorOf(Request(mode));
     EXPECT_EQ(error.code, ErrorCode::kImporterCrashed) << mode;
@@ -174,19 +175,19 @@ TEST_F(ImportThreats, NeitherLinksNorPipesArePassedOffAsItsFiles) {
   }
 }
 
-TEST_F(ImportThreats, AnAnswerWithoutFilesIsNone) {
+TEST_P(ImportThreats, AnAnswerWithoutFilesIsNone) {
   const Error error = ErrorOf(Request("nothing"));
   EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
   EXPECT_THAT(error.message, HasSubstr("a file is missing"));
 }
 
-TEST_F(ImportThreats, LastWordsAreMadePrintable) {
+TEST_P(ImportThreats, LastWordsAreMadePrintable) {
   const Error error = ErrorOf(Request("words"));
   EXPECT_EQ(error.code, ErrorCode::kImporterCrashed);
   EXPECT_THAT(error.message, HasSubstr("exit code 70: ?[2Jbell? and ?? bytes"));
 }
 
-TEST_F(ImportThreats, AnErrorThatIsNoneIsStillAnError) {
+TEST_P(ImportThreats, AnErrorThatIsNoneIsStillAnError) {
   for (const char* answer : {R"({"error":5})", R"({"error":{"code":7,"message":[]}})", R"({"error":null})"}) {
     const Error error = ErrorOf(Request("lies " + std::string(answer)));
     EXPECT_EQ(error.code, ErrorCode::kInternal) << answer;
@@ -195,7 +196,7 @@ TEST_F(ImportThreats, AnErrorThatIsNoneIsStillAnError) {
   EXPECT_EQ(ErrorOf(Request("lies " + std::string(100'000, '['))).code, ErrorCode::kImporterCrashed);
 }
 
-TEST_F(ImportThreats, TheOthersThatImportProcessTestNames) {
+TEST_P(ImportThreats, TheOthersThatImportProcessTestNames) {
   // Other tests check the answers to a crash, a process that ignores SIGTERM, memory, one large file and
   // floods. This test checks that the caller is not affected.
   ImportRequest request = Request("crash");
@@ -209,6 +210,9 @@ TEST_F(ImportThreats, TheOthersThatImportProcessTestNames) {
   request.limits.file_mb = 2;
   EXPECT_EQ(ErrorOf(request).code, ErrorCode::kLimitExceeded);
 }
+
+INSTANTIATE_TEST_SUITE_P(Starts, ImportThreats,
+                         testing::Values(ImporterStart::kExecuted, ImporterStart::kForked), NameOfStart);
 
 }  // namespace
 }  // namespace facetless

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "server/importer/file_access.h"
+#include "sandbox/file_access.h"
 #include "server/importer/import_process.h"
 #include "tests/unit/server/support.h"
 #include "tests/verify/mutations/judge.h"

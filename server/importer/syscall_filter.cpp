@@ -1,7 +1,6 @@
-#include "server/importer/sandbox.h"
+#include "server/importer/syscall_filter.h"
 
 #include <fcntl.h>
-#include <linux/bpf_common.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/mman.h>
@@ -12,6 +11,8 @@
 #include <cstring>
 #include <memory>
 #include <utility>
+
+#include "sandbox/confinement.h"
 
 namespace facetless {
 namespace {
@@ -99,12 +100,6 @@ Result<std::vector<sock_filter>> ImporterSyscallFilter() {
   close(file);
   if (!read_back) return failed("export");
   return program;
-}
-
-void SetOwnProcess(std::vector<sock_filter>& filter, std::uint32_t process) {
-  for (sock_filter& step : filter) {
-    if (BPF_CLASS(step.code) == BPF_JMP && step.k == kOwnProcess) step.k = process;
-  }
 }
 
 }  // namespace facetless

@@ -1,4 +1,4 @@
-#include "server/importer/file_access.h"
+#include "sandbox/file_access.h"
 
 #include <fcntl.h>
 #include <linux/landlock.h>
