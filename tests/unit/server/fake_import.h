@@ -16,16 +16,16 @@ namespace facetless {
 
 enum class ImporterStart { kExecuted, kForked };
 
-class FakeImport : public ::testing::TestWithParam<ImporterStart> {
+class FakeImport : public ::testing::Test {
  protected:
-  FakeImport() {
-    if (GetParam() != ImporterStart::kForked) return;
+  explicit FakeImport(ImporterStart start = ImporterStart::kExecuted) : start_(start) {
+    if (start_ != ImporterStart::kForked) return;
     fork_server_ = std::make_unique<ForkServer>(ImporterForkServer());
     EXPECT_GT(fork_server_->WaitForProcess(30), 0);
   }
   ~FakeImport() override {
     // Every importer was started as the test says.
-    EXPECT_EQ(GetParam() == ImporterStart::kForked ? executed_ : forked_, 0);
+    EXPECT_EQ(start_ == ImporterStart::kForked ? executed_ : forked_, 0);
   }
   ImportRequest Request(const std::string& mode) {
     ImportRequest request;
@@ -43,11 +43,18 @@ class FakeImport : public ::testing::TestWithParam<ImporterStart> {
     return files.ok() ? Error{} : files.error();
   }
 
+  const ImporterStart start_;
   ScopedEnvironment importer_{"FACETLESS_IMPORTER", Program("facetless-fake-importer")};
   TempDir inputs_ = TempDir::Create().value();
   TempDir scratch_ = TempDir::Create().value();
   std::unique_ptr<ForkServer> fork_server_;  // null: importers are executed
   int forked_ = 0, executed_ = 0;
+};
+
+// For tests that run twice: the program is executed for the file, or forked by one that is loaded.
+class FakeImportBothWays : public FakeImport, public ::testing::WithParamInterface<ImporterStart> {
+ protected:
+  FakeImportBothWays() : FakeImport(GetParam()) {}
 };
 
 inline std::string NameOfStart(const testing::TestParamInfo<ImporterStart>& info) {

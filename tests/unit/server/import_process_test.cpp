@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-using ImportProcess = FakeImport;
+using ImportProcess = FakeImportBothWays;
 
 TEST_P(ImportProcess, GivesModelAndMeshesUntilTheyAreLetGo) {
   ImportRequest request = Request("ok");

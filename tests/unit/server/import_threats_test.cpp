@@ -40,7 +40,7 @@ struct Holdings {
 // both. A sanitizer's allocator also keeps freed memory and its shadow.
 constexpr std::size_t kKeptBytes = std::size_t{kSanitized ? 128 : 16} << 20;
 
-class ImportThreats : public FakeImport {
+class ImportThreats : public FakeImportBothWays {
  protected:
   void SetUp() override {
     // The first run allocates what stays allocated: locale, allocator.
