@@ -1,4 +1,4 @@
-// The loaded importer and its children, with the stand-in (tests/support/fake_importer).
+// The loaded importer and its children, with the fake importer (tests/support/fake_importer).
 #include "server/importer/fork_server.h"
 
 #include <gmock/gmock.h>
