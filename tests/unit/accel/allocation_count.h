@@ -1,0 +1,11 @@
+// Counts what a thread allocates with `new`, for the tests of this folder.
+#pragma once
+
+#include <cstddef>
+
+namespace facetless::testing {
+
+// The number of calls of `new` by this thread so far.
+std::size_t CountAllocations();
+
+}  // namespace facetless::testing
