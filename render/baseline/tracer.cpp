@@ -122,11 +122,47 @@ class TileTracer {
     std::uint64_t hits = 0;
     for (int y = y0; y < y1; y += kPacket)
       for (int x = x0; x < x1; x += kPacket)
-        hits += TracePacket(x, std::min(x + kPacket, x1), y, std::min(y + kPacket, y1));
+        hits += TracePacket(BlockOf(x, std::min(x + kPacket, x1), y, std::min(y + kPacket, y1)));
     return hits;
   }
 
+  // Traces the samples [first, last) of refined pixels, which are the entries of the samples in that order.
+  void TraceRefined(const PixelSet& pixels, SampleGrid grid, std::size_t first, std::size_t last) const {
+    const auto count = static_cast<std::size_t>(grid.count());
+    for (std::size_t i = first; i < last; i += kLanes) {
+      Lanes lanes;
+      lanes.count = static_cast<int>(std::min<std::size_t>(kLanes, last - i));
+      for (int lane = 0; lane < lanes.count; ++lane) {
+        const std::size_t sample = i + static_cast<std::size_t>(lane);
+        lanes.at[lane] = PlaceOfSample(pixels.pixels()[sample / count], pixels.width(), grid,
+                                       static_cast<int>(sample % count));
+        lanes.out[lane] = sample;
+      }
+      TracePacket(lanes);
+    }
+  }
+
  private:
+  static constexpr int kLanes = kPacket * kPacket;
+  // The rays of a packet: their pixels, and where their hits are stored.
+  struct Lanes {
+    int count = 0;
+    SamplePlace at[kLanes];
+    std::size_t out[kLanes];
+  };
+
+  // The pixels [x0, x1) × [y0, y1), of which there are at most kLanes.
+  Lanes BlockOf(int x0, int x1, int y0, int y1) const {
+    Lanes lanes;
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        lanes.at[lanes.count] = {x, y};
+        lanes.out[lanes.count++] = static_cast<std::size_t>(y) * out_.width + x;
+      }
+    }
+    return lanes;
+  }
+
   // The depth at which rays start. It is just before the mesh, where float32 has the best resolution.
   static double StartDepth(const BaselineScene::Data& data, const CameraFrame& frame) {
     double nearest = INFINITY;
@@ -148,15 +184,15 @@ class TileTracer {
     return within(origin, data_.reach) && within(direction, kSteepestRay);
   }
 
-  std::uint64_t TracePacket(int x0, int x1, int y0, int y1) const {
-    // Fill the packet; lanes outside the tile stay idle.
-    alignas(64) int valid[16];
+  std::uint64_t TracePacket(const Lanes& lanes) const {
+    // Fill the packet; lanes without a ray stay idle.
+    alignas(64) int valid[kLanes];
     alignas(64) RTCRayHit16 packet;
-    Ray rays[16];
-    for (int lane = 0; lane < 16; ++lane) {
-      const int x = x0 + lane % kPacket, y = y0 + lane / kPacket;
-      const bool inside = x < x1 && y < y1;
-      rays[lane] = PixelRay(frame_, (inside ? x : x0) + 0.5, (inside ? y : y0) + 0.5);
+    Ray rays[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const bool inside = lane < lanes.count;
+      const SamplePlace at = lanes.at[inside ? lane : 0];
+      rays[lane] = PixelRay(frame_, at.column + 0.5, at.row + 0.5);
       const Vec3 origin = rays[lane].origin + start_ * rays[lane].direction - data_.center;
       valid[lane] = inside && Reaches(origin, rays[lane].direction) ? -1 : 0;
       packet.ray.org_x[lane] = static_cast<float>(origin.x);
@@ -183,13 +219,11 @@ class TileTracer {
 
     // Compute the points again in double.
     std::uint64_t hits = 0;
-    for (int lane = 0; lane < 16; ++lane) {
+    for (int lane = 0; lane < kLanes; ++lane) {
       if (valid[lane] == 0 || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
       const unsigned instance = packet.hit.instID[0][lane];
       const unsigned geometry = instance == RTC_INVALID_GEOMETRY_ID ? packet.hit.geomID[lane] : instance;
-      const int x = x0 + lane % kPacket, y = y0 + lane / kPacket;
-      Store(static_cast<std::size_t>(y) * out_.width + x, rays[lane], data_.node_of_geometry[geometry],
-            packet.hit.primID[lane]);
+      Store(lanes.out[lane], rays[lane], data_.node_of_geometry[geometry], packet.hit.primID[lane]);
       ++hits;
     }
     return hits;
@@ -305,6 +339,28 @@ class TileTracer {
   const double start_;
 };
 
+// Traces the samples of the pixels that the request names for a view whose centres have been traced.
+Result<Refinement> Refine(const BaselineScene& scene, const Camera& camera, const BaselineResult& centres,
+                          const BaselineOptions& options) {
+  const SampleGrid grid = options.refine->grid;
+  PixelSet pixels(camera.width_px, camera.height_px);
+  options.refine->picker->Pick(centres.samples, centres.frame, &pixels);
+  pixels.Finish();
+  const Result<CameraFrame> frame = MakeFrame(camera.Supersampled(grid.x, grid.y), scene.bounds().diagonal());
+  if (!frame.ok()) return frame.error();
+  Refinement refinement{grid, frame.value(), std::move(pixels), {}};
+  refinement.samples.Resize(grid.count(), static_cast<int>(refinement.pixels.size()));
+  const TileTracer tracer(scene.data(), refinement.frame, refinement.samples);
+  constexpr std::size_t kBlock = 1024;  // samples
+  RunWithThreads(options.execution.threads, [&] {
+    ParallelForBlocks(0, refinement.samples.size(), kBlock, [&](std::size_t first, std::size_t last) {
+      if (!options.execution.cancelled()) tracer.TraceRefined(refinement.pixels, grid, first, last);
+    });
+  });
+  if (options.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+  return refinement;
+}
+
 }  // namespace
 
 Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& camera,
@@ -315,6 +371,8 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
   if (!options.sections.empty() && (options.solids == nullptr || !scene.data().to_be_cut))
     return Error{ErrorCode::kBadUsage,
                  "section planes need the model's solids, and a mesh prepared to be cut"};
+  if (options.refine != nullptr && !options.sections.empty())
+    return Error{ErrorCode::kBadUsage, "views with section planes cannot be refined"};
   const Stopwatch stopwatch;
   BaselineResult result;
   result.frame = frame.value();
@@ -334,13 +392,20 @@ Result<BaselineResult> TraceBaseline(const BaselineScene& scene, const Camera& c
     return Error{ErrorCode::kLimitExceeded, "view '" + camera.name + "': its samples do not fit into memory"};
   }
   if (options.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+  result.stats.trace_ms = stopwatch.Milliseconds();
+  if (options.refine != nullptr) {
+    const Stopwatch refining;
+    Result<Refinement> refined = Refine(scene, camera, result, options);
+    if (!refined.ok()) return refined.error();
+    result.refinement = std::move(refined).value();
+    result.stats.refine_ms = refining.Milliseconds();
+  }
 
   result.stats.rays =
       static_cast<std::uint64_t>(camera.width_px) * static_cast<std::uint64_t>(camera.height_px);
   result.stats.hits = hits;
   result.stats.buffer_bytes =
       result.samples.size() * (sizeof(double) + 3 * sizeof(float) + sizeof(std::uint32_t));
-  result.stats.trace_ms = stopwatch.Milliseconds();
   return result;
 }
 

@@ -24,12 +24,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/model/mesh.h"
 #include "render/view/camera.h"
+#include "render/view/refinement.h"
 #include "render/view/samples.h"
 #include "render/view/section.h"
 
@@ -39,17 +41,20 @@ struct BaselineOptions {
   Execution execution;                          // the cancellation flag is polled once per tile
   std::span<const SectionPlane> sections = {};  // section planes
   const SectionSolids* solids = nullptr;        // solids of the model; required with sections
+  // Which pixels are traced again with several samples. Null: none. Not with sections.
+  const RefineRequest* refine = nullptr;
 };
 
 struct BaselineStats {
-  double trace_ms = 0;
+  double trace_ms = 0, refine_ms = 0;  // refine_ms: of the refinement
   std::uint64_t rays = 0, hits = 0;
   std::uint64_t buffer_bytes = 0;  // memory of the samples
 };
 
 struct BaselineResult {
   CameraFrame frame;
-  SampleBuffer samples;  // without uv and certificate
+  SampleBuffer samples;                  // without uv and certificate
+  std::optional<Refinement> refinement;  // if one was requested
   BaselineStats stats;
 };
 

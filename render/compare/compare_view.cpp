@@ -1,8 +1,6 @@
 #include "render/compare/compare_view.h"
 
 #include <algorithm>
-#include <array>
-#include <map>
 #include <new>
 #include <optional>
 #include <string>
@@ -11,9 +9,11 @@
 #include "render/base/execution.h"
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
+#include "render/compare/borrowed_faces.h"
 #include "render/compare/see_through.h"
 #include "render/lines/draw_lines.h"
 #include "render/lines/view_lines.h"
+#include "render/shade/contrast.h"
 
 namespace facetless {
 namespace {
@@ -79,10 +79,7 @@ struct Exposure {
   const SampleBuffer* behind;
 };
 
-// Shades the samples, resolves them to pixels, draws lines and encodes the image. `inspection` is null for
-// the studio's light.
-Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const InspectionView* inspection,
-                       const ViewOptions& options) {
+ShadeOptions HowToShade(const Subject& subject, SampleGrid grid, const ViewOptions& options) {
   ShadeOptions shade;
   if (subject.solids) {
     shade.first_cap = subject.solids->first_cap();
@@ -90,9 +87,17 @@ Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const I
   }
   shade.background = options.background;
   shade.edges = options.edges;
-  shade.samples_x = exposure.grid.x;
-  shade.samples_y = exposure.grid.y;
+  shade.samples_x = grid.x;
+  shade.samples_y = grid.y;
   shade.execution = options.execution;
+  return shade;
+}
+
+// Shades the samples, resolves them to pixels, draws lines and encodes the image. `inspection` is null for
+// the studio's light.
+Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const InspectionView* inspection,
+                       const ViewOptions& options) {
+  const ShadeOptions shade = HowToShade(subject, exposure.grid, options);
   Result<Film> film = inspection != nullptr ? Draw(subject.model, exposure.scene, exposure.samples,
                                                    exposure.frame, *inspection, shade)
                                             : Shade(exposure.samples, exposure.frame, subject.colors, shade);
@@ -128,55 +133,47 @@ const InspectionView* Address(const std::optional<InspectionView>& view) {
   return view ? &*view : nullptr;
 }
 
-// Returns the faces for a mesh that names none: the face that the direct image shows at the same sample, or,
-// where it shows none, the face that it shows most often.
-PerSample<std::uint32_t> BorrowFaces(const SampleBuffer& direct, const SampleBuffer& baseline) {
-  std::map<std::uint32_t, std::size_t> counts;
-  for (std::uint32_t face : direct.face)
-    if (face != kNoIndex) ++counts[face];
-  std::uint32_t commonest = 0;
-  std::size_t most = 0;
-  for (const auto& [face, count] : counts)
-    if (count > most) {
-      commonest = face;
-      most = count;
-    }
-  PerSample<std::uint32_t> faces = baseline.face;
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    if (faces[i] != kNoIndex) faces[i] = direct.face[i] != kNoIndex ? direct.face[i] : commonest;
-  return faces;
-}
-
-// Returns the first face that has the commonest colour. `colors` has the colours of the faces, then of the
-// caps.
-std::uint32_t CommonestFace(const std::vector<Color>& colors) {
-  std::map<std::array<float, 4>, std::pair<std::size_t, std::uint32_t>> counts;
-  std::uint32_t commonest = 0;
-  std::size_t most = 0;
-  for (std::uint32_t face = 0; face < colors.size(); ++face) {
-    const Color& color = colors[face];
-    auto& [count, first] =
-        counts.try_emplace({color.r, color.g, color.b, color.a}, std::size_t{0}, face).first->second;
-    if (++count <= most) continue;
-    most = count;
-    commonest = first;
-  }
-  return commonest;
-}
-
-// Returns `face` for every hit, kNoIndex elsewhere.
-PerSample<std::uint32_t> OneFace(const SampleBuffer& samples, std::uint32_t face) {
-  PerSample<std::uint32_t> faces = samples.face;
-  for (std::uint32_t& one : faces)
-    if (one != kNoIndex) one = face;
-  return faces;
-}
-
 // What the view of a candidate takes from the reference: its lines are drawn, and its faces stand in for
 // those of samples that name none.
 struct ReferenceView {
   const View& view;
-  const SampleBuffer& color;  // the samples that its colours come from
+  const SampleBuffer* all_samples;  // null if it has one sample per pixel, or was sampled adaptively
+  const Refinement* refinement;     // null if it was not
+};
+
+// Chooses the pixels of a representation that are refined: those that the reference refines, and those with contrast
+// among the colours of the centres. It shades the centres for that, and keeps the film.
+class ContrastPicker final : public PixelPicker {
+ public:
+  // `faces`: the faces that the samples borrow; null if they name their own. `also`: null if there is no reference.
+  ContrastPicker(const Subject& subject, const ViewOptions& options, const BorrowedFaces* faces,
+                 const PixelSet* also)
+      : subject_(subject), options_(options), faces_(faces), also_(also) {}
+
+  void Pick(const SampleBuffer& centres, const CameraFrame& frame, PixelSet* set) override {
+    const Stopwatch stopwatch;
+    std::optional<SampleBuffer> borrowed;
+    if (faces_ != nullptr) {
+      borrowed = centres;
+      borrowed->face = faces_->OfCentres(centres);
+    }
+    film_ = Shade(borrowed ? *borrowed : centres, frame, subject_.colors, HowToShade(subject_, {}, options_));
+    if (film_->ok()) RunWithThreads(options_.execution.threads, [&] { AddContrast(film_->value(), set); });
+    if (also_ != nullptr) set->Add(*also_);
+    shade_ms_ = stopwatch.Milliseconds();
+  }
+
+  // The shaded centres; nothing before Pick.
+  std::optional<Result<Film>>& film() { return film_; }
+  double shade_ms() const { return shade_ms_; }
+
+ private:
+  const Subject& subject_;
+  const ViewOptions& options_;
+  const BorrowedFaces* faces_;
+  const PixelSet* also_;
+  std::optional<Result<Film>> film_;
+  double shade_ms_ = 0;
 };
 
 // Makes the view of one representation.
@@ -193,6 +190,18 @@ class ViewMaker {
   // Makes the view. `reference` is null for a view without a comparison, for which lines are found here.
   Result<View> Make(const ReferenceView* reference) {
     const Stopwatch stopwatch;
+    if (!representation_.names_faces()) {
+      if (reference != nullptr) {
+        faces_.emplace(reference->view.samples, reference->all_samples, reference->refinement);
+      } else {
+        faces_.emplace(subject_.colors);
+      }
+    }
+    if (IsAdaptive())
+      picker_.emplace(subject_, options_, faces_ ? &*faces_ : nullptr,
+                      reference != nullptr && reference->refinement != nullptr
+                          ? &reference->refinement->pixels
+                          : nullptr);
     if (auto done = TraceCentres(); !done.ok()) return done.error();
     if (auto done = TraceColors(); !done.ok()) return done.error();
     if (auto done = TraceBehind(); !done.ok()) return done.error();
@@ -202,19 +211,31 @@ class ViewMaker {
     view_.total_ms = stopwatch.Milliseconds();
     return std::move(view_);
   }
-  // Returns the samples of the separate colour pass after Make; empty if the colours are those of the
-  // pixel-centre pass.
-  const SampleBuffer& color_samples() const { return color_samples_; }
+  // What a candidate needs of this view, `view`, after Make.
+  ReferenceView Lend(const View& view) const {
+    return {view, color_samples_.size() > 0 ? &color_samples_ : nullptr,
+            refinement_ ? &*refinement_ : nullptr};
+  }
 
  private:
+  // Everything but a plain picture needs the samples of all pixels.
+  bool IsAdaptive() const {
+    return options_.samples > 1 && !options_.uniform_samples && !options_.edges && !options_.find_lines &&
+           options_.lines == LineMode::kNone && options_.inspection.kind == InspectionKind::kStudio &&
+           options_.sections.empty() && subject_.transparent.empty();
+  }
+
   Result<void> TraceCentres() {
+    const RefineRequest refine{grid_, picker_ ? &*picker_ : nullptr};
     Result<TracedView> traced = representation_.Trace(camera_,
                                                       {.uv = options_.uv || NeedsUv(options_.inspection.kind),
                                                        .depth_error = options_.depth_error,
-                                                       .audit = options_.audit},
+                                                       .audit = options_.audit,
+                                                       .refine = picker_ ? &refine : nullptr},
                                                       options_.execution);
     if (!traced.ok()) return traced.error();
     TracedView& centres = traced.value();
+    refinement_ = std::move(centres.refinement);
     view_.frame = color_frame_ = centres.frame;
     view_.samples = std::move(centres.samples);
     view_.counters = centres.counters;
@@ -224,6 +245,11 @@ class ViewMaker {
         view_.unseen_names.push_back(subject_.model.PlacedFaceName(face));
     view_.grid = grid_;
     view_.peak_bytes = centres.structure_bytes + BufferBytes(view_.samples) + FilmBytes(view_.samples);
+    if (refinement_) {
+      view_.refined_pixels = refinement_->pixels.size();
+      view_.color_ms = std::max(0.0, centres.counters.refine_ms - picker_->shade_ms());
+      view_.peak_bytes += BufferBytes(refinement_->samples);
+    }
     return {};
   }
 
@@ -233,7 +259,7 @@ class ViewMaker {
   }
 
   Result<void> TraceColors() {
-    if (options_.samples == 1) return {};
+    if (options_.samples == 1 || refinement_) return {};
     const Stopwatch stopwatch;
     Result<TracedView> color =
         representation_.Trace(camera_.Supersampled(grid_.x, grid_.y), ColorRequest(), options_.execution);
@@ -281,21 +307,39 @@ class ViewMaker {
     auto inspected = Inspected(subject_.model, representation_.exact(), view_.samples, view_.frame, options_);
     if (!inspected.ok()) return inspected.error();
     view_.inspection = std::move(inspected).value();
+    Result<Image8> image = refinement_ ? DevelopRefined() : DevelopAll(reference);
+    if (!image.ok()) return image.error();
+    view_.image = std::move(image).value();
+    view_.shade_ms = stopwatch.Milliseconds() + (refinement_ ? picker_->shade_ms() : 0);
+    return {};
+  }
+
+  // The picture of an adaptive view: its centres, and the means of the samples of its refined pixels.
+  Result<Image8> DevelopRefined() {
+    if (faces_) refinement_->samples.face = faces_->OfRefinement(*refinement_);
+    Result<Film> film = *std::move(picker_->film());
+    if (!film.ok()) return film.error();
+    if (auto done = ShadeRefinement(*refinement_, subject_.colors, HowToShade(subject_, grid_, options_),
+                                    &film.value());
+        !done.ok())
+      return done.error();
+    std::optional<Result<Image8>> image;
+    RunWithThreads(options_.execution.threads, [&] { image = Encode(film.value()); });
+    return *std::move(image);
+  }
+
+  Result<Image8> DevelopAll(const ReferenceView* reference) {
     std::optional<SampleBuffer> borrowed;
-    if (!representation_.names_faces()) {
+    if (faces_) {
       borrowed = Color();
-      borrowed->face = reference != nullptr ? BorrowFaces(reference->color, *borrowed)
-                                            : OneFace(*borrowed, CommonestFace(subject_.colors));
+      borrowed->face =
+          color_samples_.size() > 0 ? faces_->OfAllSamples(*borrowed, grid_) : faces_->OfCentres(*borrowed);
     }
     const SampleBuffer& color = borrowed ? *borrowed : Color();
     const std::vector<ViewLine>& lines = reference != nullptr ? reference->view.lines : view_.lines;
-    Result<Image8> image = Develop(
+    return Develop(
         {color, color_frame_, grid_, representation_.exact(), lines, behind_.size() > 0 ? &behind_ : nullptr},
         subject_, Address(view_.inspection), options_);
-    if (!image.ok()) return image.error();
-    view_.image = std::move(image).value();
-    view_.shade_ms = stopwatch.Milliseconds();
-    return {};
   }
 
   const SampleBuffer& Color() const { return color_samples_.size() > 0 ? color_samples_ : view_.samples; }
@@ -306,9 +350,12 @@ class ViewMaker {
   const ViewOptions& options_;
   const SampleGrid grid_;
   View view_;
-  SampleBuffer color_samples_;  // empty where the pixel-centre pass is the colour pass
-  CameraFrame color_frame_;     // of the colour pass
-  SampleBuffer behind_;         // empty where nothing is transparent
+  std::optional<BorrowedFaces> faces_;    // if the representation names none
+  std::optional<ContrastPicker> picker_;  // if the view is adaptive
+  std::optional<Refinement> refinement_;  // if it is, and the representation can refine
+  SampleBuffer color_samples_;            // empty where the pixel-centre pass is the colour pass
+  CameraFrame color_frame_;               // of the colour pass
+  SampleBuffer behind_;                   // empty where nothing is transparent
 };
 
 // Checks whether the view of a representation can be made.
@@ -366,13 +413,6 @@ Error OutOfMemory(const Camera& camera) {
 
 }  // namespace
 
-SampleGrid EvenSampleGrid(int samples) {
-  SampleGrid grid{samples, 1};
-  for (int y = 1; y * y <= samples; ++y)
-    if (samples % y == 0) grid = {samples / y, y};
-  return grid;
-}
-
 Result<View> RenderView(const Representation& representation, const Model& model, const Camera& camera,
                         const ViewOptions& options) {
   if (Result<void> sound = CheckOptions(options); !sound.ok()) return sound.error();
@@ -399,9 +439,7 @@ Result<ViewComparison> CompareView(const Representation& reference,
     Result<View> made = reference_maker.Make(nullptr);
     if (!made.ok()) return made.error();
     comparison.reference = std::move(made).value();
-    const SampleBuffer& color = reference_maker.color_samples();
-    const ReferenceView lent = {comparison.reference,
-                                color.size() > 0 ? color : comparison.reference.samples};
+    const ReferenceView lent = reference_maker.Lend(comparison.reference);
     for (const Representation* candidate : candidates) {
       Result<CandidateView> compared = CompareCandidate(lent, *candidate, subject, camera, options);
       if (!compared.ok()) return compared.error();

@@ -2,10 +2,11 @@
 // command line and the HTTP service both call these functions.
 //
 //  1. Depth, normals, faces and every number of the difference come from a pass through pixel centres. With
-//     samples > 1, the colour comes from a second, supersampled pass of the same camera.
+//     samples > 1, the colour comes from samples of the same camera: adaptively, where something happens within a
+//     pixel (view/refinement.h), or uniformly, in a second pass through all samples of all pixels.
 //  2. Times are measured by a steady clock, in ms, and are disjoint. total_ms is the whole call for the
 //     representation, without files. prepare_ms and trace_ms belong to the pixel-centre pass, color_ms to the
-//     second pass, lines_ms to finding lines, and shade_ms to shading (with resolve and encode).
+//     samples for the colour, lines_ms to finding lines, and shade_ms to shading (with resolve and encode).
 //  3. peak_bytes is the peak memory of a representation for this view: for exact surfaces, the scene's
 //     leaves, bitmaps and buffers; for triangles, the mesh, the peak memory that Embree reports, and buffers.
 //     It excludes the model and the program.
@@ -41,6 +42,7 @@
 #include "render/model/model.h"
 #include "render/shade/shade.h"
 #include "render/view/camera.h"
+#include "render/view/refinement.h"
 
 namespace facetless {
 
@@ -48,6 +50,9 @@ namespace facetless {
 struct ViewOptions {
   Execution execution;
   int samples = 1;  // per pixel, 1 … 64: split into the most even grid (SampleGrid)
+  // Take all samples of every pixel. Views with lines, edges, sections, transparent faces or an inspection are
+  // always sampled uniformly, because those need the samples of all pixels.
+  bool uniform_samples = false;
   bool edges = false;
   LineMode lines = LineMode::kNone;  // drawn over all pictures, from the exact model
   bool find_lines = false;           // fill View::lines for exact surfaces, even if no lines are drawn
@@ -63,12 +68,6 @@ struct ViewOptions {
   DifferencePictureOptions picture;
 };
 
-struct SampleGrid {
-  int x = 1, y = 1;
-};
-// The most even factorisation of the number of samples: 4 → 2×2, 8 → 4×2, 7 → 7×1.
-SampleGrid EvenSampleGrid(int samples);
-
 // The view of one representation from one camera.
 struct View {
   CameraFrame frame;
@@ -79,6 +78,8 @@ struct View {
   Image8 image;
   std::optional<InspectionView> inspection;  // nothing for InspectionKind::kStudio
   SampleGrid grid;
+  std::optional<std::uint64_t>
+      refined_pixels;           // pixels with all samples of the grid; nothing if all have them
   std::vector<ViewLine> lines;  // of exact surfaces; hidden ones only with LineMode::kHidden
   double color_ms = 0, lines_ms = 0, shade_ms = 0;
   double total_ms = 0;  // excludes making the representation, which happens once for all views

@@ -241,7 +241,8 @@ json DirectJson(const View& view) {
           {"unseen_face_count", stats.unseen_faces.size()},
           {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
           {"isa", stats.isa},
-          {"samples_per_pixel", view.grid.x * view.grid.y},
+          {"samples_per_pixel", view.grid.count()},
+          {"refined_pixels", OrNull(view.refined_pixels)},
           {"peak_bytes", view.peak_bytes}};
 }
 
@@ -261,6 +262,7 @@ json BaselineJson(const View& view, const BaselineScene& scene) {
             {"total", mesh.mesh_ms + scene.build_ms() + view.total_ms}}},
           {"rays", view.counters.rays},
           {"hits", view.counters.hits},
+          {"refined_pixels", OrNull(view.refined_pixels)},
           {"bvh_bytes", scene.bvh_bytes()},
           {"peak_bytes", view.peak_bytes}};
 }
@@ -328,6 +330,7 @@ json CandidateJson(const CandidateView& candidate) {
             {"difference", candidate.difference_ms}}},
           {"rays", view.counters.rays},
           {"hits", view.counters.hits},
+          {"refined_pixels", OrNull(view.refined_pixels)},
           {"facts", std::move(facts)},
           {"peak_bytes", view.peak_bytes},
           {"difference", DifferenceJson(candidate.difference, candidate.picture)}};

@@ -13,6 +13,7 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   options.depth_error = request.depth_error;
   options.audit = request.audit;
   options.leave_out = request.leave_out;
+  options.refine = request.refine;
   if (!request.certificates) options.accuracy.check = CheckLevel::kNone;
   options.execution = execution;
   Result<DirectResult> traced = TraceDirect(scene_, camera, options);
@@ -21,7 +22,8 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   view.frame = traced.value().frame;
   view.samples = std::move(traced.value().samples);
   DirectStats& stats = traced.value().stats;
-  view.counters = {stats.prepare_ms, stats.trace_ms, stats.rays, stats.hits};
+  view.refinement = std::move(traced.value().refinement);
+  view.counters = {stats.prepare_ms, stats.trace_ms, stats.rays, stats.hits, stats.refine_ms};
   view.structure_bytes = stats.scene_bytes;
   view.direct = std::move(stats);
   return view;
@@ -55,13 +57,14 @@ Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& re
     scene = &*rest_scene;
   }
   Result<BaselineResult> traced =
-      TraceBaseline(*scene, camera, {execution, sections_, solids_ ? &*solids_ : nullptr});
+      TraceBaseline(*scene, camera, {execution, sections_, solids_ ? &*solids_ : nullptr, request.refine});
   if (!traced.ok()) return traced.error();
   view.frame = traced.value().frame;
   view.samples = std::move(traced.value().samples);
   view.structure_bytes = scene->mesh_bytes() + scene->bvh_peak_bytes();
   const BaselineStats& stats = traced.value().stats;
-  view.counters = {0, stats.trace_ms, stats.rays, stats.hits};
+  view.refinement = std::move(traced.value().refinement);
+  view.counters = {0, stats.trace_ms, stats.rays, stats.hits, stats.refine_ms};
   return view;
 }
 

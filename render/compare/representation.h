@@ -20,6 +20,7 @@
 #include "render/baseline/tracer.h"
 #include "render/trace/direct.h"
 #include "render/view/camera.h"
+#include "render/view/refinement.h"
 #include "render/view/samples.h"
 #include "render/view/section.h"
 
@@ -32,6 +33,8 @@ struct TraceRequest {
   bool certificates = true;              // false for a pass for colour only, whose certificates are not used
   // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored.
   const std::vector<bool>* leave_out = nullptr;
+  // Which pixels are traced again with several samples. Null: none. Not with sections.
+  const RefineRequest* refine = nullptr;
 };
 
 // The counters of every representation.
@@ -39,11 +42,14 @@ struct TraceCounters {
   double prepare_ms = 0;  // time of preparing this view
   double trace_ms = 0;
   std::uint64_t rays = 0, hits = 0;
+  double refine_ms = 0;  // time of the refinement
 };
 
 struct TracedView {
   CameraFrame frame;
   SampleBuffer samples;
+  // Empty if it was not requested, or if the representation traces whole views only.
+  std::optional<Refinement> refinement;
   TraceCounters counters;
   std::uint64_t structure_bytes = 0;  // peak memory of tracing, without the samples
   std::optional<DirectStats> direct;  // detailed statistics of exact surfaces

@@ -29,12 +29,25 @@ class Packet {
     row_ = row;
     column_ = column;
     begun_ = false;
+    active_ = job_.active != nullptr ? ActiveLanes() : kAllLanes;
+    if (active_ == 0) return;
     Trace();
     if (begun_) Write();
   }
 
  private:
   static constexpr double kMiss = -1;
+  static constexpr unsigned kAllLanes = (1u << kPacketLanes) - 1;
+
+  // The lanes whose samples are traced, of those that TileJob::active names.
+  unsigned ActiveLanes() const {
+    unsigned lanes = 0;
+    for (int i = 0; i < kPacketHeight; ++i) {
+      const unsigned row = job_.active[row_ + i] >> column_;
+      lanes |= (row & ((1u << kPacketWidth) - 1)) << (i * kPacketWidth);
+    }
+    return lanes;
+  }
 
   void Begin() {
     begun_ = true;
@@ -59,10 +72,13 @@ class Packet {
       Store(SetWide(kMiss), leaf_ + i);
     }
     std::fill_n(doubt_, kPacketLanes, std::uint8_t{0});
-    valid_ = (1u << kPacketLanes) - 1;
-    if (row_ + kPacketHeight <= job_.rows && column_ + kPacketWidth <= job_.columns) return;
+    valid_ = kAllLanes;
+    if (row_ + kPacketHeight <= job_.rows && column_ + kPacketWidth <= job_.columns && active_ == kAllLanes)
+      return;
     for (int lane = 0; lane < kPacketLanes; ++lane) {
-      if (row_ + lane / kPacketWidth < job_.rows && column_ + lane % kPacketWidth < job_.columns) continue;
+      if (row_ + lane / kPacketWidth < job_.rows && column_ + lane % kPacketWidth < job_.columns &&
+          (active_ >> lane & 1))
+        continue;
       valid_ &= ~(1u << lane);
       reach_[lane] = -kInfinity;
     }
@@ -349,7 +365,8 @@ class Packet {
   const TileJob& job_;
   const bool nearest_only_, plain_;
   int row_ = 0, column_ = 0;
-  unsigned valid_ = 0, hit_ = 0;  // lanes inside the image, and those with a hit
+  unsigned active_ = 0;           // lanes that are to be traced
+  unsigned valid_ = 0, hit_ = 0;  // those of them inside the image, and those with a hit
   bool begun_ = false, doubtful_ = false, several_ = false;
   double farthest_ = kInfinity;
   alignas(64) double x_[kPacketLanes], y_[kPacketLanes], depth_[kPacketLanes], s_[kPacketLanes],

@@ -96,6 +96,9 @@ struct TileJob {
   int words = 0, tile_size = 0;
   int column = 0, row = 0;    // first sample
   int columns = 0, rows = 0;  // samples inside the image
+  // By row of the tile: bit j is set if sample j of the row is traced. Null: all samples are. The results of
+  // the other samples are those of a miss.
+  const std::uint32_t* active = nullptr;
   double half_width = 0, half_height = 0;
   double near_depth = 0;      // hits must lie beyond this depth; −inf in orthographic views
   bool coincidences = false;  // look for hits of other faces within the error of the nearest hit's depth

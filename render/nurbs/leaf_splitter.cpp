@@ -38,6 +38,7 @@ struct LeafSplitter::Node : OwnedNet {
   LeafPlace place;  // `rect` is RectOf(place)
   RectClass trim = RectClass::kMixed;
   int level = 0;
+  bool between = false;  // it holds no pixel centre, and is split for the samples of the grid
 };
 
 namespace {
@@ -103,18 +104,17 @@ bool CornersSpanArea(const BezierNet& net, const NetBox& box, double half_window
          std::fabs(x[2] * y[3] - y[2] * x[3]) > error * longest;
 }
 
-// Returns the samples of the window that the box, widened by its error, may contain; nothing if there are
-// none.
-std::optional<SampleBox> SamplesIn(const NetBox& box, const SplitWindow& window) {
-  const double slack = kBoxSlack + box.error;
-  const auto first = [](double low, double half) { return std::max(0.0, std::ceil(low + half - 0.5)); };
-  const auto last = [](double high, double half) {
-    return std::min(2 * half, std::floor(high + half - 0.5) + 1);
-  };
-  const double c0 = first(box.x_low - slack, window.half_width),
-               c1 = last(box.x_high + slack, window.half_width);
-  const double r0 = first(box.y_low - slack, window.half_height),
-               r1 = last(box.y_high + slack, window.half_height);
+// The samples of a grid of `grid_x` × `grid_y` per pixel that a box may hold, with its error; nothing if there
+// are none.
+std::optional<SampleBox> SamplesIn(const NetBox& box, const SplitWindow& window, int grid_x, int grid_y) {
+  const auto first = [](double low) { return std::max(0.0, std::ceil(low - 0.5)); };
+  const auto last = [](double high, double count) { return std::min(count, std::floor(high - 0.5) + 1); };
+  const double slack_x = kBoxSlack + grid_x * box.error, slack_y = kBoxSlack + grid_y * box.error;
+  const double half_x = grid_x * window.half_width, half_y = grid_y * window.half_height;
+  const double c0 = first(grid_x * box.x_low - slack_x + half_x),
+               c1 = last(grid_x * box.x_high + slack_x + half_x, 2 * half_x);
+  const double r0 = first(grid_y * box.y_low - slack_y + half_y),
+               r1 = last(grid_y * box.y_high + slack_y + half_y, 2 * half_y);
   if (!(c0 < c1 && r0 < r1)) return std::nullopt;
   return SampleBox::HalfOpen(static_cast<int>(c0), static_cast<int>(c1), static_cast<int>(r0),
                              static_cast<int>(r1));
@@ -145,9 +145,11 @@ BezierNet& LeafSplitter::Begin(int degree_u, int degree_v) {
   return root->net;
 }
 
-void LeafSplitter::Split(const SplitPatch& patch, LeafLists* leaves, CoefficientArena* arena) {
+void LeafSplitter::Split(const SplitPatch& patch, LeafLists* leaves, LeafLists* between,
+                         CoefficientArena* arena) {
   patch_ = &patch;
   leaves_ = leaves;
+  between_ = between;
   arena_ = arena;
   lost_ = false;
   node_limit_ = std::numeric_limits<std::uint64_t>::max();
@@ -155,12 +157,14 @@ void LeafSplitter::Split(const SplitPatch& patch, LeafLists* leaves, Coefficient
   root->place = {0, patch.patch, 0, 0};
   root->rect = RectOf(root->place, patch.bounds);
   root->level = 0;
+  root->between = false;
   root->trim = patch.trim_class;
-  Visit(*root);
+  Visit(root);
 }
 
-void LeafSplitter::Visit(const Node& node) {
-  ++nodes_;
+void LeafSplitter::Visit(Node* at) {
+  Node& node = *at;
+  if (!node.between) ++nodes_;
   if (budget_->Stopped()) return;
   const BezierNet& net = node.net;
 
@@ -175,7 +179,12 @@ void LeafSplitter::Visit(const Node& node) {
                                                      static_cast<int>(2 * window_.half_height));
   SampleBox seen_in = whole_window;
   if (box.in_front) {
-    const std::optional<SampleBox> samples = SamplesIn(box, window_);
+    std::optional<SampleBox> samples;
+    if (!node.between) samples = SamplesIn(box, window_, 1, 1);
+    if (!samples && window_.grid_x * window_.grid_y > 1) {
+      node.between = true;
+      samples = SamplesIn(box, window_, window_.grid_x, window_.grid_y);
+    }
     if (!samples) return;
     seen_in = *samples;
   }
@@ -192,7 +201,7 @@ void LeafSplitter::Visit(const Node& node) {
   // represents all such pieces of the patch.
   const double nearest_seen = window_.perspective ? window_.near_depth : -INFINITY;
   if ((!box.in_front && node.level >= kMaxLevels) ||
-      (!(box.in_front && box.error < half_window) && MayLieAnywhere(net, half_window))) {
+      (!node.between && !(box.in_front && box.error < half_window) && MayLieAnywhere(net, half_window))) {
     if (lost_) return;
     lost_ = true;
     KeepHard(HardKind::kEdgeOn, nearest_seen, whole_window, node, trim);
@@ -200,12 +209,7 @@ void LeafSplitter::Visit(const Node& node) {
   }
 
   // Give up the remaining pieces of a patch that has used up its work limit.
-  if (node.level == 0) {
-    const std::uint64_t limit =
-        std::min(patch_->max_nodes, NodeLimit(seen_in.samples(), net.degree_u, net.degree_v));
-    node_limit_ = nodes_ + limit;
-  }
-  if (nodes_ > node_limit_) {
+  if (IsWorkUsedUp(node, seen_in.samples())) {
     KeepHard(HardKind::kGivenUp, box.in_front ? box.near_depth : nearest_seen, seen_in, node, trim);
     return;
   }
@@ -214,6 +218,22 @@ void LeafSplitter::Visit(const Node& node) {
   Verdict verdict;
   if (box.in_front && KeepLeaf(node, trim, box, seen_in, &verdict)) return;
   VisitHalves(node, HalvingDirection(net, box.in_front, verdict), trim);
+}
+
+bool LeafSplitter::IsWorkUsedUp(const Node& node, double samples) {
+  if (node.level == 0) {
+    const std::uint64_t limit =
+        std::min(patch_->max_nodes, NodeLimit(samples, node.net.degree_u, node.net.degree_v));
+    node_limit_ = nodes_ + limit;
+    between_left_ = limit * static_cast<std::uint64_t>(window_.grid_x * window_.grid_y);
+  }
+  if (!node.between) return nodes_ > node_limit_;
+  if (between_left_ > 0) --between_left_;
+  return between_left_ == 0;
+}
+
+LeafLists* LeafSplitter::ListFor(const Node& node) const {
+  return node.between ? between_ : leaves_;
 }
 
 double LeafSplitter::HalfWindow() const {
@@ -252,7 +272,10 @@ bool LeafSplitter::KeepLeaf(const Node& node, RectClass trim, const NetBox& box,
   if (!edge_on && samples > kHardSamples && !last_level) return false;
   // The fallback solver will be called at each sample. Therefore a leaf that keeps many samples uses as much
   // of the patch's work limit as the pieces into which its samples would be divided.
-  if (!edge_on) node_limit_ -= std::min(node_limit_, static_cast<std::uint64_t>(samples / kHardSamples));
+  if (!edge_on) {
+    std::uint64_t& left = node.between ? between_left_ : node_limit_;
+    left -= std::min(left, static_cast<std::uint64_t>(samples / kHardSamples));
+  }
   KeepHard(edge_on ? HardKind::kEdgeOn : HardKind::kSubdivide, box.near_depth, seen_in, node, trim);
   return true;
 }
@@ -285,9 +308,10 @@ void LeafSplitter::VisitHalves(const Node& node, Direction direction, RectClass 
   }
   low->trim = high->trim = trim;
   low->level = high->level = node.level + 1;
+  low->between = high->between = node.between;
   window_.nets->halve(node.net, direction, &low->net, &high->net);
-  Visit(*low);
-  Visit(*high);
+  Visit(low);
+  Visit(high);
 }
 
 void LeafSplitter::FillHeader(const Node& node, RectClass trim, LeafHeader* leaf) const {
@@ -314,8 +338,9 @@ void LeafSplitter::KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass
     std::copy_n(monomials, count, kept);
     leaf.coefficients = kept;
   }
-  leaves_->certified.push_back(leaf);
-  leaves_->places.push_back(node.place);
+  LeafLists& list = *ListFor(node);
+  list.certified.push_back(leaf);
+  list.places.push_back(node.place);
   Spend(sizeof(CertifiedLeaf) + sizeof(LeafPlace), count);
 }
 
@@ -336,7 +361,7 @@ void LeafSplitter::KeepHard(HardKind kind, double near_depth, SampleBox box, con
   std::copy_n(net.error, int{kNetComponents}, leaf.error);
   leaf.place = node.place;
   leaf.kind = kind;
-  leaves_->hard.push_back(leaf);
+  ListFor(node)->hard.push_back(leaf);
   Spend(sizeof(HardLeaf), count);
 }
 

@@ -17,6 +17,9 @@
 //     more than kHardSamples sample centres counts as the number of pieces into which its samples would be
 //     divided.
 //  4. The result depends only on the patch, the view and the trimming, not on the calling thread.
+//  5. If pixels may be refined (SplitWindow::grid_x, grid_y), pieces that lie between the pixel centres, and that
+//     may hold a sample of the grid, become leaves in a list of their own. All other leaves are the same as without
+//     refinement.
 #pragma once
 
 #include <atomic>
@@ -46,6 +49,7 @@ struct SplitWindow {
          half_height = 0;  // half the size of the image, in samples: X/W lies within ±half_width
   double near_depth = 0;   // perspective views: points with W ≤ near_depth·Q are not visible
   bool perspective = false;
+  int grid_x = 1, grid_y = 1;   // the grid of samples in which a pixel may be refined; 1×1: none is
   KernelArithmetic arithmetic;  // arithmetic of the kernel that will solve the leaves
   const NetOperations* nets = nullptr;
 };
@@ -97,16 +101,21 @@ class LeafSplitter {
   // Returns the net that the caller fills before it calls Split. Begin sets the degrees; the splitter owns
   // the storage.
   BezierNet& Begin(int degree_u, int degree_v);
-  // Appends the leaves of the net to `leaves`, their coefficients and nets to `arena`.
-  void Split(const SplitPatch& patch, LeafLists* leaves, CoefficientArena* arena);
+  // Appends the leaves of the net to `leaves`, their coefficients and nets to `arena`. `between` receives the
+  // leaves of law 5, whose boxes count samples of the grid; it may be null if no pixel is refined.
+  void Split(const SplitPatch& patch, LeafLists* leaves, LeafLists* between, CoefficientArena* arena);
 
   std::uint64_t nodes() const { return nodes_; }  // number of patches and sub-patches examined so far
 
  private:
   struct Node;
-  void Visit(const Node& node);
+  void Visit(Node* node);
   void VisitHalves(const Node& node, Direction direction, RectClass trim);
   double HalfWindow() const;
+  // Counts a node, and returns whether the patch has used up its work limit. The node holds `samples` samples.
+  bool IsWorkUsedUp(const Node& node, double samples);
+  // Returns the list that receives the leaf of a node.
+  LeafLists* ListFor(const Node& node) const;
   // Classifies the range of a leaf against the trimming: the rectangle and its overlap with its neighbours.
   RectClass ClassifyRect(const ParameterRect& rect) const;
   // Keeps a piece in front of the eye as a certified leaf, or as a hard one if it is small enough or seen
@@ -129,12 +138,14 @@ class LeafSplitter {
   SplitBudget* budget_;
   std::vector<std::unique_ptr<Node>> levels_;  // two per level
   const SplitPatch* patch_ = nullptr;
-  LeafLists* leaves_ = nullptr;
+  LeafLists *leaves_ = nullptr, *between_ = nullptr;
   CoefficientArena* arena_ = nullptr;
   bool lost_ =
       false;  // this patch already has the one leaf that represents all its pieces that may lie anywhere
   std::uint64_t nodes_ = 0;
   std::uint64_t node_limit_ = 0;  // value of nodes_ at which the splitter gives up this patch
+  std::uint64_t between_left_ =
+      0;  // pieces between the pixel centres that may still be examined for this patch
 };
 
 }  // namespace facetless

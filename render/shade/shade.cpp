@@ -51,18 +51,39 @@ Vec3 ToViewer(const CameraFrame& frame, Vec3 v) {
   return {Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
 }
 
-// Shades the samples of a row. Returns the first sample that is not finite, or kNoPixel.
-std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, const std::vector<Vec3>& albedo,
-                     Vec3 fallback, const std::array<float, 4>& background, const ShadeOptions& options,
-                     int y, Film& film) {
+// What the samples of one view are shaded with.
+struct Shading {
+  Shading(const CameraFrame& view_frame, std::span<const Color> colors, const ShadeOptions& shade)
+      : frame(view_frame),
+        options(shade),
+        fallback(Linear(shade.fallback)),
+        background(BackgroundLight(shade.background)) {
+    // Consecutive faces mostly share their colour, so convert it only once.
+    albedo.reserve(colors.size());
+    for (std::size_t i = 0; i < colors.size(); ++i)
+      albedo.push_back(i > 0 && Same(colors[i], colors[i - 1]) ? albedo.back() : Linear(colors[i]));
+  }
+  const CameraFrame& frame;
+  const ShadeOptions& options;
+  std::vector<Vec3> albedo;  // linear, by placed face, then by cap
+  const Vec3 fallback;
+  const std::array<float, 4> background;
+};
+
+// Shades the samples [first, last). place(i) returns the pixel coordinates of sample `i`; `pixels` receives the
+// colour of sample `first` first. Returns the first sample that is not finite, or kNoPixel.
+template <typename PlaceOf>
+std::size_t ShadeRun(const Shading& shading, const SampleBuffer& samples, std::size_t first, std::size_t last,
+                     const PlaceOf& place, std::array<float, 4>* pixels) {
+  const CameraFrame& frame = shading.frame;
   const bool perspective = frame.projection == Projection::kPerspective;
-  const std::size_t first = static_cast<std::size_t>(y) * samples.width;
   StudioView view(Normalized(ToViewer(frame, -frame.forward)));
   std::size_t alike = kNoPixel;  // the last pixel whose light can be reused for the next one
-  for (std::size_t i = first; i < first + samples.width; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
+    std::array<float, 4>& pixel = pixels[i - first];
     // A miss shows the background. NaN and −inf are not misses.
     if (samples.depth[i] == INFINITY) {
-      film.pixels[i] = background;
+      pixel = shading.background;
       continue;
     }
     const auto& n = samples.normal[i];
@@ -73,11 +94,12 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
     // In an orthographic view, a plane has the same light everywhere.
     const std::uint32_t face = samples.face[i];
     if (alike != kNoPixel && samples.normal[alike] == n && samples.face[alike] == face) {
-      film.pixels[i] = film.pixels[alike];
+      pixel = pixels[alike - first];
       continue;
     }
+    const Vec2 at = place(i);
     if (perspective) {
-      const Ray ray = PixelRay(frame, static_cast<double>(i - first) + 0.5, y + 0.5);
+      const Ray ray = PixelRay(frame, at.x, at.y);
       view = StudioView(Normalized(ToViewer(frame, -ray.direction)));
     }
     // Flip the normal towards the viewer. A normal that the tracer could not find is zero.
@@ -85,14 +107,26 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
     if (!(Dot(normal, normal) > 0)) normal = view.toward();
     if (Dot(normal, view.toward()) < 0) normal = -normal;
 
-    const Vec3 light = view.Light(normal, face < albedo.size() ? albedo[face] : fallback);
-    film.pixels[i] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z),
-                      1.0f};
-    const bool cap = face >= options.first_cap;
-    if (cap) HatchCap(options, face, static_cast<double>(i - first) + 0.5, y + 0.5, &film.pixels[i]);
+    const Vec3 light =
+        view.Light(normal, face < shading.albedo.size() ? shading.albedo[face] : shading.fallback);
+    pixel = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0f};
+    const bool cap = face >= shading.options.first_cap;
+    if (cap) HatchCap(shading.options, face, at.x, at.y, &pixel);
     alike = perspective || cap ? kNoPixel : i;
   }
   return kNoPixel;
+}
+
+// Lowers `bad` to `found`, if that is less.
+void KeepFirst(std::size_t found, std::atomic<std::size_t>* bad) {
+  std::size_t known = bad->load();
+  while (found < known && !bad->compare_exchange_weak(known, found)) {
+  }
+}
+
+Error NotFinite(std::size_t column, std::size_t row) {
+  return {ErrorCode::kNotFinite, "the hit at pixel (" + std::to_string(column) + ", " + std::to_string(row) +
+                                     ") has a depth or a normal that is not a number"};
 }
 
 }  // namespace
@@ -100,33 +134,65 @@ std::size_t ShadeRow(const SampleBuffer& samples, const CameraFrame& frame, cons
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options) {
   if (Result<void> sound = CheckInput(samples, options); !sound.ok()) return sound.error();
-  // Consecutive faces mostly share their colour, so convert it only once.
-  std::vector<Vec3> albedo;
-  albedo.reserve(colors.size());
-  for (std::size_t i = 0; i < colors.size(); ++i)
-    albedo.push_back(i > 0 && Same(colors[i], colors[i - 1]) ? albedo.back() : Linear(colors[i]));
-  const Vec3 fallback = Linear(options.fallback);
-  const std::array<float, 4> background = BackgroundLight(options.background);
-
+  const Shading shading(frame, colors, options);
   Film film;
   film.width = samples.width;
   film.height = samples.height;
   film.pixels.resize(samples.size());
+  const std::size_t width = static_cast<std::size_t>(samples.width);
   std::atomic<std::size_t> bad{kNoPixel};
   RunWithThreads(options.execution.threads, [&] {
     ParallelFor(0, samples.height, [&](int y) {
-      const std::size_t found = ShadeRow(samples, frame, albedo, fallback, background, options, y, film);
-      std::size_t known = bad.load();
-      while (found < known && !bad.compare_exchange_weak(known, found)) {
-      }
+      const std::size_t first = static_cast<std::size_t>(y) * width;
+      const auto place = [&](std::size_t i) { return Vec2{static_cast<double>(i - first) + 0.5, y + 0.5}; };
+      KeepFirst(ShadeRun(shading, samples, first, first + width, place, &film.pixels[first]), &bad);
     });
     if (bad.load() == kNoPixel && options.edges) DrawEdges(samples, frame, options, film);
   });
-  if (bad.load() != kNoPixel)
-    return Error{ErrorCode::kNotFinite, "the hit at pixel (" + std::to_string(bad.load() % samples.width) +
-                                            ", " + std::to_string(bad.load() / samples.width) +
-                                            ") has a depth or a normal that is not a number"};
+  if (bad.load() != kNoPixel) return NotFinite(bad.load() % width, bad.load() / width);
   return film;
+}
+
+Result<void> ShadeRefinement(const Refinement& refinement, std::span<const Color> colors,
+                             const ShadeOptions& options, Film* film) {
+  const PixelSet& set = refinement.pixels;
+  const int count = refinement.grid.count();
+  if (film->width != set.width() || film->height != set.height() || count < 1 ||
+      refinement.samples.size() != set.size() * static_cast<std::size_t>(count))
+    return Error{ErrorCode::kSizeMismatch, "the refined samples do not belong to the film"};
+  const Shading shading(refinement.frame, colors, options);
+  const float share = 1.0f / static_cast<float>(count);
+  std::atomic<std::size_t> bad{kNoPixel};
+  constexpr std::size_t kBlock = 256;  // pixels
+  RunWithThreads(options.execution.threads, [&] {
+    ParallelForBlocks(0, set.size(), kBlock, [&](std::size_t first, std::size_t last) {
+      const std::size_t first_sample = first * static_cast<std::size_t>(count),
+                        last_sample = last * static_cast<std::size_t>(count);
+      std::vector<std::array<float, 4>> light(last_sample - first_sample);
+      const auto place = [&](std::size_t i) {
+        const SamplePlace at =
+            PlaceOfSample(set.pixels()[i / static_cast<std::size_t>(count)], set.width(), refinement.grid,
+                          static_cast<int>(i % static_cast<std::size_t>(count)));
+        return Vec2{at.column + 0.5, at.row + 0.5};
+      };
+      KeepFirst(ShadeRun(shading, refinement.samples, first_sample, last_sample, place, light.data()), &bad);
+      for (std::size_t k = first; k < last; ++k) {
+        // As Resolve does: the sum of a pixel's samples, row by row, times their share.
+        std::array<float, 4> sum = {0, 0, 0, 0};
+        for (int j = 0; j < count; ++j) {
+          const auto& sample =
+              light[(k - first) * static_cast<std::size_t>(count) + static_cast<std::size_t>(j)];
+          for (int c = 0; c < 4; ++c) sum[c] += sample[c];
+        }
+        for (float& c : sum) c *= share;
+        film->pixels[set.pixels()[k]] = sum;
+      }
+    });
+  });
+  if (bad.load() == kNoPixel) return {};
+  const std::uint32_t pixel = set.pixels()[bad.load() / static_cast<std::size_t>(count)];
+  const auto width = static_cast<std::uint32_t>(set.width());
+  return NotFinite(pixel % width, pixel / width);
 }
 
 std::array<float, 4> BackgroundLight(Background background) {

@@ -25,6 +25,7 @@
 #include "render/image/film.h"
 #include "render/model/model.h"
 #include "render/view/camera.h"
+#include "render/view/refinement.h"
 #include "render/view/samples.h"
 
 namespace facetless {
@@ -48,6 +49,13 @@ struct ShadeOptions {
 // normal of a hit is not a number; names the pixel), kBadUsage (options).
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options);
+
+// Shades the samples of refined pixels, and replaces those pixels of `film`, which was shaded from the pixel
+// centres of the same view: each becomes the mean of its samples, exactly as if Resolve had made it from all
+// samples. `options` are those of Shade; edges are not drawn. Errors: kSizeMismatch (the film has another size),
+// kNotFinite (as Shade).
+Result<void> ShadeRefinement(const Refinement& refinement, std::span<const Color> colors,
+                             const ShadeOptions& options, Film* film);
 
 // The linear light that Shade gives to misses: red, green and blue, multiplied by alpha, and alpha.
 std::array<float, 4> BackgroundLight(Background background);

@@ -14,6 +14,7 @@
 #include "render/trace/prepare.h"
 #include "render/trace/section_tracer.h"
 #include "render/trace/tally.h"
+#include "render/trace/thin_parts.h"
 #include "render/trace/tile_tracer.h"
 
 namespace facetless {
@@ -99,6 +100,24 @@ void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
   }
 }
 
+// Copies the hit `k` of a traced tile, of the sample (column, row) of the view, to entry `out` of the samples.
+void WriteHit(const TraceShared& shared, const TileTracer& tile, int k, int column, int row, ShownLeaf* shown,
+              std::size_t out, SampleBuffer* samples) {
+  const std::uint32_t leaf = tile.leaf[k];
+  const ShownLeaf::Face& face = shown->FaceOfPlacedFace(leaf);
+  std::array<float, 3> normal = tile.normal[k];
+  if (normal == std::array<float, 3>{0, 0, 0}) {
+    const double x = column + 0.5 - 0.5 * shared.camera.width_px,
+                 y = row + 0.5 - 0.5 * shared.camera.height_px;
+    const Vec3 alone = shared.HitAt(leaf, tile.s[k], tile.t[k], x, y).normal;
+    normal = {float(alone.x), float(alone.y), float(alone.z)};
+  }
+  const float outward = face.outward;
+  samples->depth[out] = tile.depth[k];
+  samples->face[out] = face.placed_face;
+  samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
+}
+
 // Copies a traced tile into the image, with the normals and parameters of its hits.
 void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   // Initialise all samples as misses first, because most tiles consist of hits only or of misses only.
@@ -139,21 +158,9 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       }
       if (tile.leaf[k] == kNoIndex) continue;
 
-      const std::uint32_t leaf = tile.leaf[k];
-      const ShownLeaf::Face& face = shown.FaceOfPlacedFace(leaf);
-      std::array<float, 3> normal = tile.normal[k];
-      if (normal == std::array<float, 3>{0, 0, 0}) {
-        const double x = column + 0.5 - 0.5 * shared.camera.width_px,
-                     y = row + 0.5 - 0.5 * shared.camera.height_px;
-        const Vec3 alone = shared.HitAt(leaf, tile.s[k], tile.t[k], x, y).normal;
-        normal = {float(alone.x), float(alone.y), float(alone.z)};
-      }
-      const float outward = face.outward;
-      samples->depth[out] = tile.depth[k];
-      samples->face[out] = face.placed_face;
-      samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
+      WriteHit(shared, tile, k, column, row, &shown, out, samples);
       if (!samples->uv.empty()) {
-        const TraceShared::LeafSite& site = shown.Site(leaf);
+        const TraceShared::LeafSite& site = shown.Site(tile.leaf[k]);
         samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
       }
       ++tally->hits;
@@ -173,10 +180,106 @@ CheckLevel ResolveCheckLevel(const DirectOptions& options) {
   return options.accuracy.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;
 }
 
+// The samples of a tile that belong to refined pixels: a bit per column for each row. Returns false if there are
+// none.
+bool FindActiveSamples(const PixelSet& pixels, SampleGrid grid, int first_column, int first_row,
+                       std::array<std::uint32_t, kTileSize>* active) {
+  bool any = false;
+  for (int i = 0; i < kTileSize; ++i) {
+    (*active)[i] = 0;
+    const int row = (first_row + i) / grid.y;
+    if (row >= pixels.height()) continue;
+    for (int j = 0; j < kTileSize; ++j) {
+      const int column = (first_column + j) / grid.x;
+      if (column >= pixels.width()) break;
+      if (pixels.Has(column, row)) (*active)[i] |= std::uint32_t{1} << j;
+    }
+    any |= (*active)[i] != 0;
+  }
+  return any;
+}
+
+// Traces the samples of the pixels that the request names for a view whose centres have been traced.
+class Refiner {
+ public:
+  Refiner(const Scene& scene, const Camera& camera, const CameraFrame& frame, const PreparedView& view,
+          TileKernel kernel, const DirectOptions& options)
+      : scene_(scene),
+        camera_(camera),
+        frame_(frame),
+        view_(view),
+        kernel_(kernel),
+        options_(options),
+        grid_(options.refine->grid) {}
+
+  Result<Refinement> Refine(const SampleBuffer& centres) const {
+    PixelSet pixels(camera_.width_px, camera_.height_px);
+    options_.refine->picker->Pick(centres, frame_, &pixels);
+    MarkThinParts(scene_.data(), view_, frame_, centres, &pixels);
+    pixels.Finish();
+    Refinement refinement{grid_, {}, std::move(pixels), {}};
+    const Camera fine = camera_.Supersampled(grid_.x, grid_.y);
+    if (auto frame = MakeFrame(fine, scene_.model().Diagonal()); frame.ok()) {
+      refinement.frame = frame.value();
+    } else {
+      return frame.error();
+    }
+    Result<PreparedView> prepared =
+        PrepareRefinement(scene_.data(), view_, fine, refinement.frame, grid_, refinement.pixels, options_);
+    if (!prepared.ok()) return prepared.error();
+    refinement.samples.Resize(grid_.count(), static_cast<int>(refinement.pixels.size()));
+    TraceSamples(prepared.value(), fine, &refinement);
+    if (options_.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
+    return refinement;
+  }
+
+ private:
+  void TraceSamples(const PreparedView& prepared, const Camera& fine, Refinement* refinement) const {
+    const TraceShared shared(scene_.data(), prepared, fine, refinement->frame);
+    PerThread<TileTracer> tracers([&] { return TileTracer(shared, kernel_, /*certify=*/false); });
+    ParallelFor(0, prepared.tiles->tiles_x() * prepared.tiles->tiles_y(), [&](int tile) {
+      if (options_.execution.cancelled() || prepared.tiles->Tile(tile).empty()) return;
+      std::array<std::uint32_t, kTileSize> active;
+      const int column = tile % prepared.tiles->tiles_x() * kTileSize,
+                row = tile / prepared.tiles->tiles_x() * kTileSize;
+      if (!FindActiveSamples(refinement->pixels, grid_, column, row, &active)) return;
+      TileTracer& tracer = tracers.local();
+      tracer.Trace(tile, nullptr, active.data());
+      WriteSamples(shared, tracer, active, refinement);
+    });
+  }
+
+  void WriteSamples(const TraceShared& shared, const TileTracer& tile,
+                    const std::array<std::uint32_t, kTileSize>& active, Refinement* refinement) const {
+    ShownLeaf shown(shared);
+    for (int i = 0; i < tile.rows(); ++i) {
+      for (std::uint32_t rest = active[i]; rest != 0; rest &= rest - 1) {
+        const int j = __builtin_ctz(rest), k = i * kTileSize + j;
+        if (tile.leaf[k] == kNoIndex) continue;
+        const int column = tile.column() + j, row = tile.row() + i;
+        const std::size_t rank = refinement->pixels.Rank(column / grid_.x, row / grid_.y);
+        const std::size_t out = rank * static_cast<std::size_t>(grid_.count()) +
+                                static_cast<std::size_t>(row % grid_.y * grid_.x + column % grid_.x);
+        WriteHit(shared, tile, k, column, row, &shown, out, &refinement->samples);
+      }
+    }
+  }
+
+  const Scene& scene_;
+  const Camera& camera_;
+  const CameraFrame& frame_;
+  const PreparedView& view_;
+  const TileKernel kernel_;
+  const DirectOptions& options_;
+  const SampleGrid grid_;
+};
+
 Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
   const Stopwatch stopwatch;
   DirectResult result;
   if (auto sound = CheckSections(options.sections); !sound.ok()) return sound.error();
+  if (options.refine != nullptr && !options.sections.empty())
+    return Error{ErrorCode::kBadUsage, "views with section planes cannot be refined"};
   if (auto frame = MakeFrame(camera, scene.model().Diagonal()); frame.ok()) {
     result.frame = frame.value();
   } else {
@@ -231,6 +334,13 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   }
   if (options.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
   result.stats.trace_ms = tracing.Milliseconds();
+  if (options.refine != nullptr) {
+    const Stopwatch refining;
+    Result<Refinement> refined = Refiner(scene, camera, result.frame, view, kernel, options).Refine(samples);
+    if (!refined.ok()) return refined.error();
+    result.refinement = std::move(refined).value();
+    result.stats.refine_ms = refining.Milliseconds();
+  }
 
   // Add up the counters of all threads.
   DirectStats& stats = result.stats;

@@ -22,6 +22,7 @@
 #include "render/model/model.h"
 #include "render/view/camera.h"
 #include "render/view/doubt.h"
+#include "render/view/refinement.h"
 #include "render/view/samples.h"
 #include "render/view/section.h"
 
@@ -85,10 +86,13 @@ struct DirectOptions {
   // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored. It must not be
   // combined with sections or an audit, because solids would be open.
   const std::vector<bool>* leave_out = nullptr;
+  // Which pixels are traced again with several samples. Null: none. Not with sections.
+  const RefineRequest* refine = nullptr;
 };
 
 struct DirectStats {
   double prepare_ms = 0, trace_ms = 0;
+  double refine_ms = 0;  // of the refinement: choosing pixels, preparing and tracing them
   std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
@@ -108,7 +112,8 @@ struct DirectStats {
 struct DirectResult {
   CameraFrame frame;
   SampleBuffer samples;
-  DirectStats stats;
+  DirectStats stats;                     // of the pixel centres
+  std::optional<Refinement> refinement;  // if one was requested; its samples have no certificates
 };
 
 class Scene {
@@ -126,7 +131,7 @@ class Scene {
   std::unique_ptr<Data> data_;
 };
 
-// Traces a view. Errors: kBadUsage (camera, sections), kLimitExceeded (the leaves exceed the memory limit),
+// Traces a view. Errors: kBadUsage (camera, sections, a refinement with sections), kLimitExceeded (the leaves exceed the memory limit),
 // kCancelled.
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options);
 

@@ -16,6 +16,7 @@ namespace facetless {
 struct PreparedView {
   std::unique_ptr<TileLeaves> tiles;
   std::vector<CoefficientArena> arenas;     // own the coefficients of the leaves
+  std::vector<LeafLists> between;           // leaves between the pixel centres, for PrepareRefinement
   std::vector<std::uint32_t> unseen_faces;  // placed faces without a leaf, ascending
   std::uint64_t nodes = 0;
   KernelArithmetic arithmetic;          // of the kernel that the leaves were made for
@@ -27,5 +28,13 @@ struct PreparedView {
 // Prepares a view. Errors: kCancelled; kLimitExceeded; the errors of ActiveKernels.
 Result<PreparedView> PrepareView(const Scene::Data& scene, const Camera& camera, const CameraFrame& frame,
                                  const DirectOptions& options);
+
+// Prepares the samples of some pixels of a view that was prepared with DirectOptions::refine. The leaves of the
+// view are valid for every ray, whether it passes a pixel centre or not, and are used again in units of samples.
+// `centres` must outlive the result. `camera` and `frame` are those of the samples. Errors: kCancelled,
+// kLimitExceeded.
+Result<PreparedView> PrepareRefinement(const Scene::Data& scene, const PreparedView& centres,
+                                       const Camera& camera, const CameraFrame& frame, SampleGrid grid,
+                                       const PixelSet& pixels, const DirectOptions& options);
 
 }  // namespace facetless

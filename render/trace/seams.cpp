@@ -131,7 +131,8 @@ namespace {
 class Finder {
  public:
   Finder(const Model& model, const SeamTable& table, const Camera& camera, const CameraFrame& frame,
-         std::uint32_t instance, SplitBudget* budget, std::vector<SeamSample>* found)
+         std::uint32_t instance, const SeamSampleFilter& filter, SplitBudget* budget,
+         std::vector<SeamSample>* found)
       : model_(model),
         table_(table),
         frame_(frame),
@@ -140,6 +141,7 @@ class Finder {
         instance_(instance),
         perspective_(frame.projection == Projection::kPerspective),
         edges_(model, model.instances[instance].placement, frame),
+        filter_(filter),
         budget_(budget),
         found_(found) {}
 
@@ -201,6 +203,7 @@ class Finder {
                   columns = Between(at.x - reach, at.x + reach, columns_);
     for (int row = rows.begin; row < rows.end; ++row)
       for (int column = columns.begin; column < columns.end; ++column) {
+        if (!filter_.Wants(column, row)) continue;
         const double distance = Length(Vec2{column + 0.5, row + 0.5} - at);
         if (distance <= reach) candidates_.push_back({row, column, distance, 0});
       }
@@ -268,6 +271,7 @@ class Finder {
   }
 
   void Ask(int row, int column, double guess, double reach) {
+    if (!filter_.Wants(column, row)) return;
     const EdgeSide side = edges_.SideOf(source_->edge, guess, column + 0.5, row + 0.5);
     if (side.side == Side::kUnknown) {
       // The image of this piece is a point; use the reach as its distance.
@@ -362,6 +366,7 @@ class Finder {
   const std::uint32_t instance_;
   const bool perspective_;
   const ProjectedEdges edges_;
+  const SeamSampleFilter& filter_;
   SplitBudget* const budget_;
   std::vector<SeamSample>* found_;
   const SeamTable::Source* source_ = nullptr;
@@ -376,12 +381,13 @@ auto SampleKey(const SeamSample& s) {
 }  // namespace
 
 std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
-                                        const CameraFrame& frame, SplitBudget* budget) {
+                                        const CameraFrame& frame, SplitBudget* budget,
+                                        const SeamSampleFilter& filter) {
   PerThread<std::vector<SeamSample>> found;
   ParallelFor(std::uint32_t{0}, static_cast<std::uint32_t>(model.instances.size()), [&](std::uint32_t i) {
     const Range sources = table.of_part[model.instances[i].part];
     ParallelForBlocks(sources.first, sources.end(), 16, [&](std::size_t first, std::size_t last) {
-      Finder finder(model, table, camera, frame, i, budget, &found.local());
+      Finder finder(model, table, camera, frame, i, filter, budget, &found.local());
       for (std::size_t s = first; s < last; ++s) finder.Visit(static_cast<std::uint32_t>(s));
     });
   });

@@ -25,6 +25,7 @@
 #include "render/model/model.h"
 #include "render/nurbs/leaf_splitter.h"
 #include "render/view/camera.h"
+#include "render/view/refinement.h"
 
 namespace facetless {
 
@@ -64,10 +65,21 @@ struct SeamSample {
   std::uint32_t source;  // index of that edge or vertex in SeamTable::sources
 };
 
-// All seam samples of a view, sorted by instance, face, row and column. The result does not depend on the
-// number of threads. Each sample takes the bytes of a leaf from `budget`. Once the budget is exhausted or
-// cancelled, the result is incomplete, and the caller must abandon the view.
+// The samples of refined pixels: a camera whose pixels are the samples of `grid`, and the pixels that matter.
+struct SeamSampleFilter {
+  const PixelSet* pixels = nullptr;  // null: all pixels
+  SampleGrid grid;
+
+  bool Wants(int column, int row) const {
+    return pixels == nullptr || pixels->Has(column / grid.x, row / grid.y);
+  }
+};
+
+// All seam samples of a view that `filter` wants, sorted by instance, face, row and column. The result does not
+// depend on the number of threads. Each sample takes the bytes of a leaf from `budget`. Once the budget is
+// exhausted or cancelled, the result is incomplete, and the caller must abandon the view.
 std::vector<SeamSample> FindSeamSamples(const Model& model, const SeamTable& table, const Camera& camera,
-                                        const CameraFrame& frame, SplitBudget* budget);
+                                        const CameraFrame& frame, SplitBudget* budget,
+                                        const SeamSampleFilter& filter = {});
 
 }  // namespace facetless

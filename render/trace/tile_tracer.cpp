@@ -43,7 +43,7 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certif
                shared.frame.pixel_y};
 }
 
-void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
+void TileTracer::Trace(int index, std::vector<Crossing>* crossings, const std::uint32_t* active) {
   const TileLeaves& tiles = *shared_.view.tiles;
   job_.column = index % tiles.tiles_x() * kTileSize;
   job_.row = index / tiles.tiles_x() * kTileSize;
@@ -65,6 +65,7 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings) {
   job_.normal = crossings ? nullptr : normal.data();
   crossings_ = crossings;
   job_.every_hit = crossings != nullptr;
+  job_.active = active;
   if (empty()) return;
   work_.fill({});
   kernel_(job_);

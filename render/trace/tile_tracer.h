@@ -36,8 +36,8 @@ class TileTracer final : private HitResolver {
   TileTracer(const TraceShared& shared, TileKernel kernel, bool certify);
 
   // Traces tile `index` and stores the nearest hits in the arrays below. If `crossings` is not null, all hits
-  // of every ray are appended to it as well.
-  void Trace(int index, std::vector<Crossing>* crossings);
+  // of every ray are appended to it as well. `active` restricts the samples (TileJob::active).
+  void Trace(int index, std::vector<Crossing>* crossings, const std::uint32_t* active = nullptr);
 
   int column() const { return job_.column; }  // first sample of the last tile
   int row() const { return job_.row; }

@@ -38,6 +38,7 @@ ViewOptions TimedOptions(const TradeViewOptions& options) {
 ViewOptions PictureOptions(int samples, const TradeViewOptions& options) {
   ViewOptions view;
   view.samples = samples;
+  view.uniform_samples = true;  // two settings may refine different pixels, and that is not what is measured
   view.execution = options.execution;
   return view;
 }

@@ -58,6 +58,7 @@ struct RunOptions {
   int width = 1024, height = 1024;
   Projection projection = Projection::kOrthographic;
   int samples = 4;
+  bool uniform_samples = false;
   // max_bytes bounds the search tree of the mesh that a view is compared with, too.
   ExactTraceOptions accuracy;
   int threads = 0;                  // the caller makes the Execution of a run from it

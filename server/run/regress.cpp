@@ -253,7 +253,10 @@ Result<Outcome> RunEntry(const Entry& entry, const RegressRequest& request) {
   const Scene scene(model);
   auto sections = ResolveSections(entry.options.sections, model.bounds);
   if (!sections) return sections.error();
-  const ViewOptions view_options = ToViewOptions(entry.options, sections.value(), request.context.execution);
+  ViewOptions view_options = ToViewOptions(entry.options, sections.value(), request.context.execution);
+  // References are kept for years, and a tolerance of 0 is the default: a picture must not depend on how pixels are
+  // chosen for refinement.
+  view_options.uniform_samples = true;
   const ExactSurfaces exact(scene, ToDirectOptions(entry.options, sections.value()));
 
   const std::size_t lost = LossCount(model);

@@ -10,6 +10,7 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.execution = execution;
   view.sections = sections;
   view.samples = options.samples;
+  view.uniform_samples = options.uniform_samples;
   view.edges = options.edges;
   view.lines = options.lines;
   view.find_lines = options.svg;

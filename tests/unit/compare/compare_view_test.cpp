@@ -252,18 +252,5 @@ TEST_F(SphereView, RefusesBadOptionsAndCanBeCancelled) {
   EXPECT_EQ(RenderView(exact_, model_, camera, options).error().code, ErrorCode::kCancelled);
 }
 
-TEST(SampleGrid, IsAsEvenAsItCanBe) {
-  const auto is = [](int samples, int x, int y) {
-    const SampleGrid grid = EvenSampleGrid(samples);
-    return grid.x == x && grid.y == y;
-  };
-  EXPECT_TRUE(is(1, 1, 1));
-  EXPECT_TRUE(is(2, 2, 1));
-  EXPECT_TRUE(is(4, 2, 2));
-  EXPECT_TRUE(is(7, 7, 1));
-  EXPECT_TRUE(is(8, 4, 2));
-  EXPECT_TRUE(is(64, 8, 8));
-}
-
 }  // namespace
 }  // namespace facetless

@@ -38,7 +38,7 @@ LeafLists LeavesOfASheet(std::uint64_t max_nodes, CoefficientArena* arena) {
   patch.trim_class = RectClass::kInside;
   patch.max_nodes = max_nodes;
   LeafLists leaves;
-  splitter.Split(patch, &leaves, arena);
+  splitter.Split(patch, &leaves, nullptr, arena);
   return leaves;
 }
 
