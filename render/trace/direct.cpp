@@ -184,16 +184,26 @@ CheckLevel ResolveCheckLevel(const DirectOptions& options) {
 // none.
 bool FindActiveSamples(const PixelSet& pixels, SampleGrid grid, int first_column, int first_row,
                        std::array<std::uint32_t, kTileSize>* active) {
+  const int first_pixel = first_column / grid.x,
+            end_pixel = std::min((first_column + kTileSize - 1) / grid.x + 1, pixels.width());
+  constexpr std::uint64_t kAll = (std::uint64_t{1} << kTileSize) - 1;
+  const std::uint64_t samples_of_pixel = (std::uint64_t{1} << grid.x) - 1;
   bool any = false;
+  int previous = -1;
   for (int i = 0; i < kTileSize; ++i) {
-    (*active)[i] = 0;
     const int row = (first_row + i) / grid.y;
-    if (row >= pixels.height()) continue;
-    for (int j = 0; j < kTileSize; ++j) {
-      const int column = (first_column + j) / grid.x;
-      if (column >= pixels.width()) break;
-      if (pixels.Has(column, row)) (*active)[i] |= std::uint32_t{1} << j;
+    if (i > 0 && row == previous) {
+      (*active)[i] = (*active)[i - 1];
+      continue;
     }
+    previous = row;
+    std::uint64_t bits = 0;
+    for (int column = first_pixel; row < pixels.height() && column < end_pixel; ++column) {
+      if (!pixels.Has(column, row)) continue;
+      const int shift = column * grid.x - first_column;
+      bits |= shift >= 0 ? samples_of_pixel << shift : samples_of_pixel >> -shift;
+    }
+    (*active)[i] = static_cast<std::uint32_t>(bits & kAll);
     any |= (*active)[i] != 0;
   }
   return any;

@@ -138,7 +138,7 @@ void WalkSegment(const ViewProjection& projection, std::span<const Vec4> points,
     x_high = std::max(x_high, x);
     y_low = std::min(y_low, y);
     y_high = std::max(y_high, y);
-    if (i > 0) length += std::hypot(x - p[i - 1].x / p[i - 1].w, y - p[i - 1].y / p[i - 1].w);
+    if (i > 0) length += Length(Vec2{x - p[i - 1].x / p[i - 1].w, y - p[i - 1].y / p[i - 1].w});
   }
   const double half_x = 0.5 * centres.width, half_y = 0.5 * centres.height;
   if (x_high < -half_x || x_low > half_x || y_high < -half_y || y_low > half_y) return;
@@ -187,8 +187,7 @@ void WalkLeaf(const CertifiedLeaf& leaf, Marker* marker) {
   const double determinant = leaf.c11 * leaf.c22 - leaf.c12 * leaf.c21;
   const Vec2 along_s{leaf.c22 / determinant, -leaf.c21 / determinant},
       along_t{-leaf.c12 / determinant, leaf.c11 / determinant};
-  const double length_s = 2 * std::hypot(along_s.x, along_s.y),
-               length_t = 2 * std::hypot(along_t.x, along_t.y);
+  const double length_s = 2 * Length(along_s), length_t = 2 * Length(along_t);
   const double length = std::max(length_s, length_t);
   if (!(4 < kThinnest * length * std::fabs(determinant))) return;  // its area is 4/|det C|
   const bool by_s = length_s > length_t;
