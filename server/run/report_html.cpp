@@ -127,7 +127,12 @@ class Pictures {
     for (; stride <= kMostStride; ++stride) {
       std::vector<Result<std::string>> encoded(planes.size(), std::string());
       ParallelFor(std::size_t{0}, planes.size(), [&](std::size_t i) {
-        const auto full = ReadPng(Path(planes[i].second));
+        const std::string path = Path(planes[i].second);
+        if (stride == 1) {
+          encoded[i] = ReadFile(path, kMaxPictureBytes);
+          return;
+        }
+        const auto full = ReadPng(path);
         encoded[i] = full ? EncodeDataPng(ReducedPlane(planes[i].first, full.value(), stride))
                           : Result<std::string>(full.error());
       });

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <functional>
 #include <numbers>
 
 #include "render/compare/report.h"
@@ -170,6 +173,59 @@ TEST_F(SphereView, SupersamplingChangesTheColourAndNothingElse) {
   EXPECT_EQ(plain.direct.color_ms, 0);
   EXPECT_GT(smooth.direct.color_ms, 0);
   EXPECT_GT(smooth.direct.peak_bytes, plain.direct.peak_bytes);
+}
+
+// The largest difference of two pictures, in levels.
+int LargestDifference(const Image8& a, const Image8& b) {
+  EXPECT_EQ(a.bytes.size(), b.bytes.size());
+  int largest = 0;
+  for (std::size_t i = 0; i < a.bytes.size(); ++i)
+    largest = std::max(largest, std::abs(a.bytes[i] - b.bytes[i]));
+  return largest;
+}
+
+TEST_F(SphereView, AdaptiveSamplesShowWhatUniformOnesShow) {
+  for (const bool own : {true, false}) {
+    const Mesh mesh = MeshOf(48, own);
+    for (const int samples : {2, 4, 6, 9, 16}) {
+      ViewOptions options;
+      options.samples = samples;
+      const Compared adaptive = Compare(mesh, options, 96);
+      options.uniform_samples = true;
+      const Compared uniform = Compare(mesh, options, 96);
+      for (const auto& [some, all] :
+           {std::pair{&adaptive.direct, &uniform.direct}, {&adaptive.baseline, &uniform.baseline}}) {
+        EXPECT_LE(LargestDifference(some->image, all->image), 3) << samples << " samples, own mesh " << own;
+        ASSERT_TRUE(some->refined_pixels);
+        EXPECT_GT(*some->refined_pixels, 96u);
+        EXPECT_LT(*some->refined_pixels, 96u * 96 / 3);
+        EXPECT_FALSE(all->refined_pixels);
+      }
+      EXPECT_EQ(adaptive.difference.depth_mm.max, uniform.difference.depth_mm.max);
+      EXPECT_NEAR(adaptive.difference.color.flip_mean, uniform.difference.color.flip_mean, 1e-3);
+    }
+  }
+}
+
+TEST_F(SphereView, WhatNeedsAllSamplesIsSampledUniformly) {
+  const Camera camera = NamedView("iso", model_.bounds, Projection::kPerspective, 64, 64).value();
+  const auto is_uniform = [&](const std::function<void(ViewOptions*)>& change) {
+    ViewOptions options;
+    options.samples = 4;
+    change(&options);
+    const Result<View> view = RenderView(exact_, model_, camera, options);
+    EXPECT_TRUE(view.ok());
+    return view.ok() && !view.value().refined_pixels;
+  };
+  EXPECT_FALSE(is_uniform([](ViewOptions*) {}));
+  EXPECT_TRUE(is_uniform([](ViewOptions* o) { o->uniform_samples = true; }));
+  EXPECT_TRUE(is_uniform([](ViewOptions* o) { o->edges = true; }));
+  EXPECT_TRUE(is_uniform([](ViewOptions* o) { o->lines = LineMode::kVisible; }));
+  EXPECT_TRUE(is_uniform([](ViewOptions* o) { o->find_lines = true; }));
+  EXPECT_TRUE(is_uniform([](ViewOptions* o) { o->inspection = ParseInspection("zebra").value(); }));
+  EXPECT_TRUE(is_uniform([](ViewOptions* o) { o->samples = 1; }));
+  model_.faces[0].color.a = 0.5f;
+  EXPECT_TRUE(is_uniform([](ViewOptions*) {}));
 }
 
 TEST_F(SphereView, TheDirectImageIsTheSameAloneAndWithAnyNumberOfThreads) {
