@@ -62,8 +62,13 @@ const MonomialMatrix& CenteredMonomialMatrix(int degree);
 // The largest degree for which loops of constant length are compiled. Most surfaces have no higher degree.
 inline constexpr int kMaxFixedDegree = 3;
 
+// The highest degree along v that is a compile-time constant on its own.
+inline constexpr int kMaxFixedInnerDegree = 7;
+
 // Calls run.template operator()<P, Q>() with the degrees as compile-time constants if both lie in
-// [1, kMaxFixedDegree], and with −1 for both otherwise. Loops of constant length take half the time.
+// [1, kMaxFixedDegree]. Otherwise P is −1, and Q is degree_v if that lies in [1, kMaxFixedInnerDegree], else −1; −1
+// means that the degree is not a constant. The loops along v are the inner ones. Loops of constant length take half the
+// time.
 template <typename Run>
 inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
   // The switches are nested, because a single key packed from both degrees could collide with another pair.
@@ -73,12 +78,31 @@ inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
         return run.template operator()<P, 1>();
       case 2:
         return run.template operator()<P, 2>();
-      case 3:
+      default:
         return run.template operator()<P, 3>();
+    }
+  };
+  const auto with_v = [&] {
+    switch (degree_v) {
+      case 1:
+        return run.template operator()<-1, 1>();
+      case 2:
+        return run.template operator()<-1, 2>();
+      case 3:
+        return run.template operator()<-1, 3>();
+      case 4:
+        return run.template operator()<-1, 4>();
+      case 5:
+        return run.template operator()<-1, 5>();
+      case 6:
+        return run.template operator()<-1, 6>();
+      case 7:
+        return run.template operator()<-1, 7>();
       default:
         return run.template operator()<-1, -1>();
     }
   };
+  if (degree_v < 1 || degree_v > kMaxFixedDegree) return with_v();
   switch (degree_u) {
     case 1:
       return with_u.template operator()<1>();
@@ -87,7 +111,7 @@ inline auto ByDegrees(int degree_u, int degree_v, const Run& run) {
     case 3:
       return with_u.template operator()<3>();
     default:
-      return run.template operator()<-1, -1>();
+      return with_v();
   }
 }
 
