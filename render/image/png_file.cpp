@@ -1,9 +1,11 @@
-// Reads and writes PNG with libpng.
+// Reads and writes PNG with libpng; libdeflate compresses.
+#include <libdeflate.h>
 #include <png.h>
 
 #include <algorithm>
 #include <csetjmp>
 #include <cstring>
+#include <memory>
 #include <new>
 
 #include "render/image/atomic_file.h"
@@ -13,11 +15,14 @@
 namespace facetless {
 namespace {
 
-// The levels of zlib and the filter. Shaded surfaces are smooth along rows, and pictures of parts are mostly
+// The levels of compression, which zlib and libdeflate number alike, and the filter. Shaded surfaces are smooth along rows, and pictures of parts are mostly
 // flat. According to measurements on both, and on data planes, trying every filter takes two to four times as
 // long as this filter, for files that are between 12 % smaller and 20 % larger.
-constexpr int kPictureLevel = 4, kLightLevel = 3, kStrongLevel = 7;
+constexpr int kPictureLevel = 4, kLightLevel = 2, kStrongLevel = 6;
 constexpr int kFilter = PNG_FILTER_SUB;
+// libdeflate takes about half of zlib's time, but compresses in memory and in one piece. Larger pictures (bytes) are
+// written row by row with zlib.
+constexpr std::size_t kMostInOnePiece = std::size_t{1} << 26;
 
 enum class Meaning { kColor, kData };
 
@@ -47,9 +52,39 @@ void Flush(png_structp) {}
 
 void IgnoreWarning(png_structp, png_const_charp) {}
 
-// Encodes an image. libpng leaves this function by longjmp on errors, so every object with a destructor
+// The rows of an image as PNG stores them: each one behind the number of its filter, and each byte as its difference
+// from that of the pixel to its left.
+std::vector<unsigned char> FilteredRows(const Image8& image) {
+  constexpr unsigned char kSub = 1;
+  const std::size_t channels = static_cast<std::size_t>(image.channels),
+                    stride = static_cast<std::size_t>(image.width) * channels;
+  std::vector<unsigned char> filtered((stride + 1) * static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    const std::uint8_t* from = image.at(0, y);
+    unsigned char* to = filtered.data() + (stride + 1) * static_cast<std::size_t>(y);
+    *to++ = kSub;
+    std::copy_n(from, channels, to);
+    for (std::size_t i = channels; i < stride; ++i)
+      to[i] = static_cast<unsigned char>(from[i] - from[i - channels]);
+  }
+  return filtered;
+}
+
+// Compresses bytes as a zlib stream. Throws std::bad_alloc.
+std::vector<unsigned char> Compressed(const std::vector<unsigned char>& bytes, int level) {
+  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+      libdeflate_alloc_compressor(level), libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
+  std::vector<unsigned char> stream(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
+  stream.resize(
+      libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), stream.data(), stream.size()));
+  return stream;
+}
+
+// Encodes an image whose rows are compressed in `stream`; if that is empty, compresses them with zlib. libpng leaves this function by longjmp on errors, so every object with a destructor
 // belongs to the caller. Returns false on failure, with the reason in sink.failure.
-bool Encode(const Image8& image, Meaning meaning, int level, Sink& sink) {
+bool Encode(const Image8& image, Meaning meaning, int level, const std::vector<unsigned char>& stream,
+            Sink& sink) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, Fail, IgnoreWarning);
   if (png == nullptr) return false;
   png_infop info = nullptr;
@@ -68,8 +103,13 @@ bool Encode(const Image8& image, Meaning meaning, int level, Sink& sink) {
   png_set_compression_level(png, level);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, kFilter);
   png_write_info(png, info);
-  for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
-  png_write_end(png, info);
+  if (stream.empty()) {
+    for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
+    png_write_end(png, info);
+  } else {
+    png_write_chunk(png, reinterpret_cast<png_const_bytep>("IDAT"), stream.data(), stream.size());
+    png_write_chunk(png, reinterpret_cast<png_const_bytep>("IEND"), nullptr, 0);
+  }
   png_destroy_write_struct(&png, &info);
   return true;
 }
@@ -83,7 +123,13 @@ Result<std::vector<unsigned char>> EncodePng(const std::string& path, const Imag
       !size.ok())
     return size.error();
   Sink sink;
-  if (!Encode(image, meaning, level, sink)) {
+  std::vector<unsigned char> stream;
+  try {
+    if (image.bytes.size() <= kMostInOnePiece) stream = Compressed(FilteredRows(image), level);
+  } catch (const std::bad_alloc&) {
+    return ImageTooLarge(path);
+  }
+  if (!Encode(image, meaning, level, stream, sink)) {
     if (sink.failure.empty() || sink.failure == kOutOfMemory) return ImageTooLarge(path);
     return Error{ErrorCode::kWriteFailed, path + ": " + sink.failure};
   }

@@ -93,7 +93,8 @@ TEST_F(Pictures, WhatCannotBeDoneIsSaidInOneSentence) {
   WriteText(sphere,
             "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 90 0 0\nvertex 0 90 "
             "40\nendloop\nendfacet\nendsolid a\n");
-  EXPECT_THAT(Refusal({"compare", "--mesh", sphere, "--parts", "bolt"}), HasSubstr("need Facetless's own mesh"));
+  EXPECT_THAT(Refusal({"compare", "--mesh", sphere, "--parts", "bolt"}),
+              HasSubstr("need Facetless's own mesh"));
 }
 
 TEST_F(Pictures, WhatIsDrawnInAtLastChangesNoNumber) {
