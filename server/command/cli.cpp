@@ -82,6 +82,7 @@ constexpr const char* kBenchFooter = R"(Examples:
   facetless bench parts/*.step --json bench.json --plot bench.svg --markdown
   facetless bench --published                            the tables of the published papers, on this machine
   facetless bench --published part.step                  also compare acceleration structures over this file's leaves
+  facetless bench --structures part.step                 structures for rays in any direction, on boxes and on this file
 
 The two sides of each comparison are measured in turn, and their medians are reported; the machine should otherwise be idle.
 docs/performance.md has results and explains them.)";

@@ -74,6 +74,8 @@ void AddBenchOptions(CLI::App* app, CommandArguments& arguments) {
   app->add_flag("--markdown", bench.markdown, "Print the tables as Markdown");
   app->add_flag("!--no-growth", bench.growth, "Leave out row 9, which takes about a minute");
   app->add_flag("--published", bench.published, "Measure the tables of the published papers instead");
+  app->add_flag("--structures", bench.structures,
+                "Compare the structures for rays in any direction instead, on random boxes and on the files");
 }
 
 }  // namespace facetless

@@ -10,6 +10,7 @@
 
 #include "bench/aims.h"
 #include "bench/growth.h"
+#include "bench/leaf_boxes.h"
 #include "bench/leaf_search.h"
 #include "bench/model_bench.h"
 #include "bench/model_tables.h"
@@ -17,6 +18,7 @@
 #include "bench/plot.h"
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
+#include "bench/structure_bench.h"
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "render/trade/quantity_text.h"
@@ -132,6 +134,8 @@ class Bench {
       from_file.model = std::make_unique<const Model>(std::move(read).value());
     }
     const Model& model = *from_file.model;
+    if (settings_.structures)
+      return MeasureScene({std::filesystem::path(path).filename().string(), LeafBoxes(model, kMostBoxes)});
     auto cameras = ResolveCameras(options_, model.bounds);
     if (!cameras) return cameras.error();
 
@@ -192,6 +196,12 @@ class Bench {
     return {};
   }
 
+  Result<void> MeasureRandomScenes() {
+    for (const BoxScenery& scene : RandomBoxSceneries())
+      if (auto done = MeasureScene(scene); !done) return done.error();
+    return {};
+  }
+
   Result<void> MeasureLeaves(const std::string& name, const Model& model, const Camera& camera) {
     auto searches = MeasureLeafSearches(name, model, camera, settings_.repeats);
     if (!searches) return searches.error();
@@ -222,12 +232,25 @@ class Bench {
   // The load average, in processes, above which the machine is called busy: the bench itself counts as one,
   // and half a process is tolerated.
   static constexpr double kQuiet = 1.5;
+  // The largest number of boxes that a file's surfaces are divided into.
+  static constexpr std::size_t kMostBoxes = 200'000;
+
+  Result<void> MeasureScene(const BoxScenery& scene) {
+    Step(scene.name);
+    auto bench = MeasureStructures(scene.name, scene.boxes, BoxEntry{scene.boxes}, {settings_.repeats});
+    if (!bench) return bench.error();
+    json_["structures"].push_back(StructureJson(bench.value()));
+    for (Table& table : StructureTables(bench.value())) tables_.push_back(std::move(table));
+    return {};
+  }
 
   // Returns the heading, which names the machine and the program.
   std::string Heading() const {
     const Json& machine = json_.at("machine");
     const Json& program = json_.at("facetless");
-    const std::string title = !settings_.markdown   ? ""
+    const std::string title = !settings_.markdown ? ""
+                              : settings_.structures
+                                  ? "# Performance: structures for rays in any direction\n\n"
                               : settings_.published ? "# Performance: the papers' tables\n\n"
                                                     : "# Performance: files\n\n";
     std::string text = "Measured by Facetless " + program.at("version").get<std::string>() + " (" +
@@ -262,11 +285,15 @@ class Bench {
 Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
                              const RunOptions& options, const BenchSettings& settings,
                              const RunContext& context) {
-  if (files.empty() && !settings.published)
-    return Error{ErrorCode::kBadUsage, "bench needs a file, or --published"};
+  if (files.empty() && !settings.published && !settings.structures)
+    return Error{ErrorCode::kBadUsage, "bench needs a file, --published or --structures"};
+  if (settings.published && settings.structures)
+    return Error{ErrorCode::kBadUsage, "--published and --structures exclude each other"};
   Bench bench(request, options, settings, context);
   if (settings.published)
     if (auto done = bench.MeasurePublished(); !done) return done.error();
+  if (settings.structures)
+    if (auto done = bench.MeasureRandomScenes(); !done) return done.error();
   for (const std::string& file : files)
     if (auto done = bench.MeasureFile(file); !done) return done.error();
   return std::move(bench).Take();

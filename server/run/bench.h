@@ -5,6 +5,8 @@
 //     mesher alone. OpenCASCADE's exact intersector also runs in that process.
 //  2. --published measures the tables of the published papers instead, on generated scenes. A file then
 //     supplies the leaves for the comparison of acceleration structures.
+//  3. --structures compares the structures of render/accel for rays in any direction instead, on random boxes
+//     and on the boxes of each file's surfaces.
 #pragma once
 
 #include <string>
@@ -21,6 +23,7 @@ struct BenchSettings {
   double time_limit_s = 60;  // time limit of one mesh
   double exact_s = 6;        // time limit of OpenCASCADE's exact intersector
   bool published = false;
+  bool structures = false;
   bool markdown = false;
   bool growth = true;  // row 9, on the first file and on generated faces
 };

@@ -81,7 +81,7 @@ TEST_F(BenchProgram, AMeshThatTakesTooLongCountsAtTheLimit) {
 TEST_F(BenchProgram, SaysInOneSentenceWhatIsWrong) {
   const ChildOutcome nothing = Run({});
   EXPECT_EQ(nothing.exit_code, kExitUsage);
-  EXPECT_EQ(nothing.error_tail, "facetless: bench needs a file, or --published\n");
+  EXPECT_EQ(nothing.error_tail, "facetless: bench needs a file, --published or --structures\n");
   const ChildOutcome broken = Run({Sample("broken/wrong_type.step")});
   EXPECT_EQ(broken.exit_code, kExitUnusable);
   EXPECT_EQ(std::count(broken.error_tail.begin(), broken.error_tail.end(), '\n'), 1) << broken.error_tail;
