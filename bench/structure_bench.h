@@ -38,7 +38,7 @@ namespace facetless {
 
 enum class BenchRays : std::uint8_t { kPrimary, kShadow, kAmbient, kRandom };
 inline constexpr std::array<const char*, 4> kBenchRayNames = {"primary", "shadow", "ambient", "random"};
-inline constexpr double kMostBenchTests = 3e7;
+inline constexpr double kMostBenchTests = 1e7;
 
 // What one kind of rays costs in one structure.
 struct StructureRays {

@@ -78,7 +78,7 @@ RC_GTEST_PROP(Structures, FindTheNearestObjectOfAScanToTheBit, (std::uint64_t se
   Engine engine(seed);
   for (const SceneKind kind : testing::kSceneKinds) {
     const std::vector<Box3> boxes = testing::DrawScene(kind, 300, engine);
-    const std::vector<RaySegment> rays = testing::DrawRays(boxes, 40, engine);
+    const std::vector<RaySegment> rays = testing::DrawRays(boxes, 20, engine);
     for (const NamedStructure& named : MakeAll(boxes)) {
       WithStructure(named.structure, [&](const auto& structure) {
         QueryState state(structure.state_size());
