@@ -19,6 +19,7 @@
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
 #include "bench/structure_bench.h"
+#include "bench/volume_check.h"
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "render/trade/quantity_text.h"
@@ -239,8 +240,15 @@ class Bench {
     Step(scene.name);
     auto bench = MeasureStructures(scene.name, scene.boxes, BoxEntry{scene.boxes}, {settings_.repeats});
     if (!bench) return bench.error();
-    json_["structures"].push_back(StructureJson(bench.value()));
+    Box3 bounds;
+    for (const Box3& box : scene.boxes) bounds.Add(box.low), bounds.Add(box.high);
+    const std::vector<VolumeCheck> volumes =
+        CheckVolumeModel(scene.boxes, RandomRays(bounds, StructureBenchSettings().rays));
+    Json json = StructureJson(bench.value());
+    json["volumes"] = VolumeJson(volumes);
+    json_["structures"].push_back(std::move(json));
     for (Table& table : StructureTables(bench.value())) tables_.push_back(std::move(table));
+    tables_.push_back(VolumeTable(scene.name, volumes));
     return {};
   }
 

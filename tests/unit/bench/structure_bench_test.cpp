@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/leaf_boxes.h"
+#include "bench/volume_check.h"
 #include "tests/support/shapes.h"
 
 namespace facetless {
@@ -58,6 +59,24 @@ TEST(StructureBench, AllStructuresAgreeAndAreReported) {
     EXPECT_EQ(json.at("structures").size(), StructureNames().size());
     EXPECT_EQ(json.at("structures").at(0).at("rays").size(), 4u);
   }
+}
+
+TEST(VolumeCheck, TheModelAndTheClockAreBothReported) {
+  const std::vector<BoxScenery> scenes = RandomBoxSceneries();
+  const std::vector<Box3> boxes(scenes[0].boxes.begin(), scenes[0].boxes.begin() + 300);
+  const std::vector<RaySegment> rays = RandomRays({{0, 0, 0}, {1, 1, 1}}, 50);
+  const std::vector<VolumeCheck> checks = CheckVolumeModel(boxes, rays);
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_GT(checks[1].intersect_ns, checks[0].intersect_ns);
+  for (const VolumeCheck& check : checks) {
+    EXPECT_EQ(check.boxes + check.spheres, boxes.size());
+    for (const VolumeCheck::Cost& cost : {check.all_boxes, check.all_spheres, check.chosen}) {
+      EXPECT_GT(cost.predicted_ns, 0);
+      EXPECT_GT(cost.measured_ns, 0);
+    }
+  }
+  EXPECT_EQ(VolumeTable("cubes", checks).rows.size(), 2u);
+  EXPECT_EQ(VolumeJson(checks).size(), 2u);
 }
 
 TEST(StructureBench, OnlySourcesWithAnEstimateHaveOne) {
