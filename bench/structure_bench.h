@@ -10,7 +10,7 @@
 //  2. The object is a callable: double object(id, segment) returns the first t of the segment at which the
 //     ray meets object `id`, or infinity. BoxEntry takes the boxes themselves for objects.
 //  3. Structures take turns, one thread asks the rays one by one, and the median counts. Where a structure is
-//     slow, it is asked fewer rays (kMostBenchTests tests), at equal distances in the list.
+//     slow, it is asked fewer rays (kMostMilliseconds), at equal distances in the list.
 //  4. Every structure must give the same answers as a bounding volume hierarchy, to the bit: `unlike` counts
 //     rays that differ.
 //  5. The share of tests that a source estimates is d·k/regions, of random rays (EstimatedShare in grid.h),
@@ -38,7 +38,8 @@ namespace facetless {
 
 enum class BenchRays : std::uint8_t { kPrimary, kShadow, kAmbient, kRandom };
 inline constexpr std::array<const char*, 4> kBenchRayNames = {"primary", "shadow", "ambient", "random"};
-inline constexpr double kMostBenchTests = 1e7;
+inline constexpr double kMostMilliseconds = 100;  // of one run of one structure on one kind of rays
+inline constexpr std::size_t kFewRays = 100;      // of a kind, that say how slow a structure is
 
 // What one kind of rays costs in one structure.
 struct StructureRays {
@@ -111,11 +112,9 @@ void AskRays(const Structure& structure, QueryState& state, const std::vector<Ra
   }
 }
 
-// The distance of the rays that are asked, so that a structure that tests `tests` boxes per ray keeps within
-// the limit.
-inline std::size_t RayStride(double tests, std::size_t rays) {
-  return std::max<std::size_t>(1,
-                               static_cast<std::size_t>(tests * static_cast<double>(rays) / kMostBenchTests));
+// The distance of the rays that are asked, if all of them took `all_ms`.
+inline std::size_t RayStride(double all_ms) {
+  return std::max<std::size_t>(1, static_cast<std::size_t>(all_ms / kMostMilliseconds));
 }
 
 // Measures one structure on one kind of rays.
@@ -126,13 +125,15 @@ StructureRays MeasureRays(const AnyStructure& structure, const std::vector<RaySe
   StructureRays result;
   if (rays.empty()) return result;
   WithStructure(structure, [&](const auto& s) {
-    // A few rays say how slow it is, and wake what is made on demand.
+    // A few rays wake what is made on demand, and say then how slow the structure is.
     std::vector<double> answers(rays.size(), INFINITY);
     QueryState state(s.state_size());
-    AskRays(s, state, rays, any, object, std::max<std::size_t>(1, rays.size() / 32), answers);
-    const double tests = static_cast<double>(state.counters.tests + state.counters.regions) /
-                         static_cast<double>(std::max<std::uint64_t>(1, state.counters.rays));
-    const std::size_t stride = found != nullptr ? 1 : RayStride(tests, rays.size());
+    const std::size_t few = std::max<std::size_t>(1, rays.size() / kFewRays);
+    AskRays(s, state, rays, any, object, few, answers);
+    const Stopwatch sample;
+    AskRays(s, state, rays, any, object, few, answers);
+    const std::size_t stride =
+        found != nullptr ? 1 : RayStride(sample.Milliseconds() * static_cast<double>(few));
     AskRays(s, state, rays, any, object, stride, answers);
     state.counters = {};
     std::vector<double> times;

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "render/accel/box_list.h"
 #include "render/base/stopwatch.h"
 
 namespace facetless {
@@ -25,28 +26,33 @@ double BallSurface(double volume) {
   return std::cbrt(36 * std::numbers::pi * volume * volume);
 }
 
-// The time of one call of `test`, in nanoseconds, over all volumes and rays.
-template <typename Test>
-double MeasureTest(std::size_t volumes, std::size_t rays, const Test& test) {
-  constexpr int kRepeats = 5;
+// The time of one test of a volume in a plain list, in nanoseconds: the shortest of a few runs.
+template <typename List>
+double MeasureList(const List& list, std::span<const RaySegment> rays) {
+  constexpr int kRepeats = 7;
+  QueryState state(list.state_size());
   double best = INFINITY;
-  std::size_t met = 0;
+  std::uint64_t met = 0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    state.counters = {};
     const Stopwatch stopwatch;
-    for (std::size_t ray = 0; ray < rays; ++ray)
-      for (std::size_t volume = 0; volume < volumes; ++volume) met += test(ray, volume);
-    best = std::min(best, 1e6 * stopwatch.Milliseconds() / static_cast<double>(rays * volumes));
+    for (const RaySegment& ray : rays)
+      list.Visit(ray, state, [&](std::uint32_t id) {
+        met += id;
+        return INFINITY;
+      });
+    best = std::min(best, 1e6 * stopwatch.Milliseconds() / static_cast<double>(state.counters.tests));
   }
-  // The result is used, or the compiler would leave the loops out.
+  // The sum is used, or the compiler would leave tests out.
   return met > 0 ? best : INFINITY;
 }
 
 }  // namespace
 
 VolumeCosts MeasureVolumeCosts() {
-  // Small boxes in the unit cube, and rays across it.
-  constexpr std::size_t kVolumes = 2000, kRays = 200;
-  constexpr double kSize = 0.05;
+  // Small boxes in the unit cube, of which a ray meets about one in a thousand.
+  constexpr std::size_t kVolumes = 5000, kRays = 100;
+  constexpr double kSize = 0.03;
   std::mt19937_64 engine(1);
   const auto number = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
   std::vector<Box3> boxes;
@@ -54,25 +60,10 @@ VolumeCosts MeasureVolumeCosts() {
     const Vec3 low{number(), number(), number()};
     boxes.push_back({low, low + kSize * Vec3{number(), number(), number()}});
   }
-  const BoxSet set(boxes);
-  std::vector<BoundingSphere> spheres;
-  for (const SlabBox& box : set.boxes()) spheres.push_back(SphereAround(box, SphereMargin(set)));
-  std::vector<SlabRay> rays;
-  std::vector<SphereRay> extras;
-  while (rays.size() < kRays) {
-    SlabRay ray;
-    const Vec3 origin{number(), number(), number()};
-    if (!set.Enter({origin, {number() - 0.5, number() - 0.5, number() - 0.5}}, ray)) continue;
-    rays.push_back(ray);
-    extras.emplace_back(ray);
-  }
-  VolumeCosts costs;
-  costs.box_ns =
-      MeasureTest(kVolumes, kRays, [&](std::size_t ray, std::size_t i) { return Meets(rays[ray], set[i]); });
-  costs.sphere_ns = MeasureTest(kVolumes, kRays, [&](std::size_t ray, std::size_t i) {
-    return MeetsSphere(rays[ray], extras[ray], spheres[i]);
-  });
-  return costs;
+  std::vector<RaySegment> rays;
+  for (std::size_t i = 0; i < kRays; ++i)
+    rays.push_back({{number(), number(), number()}, {number() - 0.5, number() - 0.5, number() - 0.5}});
+  return {MeasureList(BoxList(boxes), rays), MeasureList(SphereList(boxes), rays)};
 }
 
 double TotalCost(double rays, double volume_ns, double meeting, double intersect_ns) {

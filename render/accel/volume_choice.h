@@ -15,8 +15,9 @@
 //  3. An object without a volume, such as a plate, has no fit. Its m(v)/n is the ratio of the surfaces of v
 //     and of the scene, to which law 2 amounts for convex volumes in any case.
 //  4. The volume with the smaller K is chosen, and the box if both cost the same.
-//  5. B(box) and B(sphere) are measured by MeasureVolumeCosts on the machine at hand, in a scan over volumes
-//     of which rays meet few. kVolumeCosts are what it gave on the machine of docs/performance-files.md.
+//  5. B(box) and B(sphere) are measured by MeasureVolumeCosts on the machine at hand, as the time of a plain
+//     list (BoxList, SphereList) per volume. Of kVolumeCosts, which was measured in the same way, the ratio
+//     matters.
 #pragma once
 
 #include <span>
