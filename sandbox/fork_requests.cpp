@@ -1,7 +1,8 @@
 #include "sandbox/fork_requests.h"
 
 #include <fcntl.h>
-#include <linux/sched.h>
+#include <sched.h>
+#include <signal.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -121,15 +122,14 @@ bool HasOneThread() {
 }
 
 // Forks a child of this process's own parent. Like fork, it keeps what the C library knows of the thread's id up
-// to date, for which it asks the kernel where that is.
+// to date, for which it asks the kernel where that is. It does not use clone3, which containers often forbid.
 pid_t ForkSibling() {
-  clone_args arguments = {};
-  arguments.flags = CLONE_PARENT;
-  if (std::uint64_t address = 0; prctl(PR_GET_TID_ADDRESS, &address, 0, 0, 0) == 0) {
-    arguments.flags |= CLONE_CHILD_SETTID | CLONE_CHILD_CLEARTID;
-    arguments.child_tid = address;
-  }
-  return static_cast<pid_t>(syscall(SYS_clone3, &arguments, sizeof arguments));
+  long flags = CLONE_PARENT | SIGCHLD;
+  std::uint64_t own_id = 0;
+  if (prctl(PR_GET_TID_ADDRESS, &own_id, 0, 0, 0) == 0) flags |= CLONE_CHILD_SETTID | CLONE_CHILD_CLEARTID;
+  // The last two arguments are the address of the id and the thread's storage, which stays as it is. Their order
+  // depends on the processor.
+  return static_cast<pid_t>(syscall(SYS_clone, flags, 0, 0, own_id, own_id));
 }
 
 // In the child: becomes what the request asks for, and returns its arguments.
