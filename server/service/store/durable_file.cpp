@@ -30,10 +30,14 @@ Result<void> SyncFile(const std::string& path) {
   return Sync(path, 0);
 }
 
-Result<void> RenameDurably(const std::string& from, const std::string& to) {
+Result<void> RenameReadOnly(const std::string& from, const std::string& to) {
   if (chmod(from.c_str(), 0444) != 0 || std::rename(from.c_str(), to.c_str()) != 0)
     return WriteError(to, errno);
-  return Sync(to.substr(0, to.rfind('/')), O_DIRECTORY);
+  return {};
+}
+
+Result<void> SyncDirectory(const std::string& path) {
+  return Sync(path, O_DIRECTORY);
 }
 
 }  // namespace facetless

@@ -1,5 +1,5 @@
-// Durable file operations: when a function returns, its effect is on the disk, not only in the memory of the
-// system.
+// Durable file operations: when a function that syncs returns, its effect is on the disk, not only in the memory
+// of the system.
 #pragma once
 
 #include <string>
@@ -11,7 +11,10 @@ namespace facetless {
 // Syncs the content of the file. Error: kWriteFailed.
 Result<void> SyncFile(const std::string& path);
 
-// Renames a synced file, makes it read-only, and syncs its new directory. Error: kWriteFailed.
-Result<void> RenameDurably(const std::string& from, const std::string& to);
+// Renames a synced file and makes it read-only. The new name is on the disk after SyncDirectory. Error: kWriteFailed.
+Result<void> RenameReadOnly(const std::string& from, const std::string& to);
+
+// Syncs the names in a directory. Error: kWriteFailed.
+Result<void> SyncDirectory(const std::string& path);
 
 }  // namespace facetless

@@ -110,14 +110,19 @@ Result<StoredFile> FileStore::AddFile(const std::string& path, const std::string
   // Sync before the lock is taken, because it takes long.
   if (auto synced = SyncFile(path); !synced) return synced.error();
   if (auto made = MakeDirectories(fs::path(kept.path).parent_path()); !made) return made.error();
-  const std::lock_guard lock(files_mutex_);
-  std::error_code error;
-  if (fs::exists(kept.path, error)) {
-    fs::remove(path, error);
-  } else if (auto renamed = RenameDurably(path, kept.path); !renamed) {
-    return renamed.error();
+  {
+    const std::lock_guard lock(files_mutex_);
+    std::error_code error;
+    if (fs::exists(kept.path, error)) {
+      fs::remove(path, error);
+    } else if (auto renamed = RenameReadOnly(path, kept.path); !renamed) {
+      return renamed.error();
+    }
+    kept.pin = MakePin(kept.sha256);
   }
-  kept.pin = MakePin(kept.sha256);
+  // Sync the name without the lock, so that files that are added at the same time share one write of the disk. A
+  // file that exists may have been added by another thread, which has not synced its name yet.
+  if (auto synced = SyncDirectory(fs::path(kept.path).parent_path()); !synced) return synced.error();
   return kept;
 }
 
