@@ -5,6 +5,8 @@
 #include <sys/mount.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <thread>
@@ -152,6 +154,40 @@ TEST(Metrics, NameTheCausesOfImportersDeaths) {
   for (const char* cause : {"crash", "answer", "output", "timeout"}) EXPECT_EQ(died(cause), 1) << cause;
   EXPECT_EQ(died("memory"), 0);
   EXPECT_EQ(died("threads"), 0);
+}
+
+// Returns the id of the importer that the service keeps loaded; 0 if there is none.
+pid_t LoadedImporter(pid_t service) {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(service) + "/task")) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;)
+      if (ReadText("/proc/" + std::to_string(child) + "/cmdline").find("--serve-forks") != std::string::npos)
+        return child;
+  }
+  return 0;
+}
+
+TEST(Operations, GoOnWhenTheLoadedImporterIsKilled) {
+  LiveServer server({}, FakeImporter());
+  const std::string forked = R"(facetless_importers_total{start="forked"})";
+  int posts = 0;
+  // Posts another file each time, until so many importers were forked.
+  const auto post_until_forked = [&](double count) {
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_EQ(Post(server, "/v1/models", "ok " + std::to_string(++posts)).status, 201);
+      if (Value(server.Get("/metrics").body, forked) >= count) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  };
+  ASSERT_TRUE(post_until_forked(1));
+  const pid_t first = LoadedImporter(server.pid());
+  ASSERT_GT(first, 0);
+  kill(first, SIGKILL);
+  ASSERT_TRUE(post_until_forked(Value(server.Get("/metrics").body, forked) + 1));
+  EXPECT_NE(LoadedImporter(server.pid()), first);
+  const std::string metrics = server.Get("/metrics").body;
+  EXPECT_EQ(Value(metrics, forked) + Value(metrics, R"(facetless_importers_total{start="executed"})"), posts);
 }
 
 TEST(Metrics, CountWhatWaitsAndWhatIsCancelled) {
