@@ -143,16 +143,28 @@ void TileBitmaps::Build(const TileLeaves& tiles, int tile, int column, int row) 
   const LeafSpans leaves = tiles.leaves();
   const auto list = tiles.Tile(tile);
   words_ = static_cast<int>((list.size() + 63) / 64);
-  bits_.assign(std::size_t(2 * kTileSize) * words_, 0);
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const SampleBox box = leaves.Header(list[k]).box;
-    const std::uint64_t bit = std::uint64_t{1} << (k % 64);
-    std::uint64_t* word = bits_.data() + k / 64;
-    const int row_end = std::min(box.row_end() - row, kTileSize),
-              col_end = std::min(box.col_end() - column, kTileSize);
-    for (int i = std::max(box.row_begin() - row, 0); i < row_end; ++i) word[std::size_t(i) * words_] |= bit;
-    for (int j = std::max(box.col_begin() - column, 0); j < col_end; ++j)
-      word[std::size_t(kTileSize + j) * words_] |= bit;
+  bits_.resize(std::size_t(2 * kTileSize) * words_);
+  for (int word = 0; word < words_; ++word) {
+    // The bit of a leaf changes at the first row of its box and behind the last one, so each row is the sum modulo 2 of
+    // the changes up to it; likewise for columns.
+    std::uint64_t row_changes[kTileSize + 1] = {}, column_changes[kTileSize + 1] = {};
+    const std::size_t first = std::size_t(64) * word, end = std::min(first + 64, list.size());
+    for (std::size_t k = first; k < end; ++k) {
+      const SampleBox box = leaves.Header(list[k]).box;
+      const std::uint64_t bit = std::uint64_t{1} << (k - first);
+      row_changes[std::max(box.row_begin() - row, 0)] ^= bit;
+      row_changes[std::min(box.row_end() - row, kTileSize)] ^= bit;
+      column_changes[std::max(box.col_begin() - column, 0)] ^= bit;
+      column_changes[std::min(box.col_end() - column, kTileSize)] ^= bit;
+    }
+    std::uint64_t in_row = 0, in_column = 0;
+    std::uint64_t* out = bits_.data() + word;
+    for (int i = 0; i < kTileSize; ++i) {
+      in_row ^= row_changes[i];
+      in_column ^= column_changes[i];
+      out[std::size_t(i) * words_] = in_row;
+      out[std::size_t(kTileSize + i) * words_] = in_column;
+    }
   }
 }
 
