@@ -112,6 +112,7 @@ Result<Conversion> Convert(CadDocument document, const Progress& progress) {
   builder.info() = std::move(document.info);
   std::vector<TopoDS_Face> faces;
   Healing healing = HealDocument(document);
+  builder.info().healed = healing.healed;
   for (std::size_t p = 0; p < document.prototypes.size(); ++p) {
     std::size_t done = 0;
     PartConverter part(document, document.prototypes[p], healing.loops, builder, faces);

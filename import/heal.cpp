@@ -20,8 +20,12 @@
 #include <TopoDS_Iterator.hxx>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
 #include <utility>
 
+#include "import/heal_changes.h"
 #include "import/loop_crossings.h"
 #include "import/surface_patches.h"
 
@@ -77,9 +81,14 @@ bool EdgesLieOn(const FaceLoops& loops, double precision_mm) {
   return true;
 }
 
-bool IsSound(const FaceLoops& loops, double precision_mm) {
-  return loops.lost_edges.empty() && loops.repairs.empty() && loops.open_share <= kOpenSaid &&
-         EdgesLieOn(loops, precision_mm) && FindLoopCrossings(loops.loops).empty();
+// Says why a face is not sound; nullptr if it is.
+const char* FaultOf(const FaceLoops& loops, double precision_mm) {
+  if (!loops.lost_edges.empty()) return "it has an edge that cannot be used";
+  if (!loops.repairs.empty()) return "its loops are out of order";
+  if (!(loops.open_share <= kOpenSaid)) return "a loop does not close";
+  if (!EdgesLieOn(loops, precision_mm)) return "an edge does not lie on its surface";
+  if (!FindLoopCrossings(loops.loops).empty()) return "its loops cross";
+  return nullptr;
 }
 
 // The loops' edges as chords in the parameter plane. For a face without loops, the chords are its surface's
@@ -182,33 +191,41 @@ bool EnclosesVolume(const std::vector<TopoDS_Face>& faces, const std::vector<Fac
   return volume > kVolumeKnown * all;
 }
 
-// Stores the loops of the body's faces, and returns true, if the body is sound. OpenCASCADE may raise
+// Calls a face as the file does.
+using NameFace = std::function<std::string(const TopoDS_Shape& face)>;
+
+// Stores the loops of the body's faces if it is sound. Otherwise it says why the body is not. OpenCASCADE may raise
 // exceptions.
-bool StoreIfSound(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm, LoopsByFace& stored) {
+std::optional<std::string> StoreIfSound(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm,
+                                        const NameFace& name, LoopsByFace& stored) {
   const bool solid = body.ShapeType() == TopAbs_SOLID;
-  if (!EdgesMeet(body, solid)) return false;
+  if (!EdgesMeet(body, solid)) return "its faces do not meet properly at their edges";
   std::vector<TopoDS_Face> faces;
   std::vector<FaceLoops> loops;
   for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next()) {
     faces.push_back(TopoDS::Face(face.Current()));
     TopLoc_Location location;
-    if (BRep_Tool::Surface(faces.back(), location).IsNull()) return false;
+    if (BRep_Tool::Surface(faces.back(), location).IsNull())
+      return name(faces.back()) + ": it has no surface";
     Result<FaceLoops> found = LoopsOf(faces.back(), pcurves_in_file, MissingPcurve::kProjected);
-    if (!found.ok() || !IsSound(found.value(), precision_mm)) return false;
+    if (!found.ok()) return name(faces.back()) + ": " + found.error().message;
+    if (const char* fault = FaultOf(found.value(), precision_mm)) return name(faces.back()) + ": " + fault;
     loops.push_back(std::move(found).value());
   }
-  if (faces.empty() || (solid && !EnclosesVolume(faces, loops))) return false;
+  if (faces.empty()) return "it has no face";
+  if (solid && !EnclosesVolume(faces, loops)) return "its faces do not enclose a positive volume";
   for (std::size_t i = 0; i < faces.size(); ++i) stored.Bind(faces[i], std::move(loops[i]));
-  return true;
+  return std::nullopt;
 }
 
-bool StoreIfSoundOrThrows(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm,
-                          LoopsByFace& stored) {
+std::optional<std::string> StoreIfSoundOrThrows(const TopoDS_Shape& body, bool pcurves_in_file,
+                                                double precision_mm, const NameFace& name,
+                                                LoopsByFace& stored) {
   try {
     OCC_CATCH_SIGNALS
-    return StoreIfSound(body, pcurves_in_file, precision_mm, stored);
-  } catch (const Standard_Failure&) {
-    return false;
+    return StoreIfSound(body, pcurves_in_file, precision_mm, name, stored);
+  } catch (const Standard_Failure& failure) {
+    return std::string("OpenCASCADE fails on it (") + failure.DynamicType()->Name() + ")";
   }
 }
 
@@ -323,24 +340,44 @@ void Inherit(const TopoDS_Shape& face, const TopoDS_Shape& healed, CadDocument& 
   }
 }
 
+// The entity of the first face of a body that the file names; "" if it names none.
+std::string FirstEntity(const TopoDS_Shape& body, const CadDocument& document) {
+  for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next())
+    if (const auto origin = document.origins.find(face.Current().TShape().get());
+        origin != document.origins.end() && !origin->second.entity.empty())
+      return origin->second.entity;
+  return {};
+}
+
 }  // namespace
 
 Healing HealDocument(CadDocument& document) {
   Healing healing;
   if (!document.unhealed_mm) return healing;
   healing.precision_mm = *document.unhealed_mm;
+  const NameFace name_face = [&](const TopoDS_Shape& face) {
+    const std::string entity = FirstEntity(face, document);
+    return entity.empty() ? std::string("a face") : "face " + entity;
+  };
   for (Prototype& prototype : document.prototypes) {
     std::vector<TopoDS_Shape> bodies;
     Gather(prototype.shape, bodies);
     const Handle(ShapeBuild_ReShape) changes = new ShapeBuild_ReShape;
     bool changed = false;
     for (const TopoDS_Shape& body : bodies) {
-      if (StoreIfSoundOrThrows(body, document.pcurves_in_file, *document.unhealed_mm, healing.loops)) {
+      const std::optional<std::string> fault = StoreIfSoundOrThrows(
+          body, document.pcurves_in_file, *document.unhealed_mm, name_face, healing.loops);
+      if (!fault) {
         healing.sound.push_back(body);
         continue;
       }
+      HealedBody entry{.name = prototype.name, .entity = FirstEntity(body, document), .reason = *fault};
+      const BodyBefore before(body);
       FaceMap faces;
       const TopoDS_Shape healed = Healed(body, *document.unhealed_mm, faces);
+      before.Describe(
+          healed, [&](const TopoDS_Shape& face) { return Mapped(faces, face); }, entry);
+      healing.healed.push_back(std::move(entry));
       if (healed.IsSame(body)) continue;
       for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next())
         Inherit(face.Current(), Mapped(faces, face.Current()), document, prototype);

@@ -5,7 +5,8 @@
 //     and have the right orientation, and if no two faces use an edge in the same direction. A sound solid
 //     also has two faces at every edge, and its faces enclose a positive volume. A sound body stays as the
 //     file has it.
-//  3. The other bodies are healed in the same way as OpenCASCADE's STEP reader heals shapes.
+//  3. The other bodies are healed in the same way as OpenCASCADE's STEP reader heals shapes. Each is listed with the
+//     reason and with what changed.
 //  4. OpenCASCADE's mesher and its intersector require p-curves in the shapes. Only for these two, sound
 //     bodies are healed, too (HealedFaces). They receive the p-curves that law 2 has computed, so that none
 //     is computed twice.
@@ -29,6 +30,7 @@ struct Healing {
   std::vector<TopoDS_Shape> sound;  // bodies that were left as the file has them
   LoopsByFace loops;                // loops of the faces of sound bodies
   double precision_mm = 0;          // precision of the file
+  std::vector<HealedBody> healed;   // the bodies that are not sound, and what changed of them
 };
 
 // Heals the bodies of the document's prototypes that are not sound, in place. Their faces keep their origins

@@ -135,6 +135,19 @@ int OutOfMemory(const std::string& input, const Answer& answer) {
               answer);
 }
 
+nlohmann::json HealedJson(const std::vector<HealedBody>& bodies) {
+  nlohmann::json healed = nlohmann::json::array();
+  for (const HealedBody& body : bodies)
+    healed.push_back({{"name", body.name},
+                      {"entity", body.entity},
+                      {"reason", body.reason},
+                      {"faces_changed", body.faces_changed},
+                      {"edges_changed", body.edges_changed},
+                      {"pcurves_changed", body.pcurves_changed},
+                      {"moved_mm", body.moved_mm}});
+  return healed;
+}
+
 nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes,
                        const std::vector<MeshRequest>& requests) {
   const ImportInfo& info = model.info;
@@ -148,6 +161,7 @@ nlohmann::json Summary(const Model& model, const std::vector<MeshReport>& meshes
                          {"loops_lost", info.loops_lost.size()},
                          {"edges_lost", info.edges_lost.size()},
                          {"approximated", info.approximated.size()},
+                         {"bodies_healed", HealedJson(info.healed)},
                          {"solids", model.solids.size()},
                          {"parts", model.parts.size()},
                          {"instances", model.instances.size()},

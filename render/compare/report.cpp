@@ -161,6 +161,17 @@ json ModelJson(const Model& model) {
                             {"name", face.name.empty() ? face.entity : face.name},
                             {"deviation_mm", approximation.deviation_mm}});
   }
+  // Other formats are healed by OpenCASCADE's readers, which do not tell what they changed.
+  json healed = info.format.starts_with("STEP") ? json::array() : json();
+  for (const HealedBody& body : info.healed)
+    healed.push_back({{"name", body.name},
+                      {"entity", body.entity},
+                      {"reason", body.reason},
+                      {"faces", body.faces},
+                      {"faces_changed", body.faces_changed},
+                      {"edges_changed", body.edges_changed},
+                      {"pcurves_changed", body.pcurves_changed},
+                      {"moved_mm", body.moved_mm}});
   return {{"file", info.file},
           {"sha256", info.sha256},
           {"format", info.format},
@@ -183,6 +194,7 @@ json ModelJson(const Model& model) {
           {"loops_lost", LossesJson(info.loops_lost)},
           {"edges_lost", LossesJson(info.edges_lost)},
           {"faces_approximated", approximated},
+          {"bodies_healed", std::move(healed)},
           {"surfaces", surfaces},
           {"patches", patches},
           {"warnings", info.warnings},

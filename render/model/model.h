@@ -183,6 +183,18 @@ struct Approximation {
   double deviation_mm = 0;  // measured deviation of the patches from the surface that they approximate
 };
 
+// A body that is not shown as the file has it, because OpenCASCADE healed it. A body is a solid, a shell or a face
+// (import/heal.h).
+struct HealedBody {
+  std::string name, entity;                            // of its part; of its first face that the file names
+  std::string reason;                                  // why it was healed
+  std::uint64_t faces = 0;                             // before
+  std::uint64_t faces_changed = 0, edges_changed = 0;  // those that were replaced or removed
+  std::uint64_t pcurves_changed = 0;                   // those that were replaced or added
+  double moved_mm =
+      0;  // the largest distance of a replaced edge from the one before, measured at points of it
+};
+
 struct ImportInfo {
   std::string file, sha256;  // base name of the file; hash of its bytes in lower-case hexadecimal
   std::string format;        // "STEP AP214", "IGES", "BREP"
@@ -192,6 +204,7 @@ struct ImportInfo {
                 faces_imported = 0;  // number of face entities in the file; number of faces of all prototypes
   std::vector<Loss> faces_lost, loops_lost, edges_lost;
   std::vector<Approximation> approximated;
+  std::vector<HealedBody> healed;     // of STEP files; other formats do not tell
   std::vector<std::string> warnings;  // one sentence for each repair that was made
   double read_ms = 0, transfer_ms = 0, convert_ms = 0;
   std::uint64_t peak_bytes = 0;  // peak memory of the importer process until the model was written

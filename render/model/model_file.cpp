@@ -105,13 +105,18 @@ flatbuffers::Offset<file::ImportInfo> PackInfo(flatbuffers::FlatBufferBuilder& b
   const auto approximated = PackEach<file::Approximation>(
       builder, info.approximated,
       [](const Approximation& a) { return file::Approximation(a.face, a.deviation_mm); });
+  const auto healed = PackEach<file::HealedBody>(builder, info.healed, [&](const HealedBody& body) {
+    return file::HealedBody(strings.Add(body.name), strings.Add(body.entity), strings.Add(body.reason),
+                            body.faces, body.faces_changed, body.edges_changed, body.pcurves_changed,
+                            body.moved_mm);
+  });
   std::vector<std::uint32_t> warnings;
   for (const std::string& warning : info.warnings) warnings.push_back(strings.Add(warning));
   return file::CreateImportInfo(
       builder, strings.Add(info.file), strings.Add(info.sha256), strings.Add(info.format),
       strings.Add(info.unit), info.unit_mm, info.faces_declared, info.faces_imported, faces_lost, loops_lost,
       edges_lost, approximated, builder.CreateVector(warnings), info.read_ms, info.transfer_ms,
-      info.convert_ms, info.peak_bytes, info.max_edge_gap_mm, strings.Add(info.max_edge_gap_entity));
+      info.convert_ms, info.peak_bytes, info.max_edge_gap_mm, strings.Add(info.max_edge_gap_entity), healed);
 }
 
 void PackModel(flatbuffers::FlatBufferBuilder& builder, const Model& model) {
@@ -221,6 +226,10 @@ class Unpacker {
     info.edges_lost = UnpackEach<Loss>(in.edges_lost(), unpack_loss);
     info.approximated = UnpackEach<Approximation>(in.approximated(), [](const file::Approximation& a) {
       return Approximation{a.face(), a.deviation_mm()};
+    });
+    info.healed = UnpackEach<HealedBody>(in.healed(), [&](const file::HealedBody& body) {
+      return HealedBody{Text(body.name()),    Text(body.entity()),  Text(body.reason()),    body.faces(),
+                        body.faces_changed(), body.edges_changed(), body.pcurves_changed(), body.moved_mm()};
     });
     if (in.warnings()) {
       for (std::uint32_t warning : *in.warnings()) info.warnings.push_back(Text(warning));

@@ -271,6 +271,8 @@ Violation CheckInfo(const Model& model) {
     if (!(approximation.deviation_mm >= 0) || !std::isfinite(approximation.deviation_mm))
       return NotFinite("info");
   }
+  for (const HealedBody& body : info.healed)
+    if (!(body.moved_mm >= 0) || !std::isfinite(body.moved_mm)) return NotFinite("info");
   for (double value : {info.unit_mm, info.read_ms, info.transfer_ms, info.convert_ms, info.max_edge_gap_mm}) {
     if (!std::isfinite(value)) return NotFinite("info");
   }

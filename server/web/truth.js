@@ -31,6 +31,12 @@ export const modelFacts = (model) =>
   element("p", { class: "facts row" }, [model.format, model.unit && `in ${model.unit}`, count(model.faces, "face"), model.solids && count(model.solids, "solid"), model.patches && `${number(model.patches)} Bézier patches`,
     `${number(model.diagonal_mm)} mm across`, `read in ${milliseconds(model.import_ms)}`].filter(Boolean).map((fact) => element("span", {}, fact)));
 
+const healedBodies = (bodies) =>
+  bodies.length === 0 ? null : element("div", {}, element("h3", {}, bodies.length === 1 ? "1 healed body" : `${bodies.length} healed bodies`),
+    table("Healed bodies", ["Body", "reason", "faces, edges and p-curves changed", "moved, mm"], bodies.slice(0, 20).map((body) => [[body.name, body.entity].filter(Boolean).join(", from "), body.reason,
+      [body.faces_changed, body.edges_changed, body.pcurves_changed].map(number).join(", "), number(body.moved_mm)])),
+    bodies.length > 20 ? element("p", { class: "facts" }, "The JSON lists the others.") : null);
+
 const openEdges = ({ count: found, worst }) =>
   found === 0 ? null : element("div", {}, element("h3", {}, count(found, "open edge")),
     table("Open edges", ["Between", "cause", "gap, mm", "tolerance, mm", "length, mm"], worst.slice(0, 20).map((edge) => [edge.faces.map((face) => face.name || face.entity || `face ${face.id}`).join(" and "), edge.cause.replace("_", " "), number(edge.gap_mm), number(edge.tolerance_mm), number(edge.length_mm)])),
@@ -47,5 +53,6 @@ export const truthReport = (model) => {
       surfaces.length ? element("div", {}, table("Kinds of surfaces", ["Surface", "surfaces"], surfaces.map(([kind, faces]) => [kind, number(faces)]))) : null,
       approximated.length ? element("div", {}, table("Approximated faces", ["Approximated face", "deviation, mm"], approximated.slice(0, 20).map((face) => [face.name, number(face.deviation_mm)]))) : null),
     model.open_edges ? openEdges(model.open_edges) : null,
+    healedBodies(model.bodies_healed || []),
     (model.warnings || []).length ? element("details", {}, element("summary", {}, count(model.warnings.length, "warning")), element("ul", {}, model.warnings.slice(0, 100).map((warning) => element("li", {}, warning)))) : null);
 };

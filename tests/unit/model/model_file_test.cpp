@@ -31,6 +31,7 @@ Model TwoFaces() {
   info.faces_lost = {{kNoIndex, "lost", "#7", "no surface"}};
   info.loops_lost = {{0, "", "#8", "dropped"}};
   info.approximated = {{1, 1e-9}};
+  info.healed = {{"part", "#8", "a loop does not close", 2, 1, 3, 4, 0.125}};
   info.warnings = {"Grüße", ""};
   info.read_ms = 1.5;
   info.peak_bytes = 1ull << 33;
