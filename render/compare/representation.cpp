@@ -24,7 +24,7 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   DirectStats& stats = traced.value().stats;
   view.refinement = std::move(traced.value().refinement);
   view.counters = {stats.prepare_ms, stats.trace_ms, stats.rays, stats.hits, stats.refine_ms};
-  view.structure_bytes = stats.scene_bytes;
+  view.structure_bytes = stats.scene_bytes + stats.refine_bytes;
   view.direct = std::move(stats);
   return view;
 }

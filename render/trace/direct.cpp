@@ -222,7 +222,8 @@ class Refiner {
         options_(options),
         grid_(options.refine->grid) {}
 
-  Result<Refinement> Refine(const SampleBuffer& centres) const {
+  // Adds the memory of the samples' leaves and bitmaps to *bytes.
+  Result<Refinement> Refine(const SampleBuffer& centres, std::uint64_t* bytes) const {
     PixelSet pixels(camera_.width_px, camera_.height_px);
     options_.refine->picker->Pick(centres, frame_, &pixels);
     MarkThinParts(scene_.data(), view_, frame_, centres, &pixels);
@@ -238,13 +239,14 @@ class Refiner {
         PrepareRefinement(scene_.data(), view_, fine, refinement.frame, grid_, refinement.pixels, options_);
     if (!prepared.ok()) return prepared.error();
     refinement.samples.Resize(grid_.count(), static_cast<int>(refinement.pixels.size()));
-    TraceSamples(prepared.value(), fine, &refinement);
+    *bytes += prepared.value().bytes() + TraceSamples(prepared.value(), fine, &refinement);
     if (options_.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
     return refinement;
   }
 
  private:
-  void TraceSamples(const PreparedView& prepared, const Camera& fine, Refinement* refinement) const {
+  // Returns the memory of the bitmaps.
+  std::uint64_t TraceSamples(const PreparedView& prepared, const Camera& fine, Refinement* refinement) const {
     const TraceShared shared(scene_.data(), prepared, fine, refinement->frame);
     PerThread<TileTracer> tracers([&] { return TileTracer(shared, kernel_, /*certify=*/false); });
     ParallelFor(0, prepared.tiles->tiles_x() * prepared.tiles->tiles_y(), [&](int tile) {
@@ -257,6 +259,9 @@ class Refiner {
       tracer.Trace(tile, nullptr, active.data());
       WriteSamples(shared, tracer, active, refinement);
     });
+    std::uint64_t bytes = 0;
+    for (const TileTracer& tracer : tracers) bytes += tracer.bitmap_bytes();
+    return bytes;
   }
 
   void WriteSamples(const TraceShared& shared, const TileTracer& tile,
@@ -283,6 +288,41 @@ class Refiner {
   const DirectOptions& options_;
   const SampleGrid grid_;
 };
+
+// Adds up the counters of all threads.
+void AddCounters(const PerThread<Tally>& tallies, const PerThread<TileTracer>& tracers, DirectStats* total) {
+  DirectStats& stats = *total;
+  for (const Tally& tally : tallies) {
+    stats.hits += tally.hits;
+    stats.certified += tally.certified;
+    stats.converged += tally.converged;
+    stats.unresolved += tally.unresolved;
+    stats.certified_hits += tally.certified_hits;
+    stats.caps += tally.caps;
+    stats.check.Add(tally.check);
+    for (std::size_t bit = 0; bit < tally.doubts.size(); ++bit) stats.doubts[bit] += tally.doubts[bit];
+    stats.depth_error_max = std::max(stats.depth_error_max, tally.depth_error_max);
+  }
+  for (const TileTracer& tracer : tracers) {
+    stats.candidates += tracer.counters.candidates;
+    stats.solves += tracer.counters.solves;
+    stats.iterations += tracer.counters.iterations;
+    stats.fallbacks += tracer.counters.fallbacks;
+    stats.trim_tests += tracer.counters.trim_tests;
+    stats.check.Add(tracer.check);
+    stats.bmssm_bytes += tracer.bitmap_bytes();
+  }
+}
+
+// Fills in what the stats say of a prepared view. Requires the bytes of the bitmaps.
+void FillViewStats(const PreparedView& view, const Scene& scene, DirectStats* total) {
+  DirectStats& stats = *total;
+  stats.leaves = view.tiles->leaves().size();
+  stats.hard_leaves = view.tiles->leaves().hard.size();
+  stats.bmssm_bits = view.tiles->bits();
+  stats.scene_bytes = view.bytes() + stats.bmssm_bytes + scene.data().bytes();
+  stats.unseen_faces = view.unseen_faces;
+}
 
 Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const DirectOptions& options) {
   const Stopwatch stopwatch;
@@ -346,45 +386,22 @@ Result<DirectResult> Trace(const Scene& scene, const Camera& camera, const Direc
   result.stats.trace_ms = tracing.Milliseconds();
   if (options.refine != nullptr) {
     const Stopwatch refining;
-    Result<Refinement> refined = Refiner(scene, camera, result.frame, view, kernel, options).Refine(samples);
+    Result<Refinement> refined = Refiner(scene, camera, result.frame, view, kernel, options)
+                                     .Refine(samples, &result.stats.refine_bytes);
     if (!refined.ok()) return refined.error();
     result.refinement = std::move(refined).value();
     result.stats.refine_ms = refining.Milliseconds();
   }
 
-  // Add up the counters of all threads.
-  DirectStats& stats = result.stats;
-  stats.rays = samples.size();
-  for (const Tally& tally : tallies) {
-    stats.hits += tally.hits;
-    stats.certified += tally.certified;
-    stats.converged += tally.converged;
-    stats.unresolved += tally.unresolved;
-    stats.certified_hits += tally.certified_hits;
-    stats.caps += tally.caps;
-    stats.check.Add(tally.check);
-    for (std::size_t bit = 0; bit < tally.doubts.size(); ++bit) stats.doubts[bit] += tally.doubts[bit];
-    stats.depth_error_max = std::max(stats.depth_error_max, tally.depth_error_max);
-  }
-  for (const TileTracer& tracer : tracers) {
-    stats.candidates += tracer.counters.candidates;
-    stats.solves += tracer.counters.solves;
-    stats.iterations += tracer.counters.iterations;
-    stats.fallbacks += tracer.counters.fallbacks;
-    stats.trim_tests += tracer.counters.trim_tests;
-    stats.check.Add(tracer.check);
-    stats.bmssm_bytes += tracer.bitmap_bytes();
-  }
-  stats.leaves = view.tiles->leaves().size();
-  stats.hard_leaves = view.tiles->leaves().hard.size();
-  stats.bmssm_bits = view.tiles->bits();
-  stats.scene_bytes = view.bytes() + stats.bmssm_bytes + scene.data().bytes();
-  stats.unseen_faces = view.unseen_faces;
+  AddCounters(tallies, tracers, &result.stats);
+  result.stats.rays = samples.size();
+  FillViewStats(view, scene, &result.stats);
 
   // Count all crossings, if an audit is requested.
   if (options.audit) {
     Result<AuditResult> audit = Audit(scene.data(), view, camera, result.frame, kernel, options);
     if (!audit.ok()) return audit.error();
+    DirectStats& stats = result.stats;
     if (audit.value().has_closed_solid) stats.odd_rays = audit.value().odd_samples.size();
     stats.reverse_mismatches = audit.value().mismatched_samples.size();
     stats.odd_samples = std::move(audit.value().odd_samples);

@@ -92,7 +92,8 @@ struct DirectOptions {
 
 struct DirectStats {
   double prepare_ms = 0, trace_ms = 0;
-  double refine_ms = 0;  // of the refinement: choosing pixels, preparing and tracing them
+  double refine_ms = 0;            // of the refinement: choosing pixels, preparing and tracing them
+  std::uint64_t refine_bytes = 0;  // memory of its leaves and bitmaps, beside scene_bytes
   std::uint64_t rays = 0, hits = 0, leaves = 0, hard_leaves = 0;
   std::uint64_t candidates = 0, solves = 0, iterations = 0, fallbacks = 0, trim_tests = 0;
   std::uint64_t certified = 0, converged = 0, unresolved = 0, certified_hits = 0;
