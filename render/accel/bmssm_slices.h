@@ -22,6 +22,9 @@
 //                   a bit for each group, and each group has slices of its own box, whose bitmaps are one
 //                   word each. A ray walks through the supervoxels of the scene, and within those of each
 //                   group that it meets.
+//     `facetless bench --structures` measures them. Over the 6,424 boxes of nist_ctc_02, a random ray visits
+//     3.1 supervoxels and tests 28 boxes with kSummary, and visits 24 and tests 5.3 with kTwoLevels, which
+//     took 2.5 times as long. kTwoLevels won only where objects lie in clusters.
 //  4. Within a supervoxel, objects come in the order of their numbers. The visit ends before the first
 //     supervoxel that begins behind the nearest hit (law 4 of structure.h).
 //  5. Rays from so far away that rounding exceeds the boxes' margin (BoxSet::TooFar) are answered by a scan.
@@ -76,7 +79,7 @@ class BmssmSlices {
   static constexpr std::uint32_t kGroupSlices = 8;  // of a group, on each axis
 
   // `slices` on each axis of the scene; 0: by the number of objects.
-  explicit BmssmSlices(std::span<const Box3> boxes, SliceForm form = SliceForm::kTwoLevels,
+  explicit BmssmSlices(std::span<const Box3> boxes, SliceForm form = SliceForm::kSummary,
                        std::uint32_t slices = 0);
 
   template <typename Visitor>

@@ -47,9 +47,9 @@ constexpr std::array kRows = {
     Row{{"bsp", kChapter}, &Make<BspTree>},
     Row{{"uni-tree", kChapter}, &Make<UniTree>},
     Row{{"direction-tree", kChapter}, &Make<DirectionTree>},
-    Row{{"bmssm-slices", kSkala}, &Make<BmssmSlices, SliceForm::kTwoLevels>},
-    Row{{"bmssm-slices-summary", kSkala}, &Make<BmssmSlices, SliceForm::kSummary>},
+    Row{{"bmssm-slices", kSkala}, &Make<BmssmSlices, SliceForm::kSummary>},
     Row{{"bmssm-slices-plain", kSkala}, &Make<BmssmSlices, SliceForm::kPlain>},
+    Row{{"bmssm-slices-two-levels", kSkala}, &Make<BmssmSlices, SliceForm::kTwoLevels>},
     Row{{"ssm-lists", kSkala}, &Make<SsmLists>},
     Row{{"embree", "Embree 3.13, user geometry"}, &MakeEmbree},
 };
