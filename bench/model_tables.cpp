@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/compare/report.h"
 #include "render/kernels/tile_kernel.h"
 
 namespace facetless {
@@ -77,28 +78,18 @@ Json CountersJson(const DirectStats& stats) {
   const auto share = [](std::uint64_t part, std::uint64_t whole) {
     return whole > 0 ? Json(static_cast<double>(part) / static_cast<double>(whole)) : Json(nullptr);
   };
-  return {{"rays", stats.rays},
-          {"hits", stats.hits},
-          {"leaves", stats.leaves},
-          {"hard_leaves", stats.hard_leaves},
-          {"candidates", stats.candidates},
-          {"solves", stats.solves},
-          {"iterations", stats.iterations},
-          {"fallbacks", stats.fallbacks},
-          {"trim_tests", stats.trim_tests},
-          {"certified", stats.certified},
-          {"converged", stats.converged},
-          {"unresolved", stats.unresolved},
-          {"bmssm_bits", stats.bmssm_bits},
-          {"bmssm_bytes", stats.bmssm_bytes},
-          {"scene_bytes", stats.scene_bytes},
-          {"solves_per_ray", per_ray(stats.solves)},
-          {"iterations_per_solve", share(stats.iterations, stats.solves)},
-          // Solves whose root a pixel shows; fallbacks are none, so this is at most what the solver found.
-          {"useful_solves", share(std::min(stats.hits, stats.solves), stats.solves)},
-          {"fallbacks_per_ray", per_ray(stats.fallbacks)},
-          {"trim_tests_per_ray", per_ray(stats.trim_tests)},
-          {"isa", stats.isa}};
+  Json counters = TraceCountersJson(stats);
+  counters.update(
+      {{"bmssm_bits", stats.bmssm_bits},
+       {"bmssm_bytes", stats.bmssm_bytes},
+       {"scene_bytes", stats.scene_bytes},
+       {"solves_per_ray", per_ray(stats.solves)},
+       {"iterations_per_solve", share(stats.iterations, stats.solves)},
+       // Solves whose root a pixel shows; fallbacks are none, so this is at most what the solver found.
+       {"useful_solves", share(std::min(stats.hits, stats.solves), stats.solves)},
+       {"fallbacks_per_ray", per_ray(stats.fallbacks)},
+       {"trim_tests_per_ray", per_ray(stats.trim_tests)}});
+  return counters;
 }
 
 }  // namespace facetless

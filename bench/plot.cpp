@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "bench/table.h"
+#include "render/base/xml.h"
 
 namespace facetless {
 namespace {
@@ -19,21 +20,6 @@ struct Bars {
   bool at_limit = false;     // the mesher of the last bar was stopped at the time limit
 };
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else
-      escaped += c;
-  }
-  return escaped;
-}
-
 std::string Number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f", value);
@@ -43,7 +29,7 @@ std::string Number(double value) {
 std::string Text(double x, double y, const char* anchor, int size, const std::string& text,
                  const char* extra = "") {
   return "<text x=\"" + Number(x) + "\" y=\"" + Number(y) + "\" text-anchor=\"" + anchor + "\" font-size=\"" +
-         std::to_string(size) + "\"" + extra + ">" + Escaped(text) + "</text>\n";
+         std::to_string(size) + "\"" + extra + ">" + EscapedXml(text) + "</text>\n";
 }
 
 std::string Box(double x, double y, double width, double height, const char* color) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "render/base/utf8.h"
+#include "render/base/xml.h"
 #include "render/baseline/mesh_encoder.h"
 #include "render/baseline/mesh_topology.h"
 
@@ -26,20 +27,8 @@ constexpr const char* kRelationships =
 constexpr std::uint16_t kDosDate = 1 << 5 | 1, kDosTime = 0;  // 1 January 1980, midnight
 constexpr std::uint32_t kMaterials = 1;  // the resource id of the list of colours; objects follow
 
-// Escapes a text for an XML attribute.
 std::string Attribute(const std::string& text) {
-  std::string escaped;
-  for (char c : Printable(text)) {
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else
-      escaped += c;
-  }
-  return escaped;
+  return EscapedXml(Printable(text));
 }
 
 class ModelWriter {

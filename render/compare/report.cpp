@@ -221,16 +221,8 @@ json CheckJson(const CheckStats& check) {
           {"rays_open", check.rays_open}};
 }
 
-json DirectJson(const View& view) {
-  const DirectStats& stats = *view.direct;
-  return {{"timing_ms",
-           {{"prepare", stats.prepare_ms},
-            {"trace", stats.trace_ms},
-            {"color", view.color_ms},
-            {"lines", view.lines_ms},
-            {"shade", view.shade_ms},
-            {"total", view.total_ms}}},
-          {"rays", stats.rays},
+json TraceCountersJson(const DirectStats& stats) {
+  return {{"rays", stats.rays},
           {"hits", stats.hits},
           {"leaves", stats.leaves},
           {"hard_leaves", stats.hard_leaves},
@@ -242,20 +234,33 @@ json DirectJson(const View& view) {
           {"certified", stats.certified},
           {"converged", stats.converged},
           {"unresolved", stats.unresolved},
-          {"certified_hits", stats.certified_hits},
-          {"cap_hits", stats.caps},
-          {"doubts", DoubtsJson(stats)},
-          {"check", CheckJson(stats.check)},
-          {"depth_error_mm_max", stats.depth_error_max},
-          {"odd_rays", OrNull(stats.odd_rays)},
-          {"reverse_mismatches", OrNull(stats.reverse_mismatches)},
-          {"unseen_faces", UnseenJson(view)},
-          {"unseen_face_count", stats.unseen_faces.size()},
-          {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
-          {"isa", stats.isa},
-          {"samples_per_pixel", view.grid.count()},
-          {"refined_pixels", OrNull(view.refined_pixels)},
-          {"peak_bytes", view.peak_bytes}};
+          {"isa", stats.isa}};
+}
+
+json DirectJson(const View& view) {
+  const DirectStats& stats = *view.direct;
+  json direct = {{"timing_ms",
+                  {{"prepare", stats.prepare_ms},
+                   {"trace", stats.trace_ms},
+                   {"color", view.color_ms},
+                   {"lines", view.lines_ms},
+                   {"shade", view.shade_ms},
+                   {"total", view.total_ms}}},
+                 {"certified_hits", stats.certified_hits},
+                 {"cap_hits", stats.caps},
+                 {"doubts", DoubtsJson(stats)},
+                 {"check", CheckJson(stats.check)},
+                 {"depth_error_mm_max", stats.depth_error_max},
+                 {"odd_rays", OrNull(stats.odd_rays)},
+                 {"reverse_mismatches", OrNull(stats.reverse_mismatches)},
+                 {"unseen_faces", UnseenJson(view)},
+                 {"unseen_face_count", stats.unseen_faces.size()},
+                 {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
+                 {"samples_per_pixel", view.grid.count()},
+                 {"refined_pixels", OrNull(view.refined_pixels)},
+                 {"peak_bytes", view.peak_bytes}};
+  direct.update(TraceCountersJson(stats));
+  return direct;
 }
 
 json BaselineJson(const View& view, const BaselineScene& scene) {

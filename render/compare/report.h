@@ -28,6 +28,10 @@ nlohmann::json CameraJson(const Camera& camera);
 // "faces_skipped", "loops_lost", …}
 nlohmann::json ModelJson(const Model& model);
 
+// The counters of a trace: {"rays", "hits", "leaves", "hard_leaves", "candidates", "solves", "iterations", "fallbacks",
+// "trim_tests", "certified", "converged", "unresolved", "isa"}.
+nlohmann::json TraceCountersJson(const DirectStats& stats);
+
 // "direct", "baseline" and "difference" of one view. DirectJson requires a view of exact surfaces.
 nlohmann::json DirectJson(const View& view);
 nlohmann::json BaselineJson(const View& view, const BaselineScene& scene);
