@@ -8,32 +8,15 @@
 
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
+#include "render/baseline/packet_rays.h"
 #include "render/baseline/scene_data.h"
 
 namespace facetless {
 namespace {
 
-constexpr int kTile = 32;   // side of the tile that one task traces, pixels
-constexpr int kPacket = 4;  // side of a packet of 16 rays, pixels
-// Rays start before the bounds of the mesh by this share of its diagonal, which is far above the rounding of
-// float32.
-constexpr double kLeadIn = 1e-3;
-
-// Directions have a length of about 1. A coordinate below this value is set to 0, because it moves a ray by
-// less than float32 resolves. Embree 3.13 replaces a coordinate below 1e-18 by a positive one, but chooses
-// the near sides of boxes by its original sign, so coherent packets lose hits if the coordinate is negative.
-// Together with kLeastEntry of scene.cpp, this limit keeps all coordinates in the space of instances away
-// from 1e-18.
-constexpr float kLeastCoordinate = 1e-9f;
-
 // Crossings of one ray in the same direction that are closer than this share of the diagonal are assumed to
 // belong to triangles that share an edge. It is the resolution of float32, and no wall is thinner.
 constexpr double kSameCrossing = 1e-6;
-
-float Coordinate(double direction) {
-  const float rounded = static_cast<float>(direction);
-  return std::fabs(rounded) >= kLeastCoordinate ? rounded : 0.0f;
-}
 
 struct HitPoint {
   double depth = INFINITY;
@@ -163,27 +146,6 @@ class TileTracer {
     return lanes;
   }
 
-  // The depth at which rays start. It is just before the mesh, where float32 has the best resolution.
-  static double StartDepth(const BaselineScene::Data& data, const CameraFrame& frame) {
-    double nearest = INFINITY;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 corner{i & 1 ? data.bounds.high.x : data.bounds.low.x,
-                        i & 2 ? data.bounds.high.y : data.bounds.low.y,
-                        i & 4 ? data.bounds.high.z : data.bounds.low.z};
-      nearest = std::min(nearest, Dot(corner - frame.eye, frame.forward));
-    }
-    nearest -= kLeadIn * data.bounds.diagonal();
-    return frame.projection == Projection::kOrthographic ? nearest : std::max(nearest, frame.near_mm);
-  }
-
-  // Returns false for rays that miss the mesh by far, which Embree must not trace (scene_data.h, law 3).
-  bool Reaches(Vec3 origin, Vec3 direction) const {
-    const auto within = [](Vec3 v, double limit) {
-      return std::fabs(v.x) <= limit && std::fabs(v.y) <= limit && std::fabs(v.z) <= limit;
-    };
-    return within(origin, data_.reach) && within(direction, kSteepestRay);
-  }
-
   std::uint64_t TracePacket(const Lanes& lanes) const {
     // Fill the packet; lanes without a ray stay idle.
     alignas(64) int valid[kLanes];
@@ -194,13 +156,13 @@ class TileTracer {
       const SamplePlace at = lanes.at[inside ? lane : 0];
       rays[lane] = PixelRay(frame_, at.column + 0.5, at.row + 0.5);
       const Vec3 origin = rays[lane].origin + start_ * rays[lane].direction - data_.center;
-      valid[lane] = inside && Reaches(origin, rays[lane].direction) ? -1 : 0;
+      valid[lane] = inside && Reaches(data_, origin, rays[lane].direction) ? -1 : 0;
       packet.ray.org_x[lane] = static_cast<float>(origin.x);
       packet.ray.org_y[lane] = static_cast<float>(origin.y);
       packet.ray.org_z[lane] = static_cast<float>(origin.z);
-      packet.ray.dir_x[lane] = Coordinate(rays[lane].direction.x);
-      packet.ray.dir_y[lane] = Coordinate(rays[lane].direction.y);
-      packet.ray.dir_z[lane] = Coordinate(rays[lane].direction.z);
+      packet.ray.dir_x[lane] = Coordinate(static_cast<float>(rays[lane].direction.x));
+      packet.ray.dir_y[lane] = Coordinate(static_cast<float>(rays[lane].direction.y));
+      packet.ray.dir_z[lane] = Coordinate(static_cast<float>(rays[lane].direction.z));
       packet.ray.tnear[lane] = 0;
       packet.ray.tfar[lane] = INFINITY;
       packet.ray.time[lane] = 0;
@@ -285,14 +247,14 @@ class TileTracer {
     every.data = &data_;
     every.found = met;
     const Vec3 origin = ray.origin + start_ * ray.direction - data_.center;
-    if (!Reaches(origin, ray.direction)) return;
+    if (!Reaches(data_, origin, ray.direction)) return;
     RTCRayHit query{};
     query.ray.org_x = static_cast<float>(origin.x);
     query.ray.org_y = static_cast<float>(origin.y);
     query.ray.org_z = static_cast<float>(origin.z);
-    query.ray.dir_x = Coordinate(ray.direction.x);
-    query.ray.dir_y = Coordinate(ray.direction.y);
-    query.ray.dir_z = Coordinate(ray.direction.z);
+    query.ray.dir_x = Coordinate(static_cast<float>(ray.direction.x));
+    query.ray.dir_y = Coordinate(static_cast<float>(ray.direction.y));
+    query.ray.dir_z = Coordinate(static_cast<float>(ray.direction.z));
     query.ray.tfar = INFINITY;
     query.ray.mask = 0xffffffffu;
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
