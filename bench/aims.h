@@ -1,12 +1,13 @@
 // The aims of the performance table, and the values that were measured for them.
 //
 //  1. A value compares the direct renderer with a competitor, on one file and view, with one number of
-//     threads. Its `ratio` says how many times better the direct renderer is. Memory and the next view
-//     have aims that are upper bounds: there it is the direct renderer's value divided by the competitor's.
-//     For growth it is the exponent.
+//     threads. Its `ratio` says how many times better the direct renderer is. Memory, the
+//     next view and samples have aims that are upper bounds: there it is the direct renderer's value divided by
+//     the competitor's. For growth it is the exponent.
 //  2. A row is met if the geometric mean of its values meets the aim for the mean, and every value meets the
 //     aim for single values.
 //  3. A competitor that did not finish counts with the time limit, and the value says so.
+//  4. A row may have no aim. It is then a comparison alone, which is neither met nor missed.
 #pragma once
 
 #include <optional>
@@ -29,6 +30,7 @@ struct Aim {
   const char* text;     // "2× on average, never below 0.67×"
   AimKind kind;
   std::optional<double> mean, each;
+  bool IsComparisonAlone() const { return !mean && !each; }
 };
 
 // Returns all rows, in the order of the table.
@@ -56,7 +58,7 @@ struct AimSummary {
   int values = 0;
   double mean = 0, worst = 0;
   std::string worst_file;
-  bool met = false;
+  bool met = false;  // of a comparison alone: without meaning
 };
 
 // Returns one summary for each aim and number of threads that has values.

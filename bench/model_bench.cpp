@@ -11,8 +11,10 @@
 #include <utility>
 
 #include "bench/model_tables.h"
+#include "bench/sample_cost.h"
 #include "bench/statistics.h"
 #include "render/base/parallel.h"
+#include "render/baseline/raw_tracer.h"
 
 namespace facetless {
 namespace {
@@ -103,6 +105,7 @@ class Measurement {
     for (const int threads : ThreadCounts()) {
       if (auto done = MeasureTracing(threads); !done) return done.error();
       if (auto done = MeasureNextView(threads); !done) return done.error();
+      if (auto done = MeasureSamples(threads); !done) return done.error();
     }
     if (auto done = MeasureCores(); !done) return done.error();
     if (auto done = MeasureExact(); !done) return done.error();
@@ -137,6 +140,17 @@ class Measurement {
     value.ratio = advantage ? other / direct : direct / other;
     value.unit = unit;
     value.repetitions = static_cast<int>(repetitions);
+    costs_.values.push_back(std::move(value));
+  }
+
+  // The same for measurements that were made in turns; the ratio is the median of the ratios of the turns.
+  void AddTurns(BenchValue value, const std::vector<double>& direct, const std::vector<double>& other,
+                ValueUnit unit) {
+    value.direct = Median(direct);
+    value.other = Median(other);
+    value.ratio = MedianRatio(direct, other);
+    value.unit = unit;
+    value.repetitions = static_cast<int>(direct.size());
     costs_.values.push_back(std::move(value));
   }
 
@@ -276,7 +290,7 @@ class Measurement {
       trees.emplace(deflection, std::move(tree).value());
     }
     std::vector<double> standard, fast;
-    std::map<double, std::vector<double>> baseline;
+    std::map<double, std::vector<double>> baseline, raw;
     for (int round = 0; round <= options_.repeats; ++round) {
       for (const auto& [precision, rates] :
            {std::pair{Precision::kStandard, &standard}, {Precision::kFast, &fast}}) {
@@ -295,20 +309,25 @@ class Measurement {
         if (!traced) return traced.error();
         if (round > 0)
           baseline[deflection].push_back(Rate(traced.value().stats.rays, traced.value().stats.trace_ms));
+        Result<RawResult> found = TraceRaw(tree, case_.camera, {threads, options_.execution.cancel});
+        if (!found) return found.error();
+        if (round > 0) raw[deflection].push_back(Rate(found.value().distance.size(), found.value().trace_ms));
       }
     }
 
     if (threads == 1) one_thread_rate_ = Median(standard);
-    const auto add = [&](const char* aim, const std::vector<double>& rates, double deflection) {
-      if (baseline.contains(deflection))
-        Add(ValueOf(aim, threads), Median(rates), Median(baseline[deflection]), false,
-            ValueUnit::kRaysPerSecond, rates.size());
+    const auto add = [&](const char* aim, const std::vector<double>& rates,
+                         const std::map<double, std::vector<double>>& others, double deflection) {
+      if (const auto other = others.find(deflection); other != others.end())
+        AddTurns(ValueOf(aim, threads), rates, other->second, ValueUnit::kRaysPerSecond);
       else if (importer_.tessellate)
         Skip(aim, threads, stopped_[deflection]);
     };
-    add("trace_fine_mesh", standard, kFineDeflection);
-    add("trace_default_mesh", standard, kDefaultDeflection);
-    add("trace_default_mesh_fast", fast, kDefaultDeflection);
+    add("trace_fine_mesh", standard, baseline, kFineDeflection);
+    add("trace_default_mesh", standard, baseline, kDefaultDeflection);
+    add("trace_fine_mesh_raw", standard, raw, kFineDeflection);
+    add("trace_default_mesh_raw", standard, raw, kDefaultDeflection);
+    add("trace_default_mesh_fast", fast, baseline, kDefaultDeflection);
     return {};
   }
 
@@ -333,6 +352,17 @@ class Measurement {
     }
     Add(ValueOf("next_view", threads), Median(next), Median(first), false, ValueUnit::kMilliseconds,
         next.size());
+    return {};
+  }
+
+  // Measures row 11.
+  Result<void> MeasureSamples(int threads) {
+    const auto costs = MeasureSampleCosts(*case_.model, case_.camera, ViewOptionsOf(threads),
+                                          {options_.samples, options_.repeats});
+    if (!costs) return costs.error();
+    AddTurns(ValueOf("samples", threads), costs.value().back().total_ms, costs.value().front().total_ms,
+             ValueUnit::kMilliseconds);
+    costs_.details["threads"][std::to_string(threads)]["samples"] = SampleCostsJson(costs.value());
     return {};
   }
 

@@ -1,12 +1,14 @@
-// Measures both tracers on one model: rows 1 to 8 of the aims.
+// Measures both tracers on one model: rows 1 to 8 and 11 of the aims.
 //
 //  1. The model and the B-rep are in memory; the time of reading the file counts for neither side. Each side
 //     then pays for everything that its first image needs: the direct renderer for the scene (trimming), the
 //     leaves of the view, tracing and shading; the mesh for meshing, the tree, tracing and shading.
 //     ModelCosts has the importer's time for the conversion to Bézier patches, which is in no row.
 //  2. Both sides take turns after one warm-up each, and the median counts. A mesh that takes longer than
-//     kCheapMs is made only once.
-//  3. Images have one sample per pixel. Rates count every ray of the image, including those that miss.
+//     kCheapMs is made only once. The ratios of tracing, and those of samples, are medians of the ratios of each
+//     turn.
+//  3. Images have one sample per pixel, except in row 11. Rates count every ray of the image, including those that
+//     miss.
 //  4. If the competitor computes another image than the direct renderer, its time is meaningless. Therefore
 //     the hits of both sides are kept and compared (ModelCosts::details).
 #pragma once
@@ -56,6 +58,7 @@ struct ImporterSide {
 struct BenchOptions {
   Execution execution;  // execution.threads is what "all threads" means
   int repeats = 5;
+  int samples = 4;  // per pixel, in the pictures of row 11
 };
 
 struct BenchCase {

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "bench/svg.h"
 #include "bench/table.h"
-#include "render/base/xml.h"
 
 namespace facetless {
 namespace {
@@ -19,23 +18,6 @@ struct Bars {
   double ms[3] = {0, 0, 0};  // 0: not measured
   bool at_limit = false;     // the mesher of the last bar was stopped at the time limit
 };
-
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
-
-std::string Text(double x, double y, const char* anchor, int size, const std::string& text,
-                 const char* extra = "") {
-  return "<text x=\"" + Number(x) + "\" y=\"" + Number(y) + "\" text-anchor=\"" + anchor + "\" font-size=\"" +
-         std::to_string(size) + "\"" + extra + ">" + EscapedXml(text) + "</text>\n";
-}
-
-std::string Box(double x, double y, double width, double height, const char* color) {
-  return "<rect x=\"" + Number(x) + "\" y=\"" + Number(y) + "\" width=\"" + Number(width) + "\" height=\"" +
-         Number(height) + "\" fill=\"" + color + "\"/>\n";
-}
 
 std::vector<Bars> Collect(const std::vector<BenchValue>& values, int threads) {
   std::vector<Bars> all;
@@ -71,34 +53,30 @@ std::string FirstImagePlot(const std::vector<BenchValue>& values, int threads) {
     return kLeft + (std::log10(ms) - first) / (last - first) * (kWidth - kLeft - kRight);
   };
 
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + Number(kWidth) + "\" height=\"" +
-                    Number(height) + "\" viewBox=\"0 0 " + Number(kWidth) + " " + Number(height) +
-                    "\" font-family=\"sans-serif\" fill=\"#1f2428\">\n" +
-                    Box(0, 0, kWidth, height, "#ffffff");
-  svg += Text(24, 34, "start", 18,
-              "Time to the first image, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
-              " font-weight=\"bold\"");
+  std::string svg;
   double x = 24;
   for (int i = 0; i < 3; ++i, x += 150)
-    svg += Box(x, 50, 12, 12, kColors[i]) + Text(x + 18, 61, "start", 13, kNames[i]);
-  if (all.empty()) svg += Text(24, kTop + 24, "start", 13, "No file was measured.");
+    svg += SvgBox(x, 50, 12, 12, kColors[i]) + SvgText(x + 18, 61, "start", 13, kNames[i]);
+  if (all.empty()) svg += SvgText(24, kTop + 24, "start", 13, "No file was measured.");
   for (double power = first; !all.empty() && power <= last; ++power) {
     const double line = at(std::pow(10, power));
-    svg += Box(line, kTop, 1, height - kTop - kFoot, "#dddddb") +
-           Text(line, height - kFoot + 18, "middle", 12, MillisecondsText(std::pow(10, power)));
+    svg += SvgBox(line, kTop, 1, height - kTop - kFoot, "#dddddb") +
+           SvgText(line, height - kFoot + 18, "middle", 12, MillisecondsText(std::pow(10, power)));
   }
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double y = kTop + kRow * static_cast<double>(k) + 6;
-    svg += Text(kLeft - 10, y + 27, "end", 12, all[k].name);
+    svg += SvgText(kLeft - 10, y + 27, "end", 12, all[k].name);
     for (int i = 0; i < 3; ++i) {
       if (!(all[k].ms[i] > 0)) continue;
       const double end = at(all[k].ms[i]), top = y + kBar * i;
-      svg += Box(kLeft, top, end - kLeft, kBar - 2, kColors[i]) +
-             Text(end + 5, top + 10, "start", 11,
-                  (i == 2 && all[k].at_limit ? "> " : "") + MillisecondsText(all[k].ms[i]));
+      svg += SvgBox(kLeft, top, end - kLeft, kBar - 2, kColors[i]) +
+             SvgText(end + 5, top + 10, "start", 11,
+                     (i == 2 && all[k].at_limit ? "> " : "") + MillisecondsText(all[k].ms[i]));
     }
   }
-  return svg + "</svg>\n";
+  return SvgPicture(
+      kWidth, height,
+      "Time to the first image, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"), svg);
 }
 
 }  // namespace facetless

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/base/stopwatch.h"
 
@@ -11,6 +12,12 @@ double Median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+double MedianRatio(const std::vector<double>& values, const std::vector<double>& others) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < values.size(); ++i) ratios.push_back(values[i] / others[i]);
+  return Median(std::move(ratios));
 }
 
 double GeometricMean(std::span<const double> values) {

@@ -16,6 +16,9 @@ namespace facetless {
 // Requires at least one value.
 double Median(std::vector<double> values);
 
+// Returns the median of the ratios of each turn. Requires as many values on both sides, and at least one.
+double MedianRatio(const std::vector<double>& values, const std::vector<double>& others);
+
 // Returns the geometric mean of positive values; 0 if there are none.
 double GeometricMean(std::span<const double> values);
 

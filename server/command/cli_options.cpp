@@ -71,8 +71,12 @@ void AddBenchOptions(CLI::App* app, CommandArguments& arguments) {
       ->capture_default_str();
   app->add_option("--json", arguments.json_out, "Also write all measurements to FILE")->type_name("FILE");
   app->add_option("--plot", arguments.plot_out, "Also plot the rows of the table")->type_name("FILE.svg");
+  app->add_option("--stage-plot", arguments.stage_plot_out,
+                  "Also plot the stages of render and compare, from start to end")
+      ->type_name("FILE.svg");
   app->add_flag("--markdown", bench.markdown, "Print the tables as Markdown");
   app->add_flag("!--no-growth", bench.growth, "Leave out row 9, which takes about a minute");
+  app->add_flag("!--no-stages", bench.stages, "Leave out the stages of render and compare");
   app->add_flag("--published", bench.published, "Measure the tables of the published papers instead");
   app->add_flag("--structures", bench.structures,
                 "Compare the structures for rays in any direction instead, on random boxes and on the files");

@@ -208,8 +208,9 @@ int BenchCommand(const CommandArguments& arguments) {
     if (!measured) return PrintError(measured.error());
     report = std::move(measured).value();
   }
-  for (const auto& [path, text] : {std::pair{arguments.json_out, JsonText(report.json) + "\n"},
-                                   std::pair{arguments.plot_out, report.plot}}) {
+  for (const auto& [path, text] :
+       {std::pair{arguments.json_out, JsonText(report.json) + "\n"},
+        std::pair{arguments.plot_out, report.plot}, std::pair{arguments.stage_plot_out, report.stage_plot}}) {
     if (path.empty()) continue;
     if (auto written = WriteFileAtomically(path, text); !written) return PrintError(written.error());
   }

@@ -18,7 +18,7 @@ struct CommandArguments {
   bool update = false;    // regress --update
   // The arguments of bench.
   std::vector<std::string> files;
-  std::string json_out, plot_out;  // --json, --plot; empty: not written
+  std::string json_out, plot_out, stage_plot_out;  // --json, --plot, --stage-plot; empty: not written
   BenchSettings bench;
   RunOptions options;
 };

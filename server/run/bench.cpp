@@ -16,8 +16,10 @@
 #include "bench/model_tables.h"
 #include "bench/patch_scene.h"
 #include "bench/plot.h"
+#include "bench/sample_cost.h"
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
+#include "bench/stages.h"
 #include "bench/structure_bench.h"
 #include "bench/volume_check.h"
 #include "render/baseline/mesh_file.h"
@@ -25,6 +27,8 @@
 #include "render/trade/quantity_text.h"
 #include "server/base/load_average.h"
 #include "server/base/version.h"
+#include "server/run/bench_import.h"
+#include "server/run/bench_stages.h"
 
 namespace facetless {
 namespace {
@@ -157,13 +161,15 @@ class Bench {
         side.intersect = [&](const std::vector<Ray>& rays) { return importer.Intersect(rays, near); };
       }
       const BenchCase bench_case{std::filesystem::path(path).filename().string(), &model, camera};
-      auto costs = MeasureModel(bench_case, side, {context_.execution, settings_.repeats});
+      auto costs = MeasureModel(bench_case, side, {context_.execution, settings_.repeats, options_.samples});
       if (!costs) return costs.error();
       values_.insert(values_.end(), costs.value().values.begin(), costs.value().values.end());
       details_.push_back(costs.value().details);
       views.push_back(std::move(costs.value().details));
     }
     if (settings_.published) return {};
+    if (imported)
+      if (auto done = MeasurePrograms(request); !done) return done.error();
     if (settings_.growth && !growth_measured_) {
       Step("growth");
       auto growth =
@@ -177,6 +183,21 @@ class Bench {
     json_["files"].push_back({{"model", ImportedModelJson(from_file)},
                               {"convert_ms", model.info.convert_ms},
                               {"views", std::move(views)}});
+    return {};
+  }
+
+  // Measures what processes of their own do with a CAD file.
+  Result<void> MeasurePrograms(const ImportRequest& request) {
+    const std::string name = std::filesystem::path(request.input).filename().string();
+    Step(name + ": import");
+    auto values = MeasureImport(name, request, settings_.repeats);
+    if (!values) return values.error();
+    for (BenchValue& value : values.value()) values_.push_back(std::move(value));
+    if (!settings_.stages) return {};
+    Step(name + ": stages");
+    auto runs = MeasureStages(request.input, options_, settings_.repeats, context_.execution);
+    if (!runs) return runs.error();
+    for (ProgramStages& run : runs.value()) stages_.push_back(std::move(run));
     return {};
   }
 
@@ -218,13 +239,16 @@ class Bench {
     for (const BenchValue& value : values_) json_["values"].push_back(ValueJson(value));
     const TableStyle style = settings_.markdown ? TableStyle::kMarkdown : TableStyle::kText;
     if (!values_.empty()) {
-      tables_.insert(tables_.begin(),
-                     {AimTable(values_), ValueTable(values_), CostTable(details_), CounterTable(details_)});
+      tables_.insert(tables_.begin(), {AimTable(values_), ValueTable(values_), CostTable(details_),
+                                       CounterTable(details_), SampleTable(details_)});
     }
+    for (Table& table : StageTables(stages_)) tables_.push_back(std::move(table));
+    for (const ProgramStages& run : stages_) json_["stages"].push_back(StagesJson(run));
     BenchReport report;
     report.text = Heading();
     for (const Table& table : tables_) report.text += TableText(table, style);
     report.plot = FirstImagePlot(values_, 1);
+    report.stage_plot = StagePlot(stages_);
     report.json = std::move(json_);
     return report;
   }
@@ -284,6 +308,7 @@ class Bench {
   double load_ = 0;
   std::vector<BenchValue> values_;
   std::vector<Json> details_;
+  std::vector<ProgramStages> stages_;
   std::vector<Table> tables_;
   bool growth_measured_ = false;
 };

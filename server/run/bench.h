@@ -3,7 +3,9 @@
 //
 //  1. Files are imported as for `render`. For every mesh, the importer's process reports the time of the
 //     mesher alone. OpenCASCADE's exact intersector also runs in that process.
-//  2. --published measures the tables of the published papers instead, on generated scenes. A file then
+//  2. Rows 1 to 9 and 11 are measured in this process. Imports (row 10) and the stages of `render` and `compare` are
+//     measured on processes of their own.
+//  3. --published measures the tables of the published papers instead, on generated scenes. A file then
 //     supplies the leaves for the comparison of acceleration structures.
 //  3. --structures compares the structures of render/accel for rays in any direction instead, on random boxes
 //     and on the boxes of each file's surfaces.
@@ -26,12 +28,14 @@ struct BenchSettings {
   bool structures = false;
   bool markdown = false;
   bool growth = true;  // row 9, on the first file and on generated faces
+  bool stages = true;  // the stages of `render` and `compare`, from start to end
 };
 
 struct BenchReport {
   nlohmann::json json;
-  std::string text;  // the tables, in the form that the settings select
-  std::string plot;  // SVG
+  std::string text;        // the tables, in the form that the settings select
+  std::string plot;        // SVG: time to the first image
+  std::string stage_plot;  // SVG: stages of the commands
 };
 
 // Runs the bench. `request` has the common settings of all imports (limits, execution). Of `options`, cameras,

@@ -190,7 +190,13 @@ class Run {
                    {"load", imported_.load_ms},
                    {"scene", scene_ms_},
                    {"total", import_ms + imported_.load_ms + stopwatch_.Milliseconds()}};
-    if (imported_.import_kept) timing["import_kept"] = imported_.import_ms;
+    const ImportInfo& info = imported_.model->info;
+    if (imported_.import_kept)
+      timing["import_kept"] = imported_.import_ms;
+    else
+      timing.update({{"import_read", info.read_ms},
+                     {"import_transfer", info.transfer_ms},
+                     {"import_convert", info.convert_ms}});
     return timing;
   }
 

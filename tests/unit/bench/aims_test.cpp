@@ -39,7 +39,7 @@ TEST(Aims, HaveDistinctNames) {
   for (const Aim& aim : Aims()) {
     EXPECT_TRUE(ids.insert(aim.id).second) << aim.id;
     EXPECT_TRUE(numbers.insert(aim.number).second) << aim.number;
-    EXPECT_TRUE(aim.mean || aim.each) << aim.id;
+    EXPECT_EQ(aim.IsComparisonAlone(), std::string(aim.text) == "none") << aim.id;
   }
   EXPECT_EQ(&FindAim("two_cores"), &FindAim("two_cores"));
 }
@@ -60,6 +60,13 @@ TEST(Aims, UpperBoundsAreMetFromBelow) {
   const auto missed = Summarise({Value("memory", "a", 0.1), Value("memory", "b", 0.9)});
   EXPECT_FALSE(missed.front().met);
   EXPECT_EQ(missed.front().worst_file, "b") << "the worst of an upper bound is the largest";
+}
+
+TEST(Aims, AComparisonAloneIsNeitherMetNorMissed) {
+  const std::vector<BenchValue> values = {Value("import", "a", 0.2)};
+  EXPECT_TRUE(SummaryJson(Summarise(values).front()).at("met").is_null());
+  EXPECT_EQ(AimTable(values).rows.front().back(), "-");
+  EXPECT_TRUE(SummaryJson(Summarise({Value("memory", "a", 0.1)}).front()).at("met").get<bool>());
 }
 
 TEST(Aims, ANumberThatIsNoneMeetsNothing) {

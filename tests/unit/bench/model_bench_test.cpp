@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "bench/growth.h"
+#include "bench/sample_cost.h"
 #include "tests/support/shapes.h"
 
 namespace facetless {
@@ -68,6 +69,9 @@ TEST_F(ModelBench, FillsEveryRow) {
                                     "trace_fine_mesh",
                                     "trace_default_mesh",
                                     "trace_default_mesh_fast",
+                                    "trace_fine_mesh_raw",
+                                    "trace_default_mesh_raw",
+                                    "samples",
                                     "trace_exact_intersector",
                                     "next_view",
                                     "memory",
@@ -99,6 +103,22 @@ TEST_F(ModelBench, BothSidesSeeTheSame) {
   EXPECT_DOUBLE_EQ(one.at("mesh_1e-3").at("mesh_ms"), 20);
 }
 
+TEST_F(ModelBench, PicturesAreSampledInAllWays) {
+  options_.samples = 9;
+  const nlohmann::json details = MeasureModel(case_, importer_, options_).value().details;
+  const nlohmann::json& samples = details.at("threads").at("1").at("samples");
+  std::map<std::string, int> by_name;
+  for (const nlohmann::json& way : samples) {
+    by_name[way.at("name")] = way.at("samples");
+    EXPECT_GT(way.at("total_ms"), 0);
+  }
+  EXPECT_EQ(by_name.at("one"), 1);
+  EXPECT_EQ(by_name.at("uniform"), 9);
+  EXPECT_EQ(by_name.at("default"), 9);
+  EXPECT_EQ(samples.front().at("ratio_to_one"), 1);
+  EXPECT_EQ(SampleTable({details}).rows.size(), samples.size());
+}
+
 TEST_F(ModelBench, AMeshThatIsNotDoneCountsAtTheLimit) {
   const auto tessellate = importer_.tessellate;
   importer_.tessellate = [&](double deflection) -> Result<BenchMesh> {
@@ -111,7 +131,7 @@ TEST_F(ModelBench, AMeshThatIsNotDoneCountsAtTheLimit) {
       EXPECT_TRUE(value.at_limit);
       EXPECT_EQ(value.other, 60000);
       EXPECT_DOUBLE_EQ(value.ratio, 60000 / value.direct);
-    } else if (value.aim == "trace_fine_mesh" || value.aim.starts_with("memory")) {
+    } else if (value.aim.starts_with("trace_fine_mesh") || value.aim.starts_with("memory")) {
       EXPECT_EQ(value.skipped, "meshing takes longer than 60 s");
     } else {
       EXPECT_TRUE(value.skipped.empty());
@@ -124,7 +144,7 @@ TEST_F(ModelBench, AModelWithoutABrepIsMeasuredAlone) {
   const ModelCosts costs = MeasureModel(case_, {}, options_).value();
   for (const BenchValue& value : costs.values)
     if (value.skipped.empty()) measured.insert(value.aim);
-  EXPECT_EQ(measured, (std::set<std::string>{"next_view", "two_cores"}));
+  EXPECT_EQ(measured, (std::set<std::string>{"next_view", "samples", "two_cores"}));
 }
 
 TEST_F(ModelBench, StopsWhenItIsTold) {

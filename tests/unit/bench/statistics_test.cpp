@@ -13,6 +13,11 @@ TEST(Statistics, TheMedianIsTheMiddleOfTheSorted) {
   EXPECT_EQ(Median({8, 1, 2, 4}), 3);
 }
 
+TEST(Statistics, TheMedianRatioIsThatOfTheTurns) {
+  // The second turn was disturbed on both sides.
+  EXPECT_EQ(MedianRatio({2, 30, 4}, {1, 10, 2}), 2);
+}
+
 TEST(Statistics, TheGeometricMeanOfRatiosIsTheRatioOfMeans) {
   const double values[] = {0.5, 2, 8};
   EXPECT_NEAR(GeometricMean(values), 2, 1e-12);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 #include "server/base/exit_code.h"
@@ -24,31 +25,55 @@ class BenchProgram : public testing::Test {
   }
 
   TempDir directory_ = TempDir::Create().value(), scratch_ = TempDir::Create().value();
-  std::string json_ = directory_.File("bench.json"), plot_ = directory_.File("bench.svg");
+  std::string json_ = directory_.File("bench.json"), plot_ = directory_.File("bench.svg"),
+              stage_plot_ = directory_.File("stages.svg");
 };
 
+// Both commands run from start to end, and their stages make up the whole time.
+void CheckStages(const Json& report) {
+  std::vector<std::string> commands;
+  for (const Json& run : report.at("stages")) {
+    commands.push_back(run.at("command"));
+    EXPECT_EQ(run.at("file"), "bracket.step");
+    std::map<std::string, double> ms;
+    double sum = -run.at("overlap_ms").get<double>();
+    for (const Json& stage : run.at("stages")) sum += ms[stage.at("name")] = stage.at("ms");
+    EXPECT_NEAR(sum, run.at("wall_ms"), 1e-6);
+    for (const char* name : {"start", "import_read", "import_transfer", "import_convert", "load",
+                             "direct_prepare", "direct_trace", "direct_shade", "files"})
+      EXPECT_GT(ms.at(name), 0) << name;
+    EXPECT_EQ(ms.at("mesh_trace") > 0, commands.back() == "compare");
+  }
+  EXPECT_EQ(commands, (std::vector<std::string>{"render", "compare"}));
+}
+
 TEST_F(BenchProgram, MeasuresAFileAgainstTheAims) {
-  const ChildOutcome outcome = Run({Sample("bracket.step"), "--size", "96x64", "--repeats", "1", "--threads",
-                                    "2", "--no-growth", "--json", json_, "--plot", plot_, "--markdown"});
+  const ChildOutcome outcome =
+      Run({Sample("bracket.step"), "--size", "96x64", "--repeats", "1", "--threads", "2", "--no-growth",
+           "--json", json_, "--plot", plot_, "--stage-plot", stage_plot_, "--markdown"});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
   EXPECT_THAT(outcome.out, HasSubstr("### Aims\n\n| row | what |"));
   for (const char* title :
-       {"# Performance: files", "### Each file", "### Where the time goes", "### What was counted"})
+       {"# Performance: files", "### Each file", "### Where the time goes", "### What was counted",
+        "### Samples per pixel", "### From start to end: bracket.step"})
     EXPECT_THAT(outcome.out, HasSubstr(title));
   EXPECT_THAT(ReadText(plot_), StartsWith("<svg"));
   EXPECT_THAT(ReadText(plot_), HasSubstr("bracket.step iso"));
+  EXPECT_THAT(ReadText(stage_plot_), HasSubstr("compare bracket.step"));
   EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "temporary files were left behind";
 
   const Json report = Json::parse(ReadText(json_));
   std::set<std::string> rows;
   for (const Json& row : report.at("rows")) {
     rows.insert(row.at("row"));
-    EXPECT_TRUE(row.at("met").is_boolean());
+    EXPECT_EQ(row.at("met").is_null(), row.at("aim").at("text") == "none");
     EXPECT_THAT(outcome.out, HasSubstr(row.at("what").get<std::string>()));
   }
-  EXPECT_THAT(rows, testing::IsSupersetOf({"first_image_default_mesh", "first_image_fine_mesh",
-                                           "trace_fine_mesh", "trace_default_mesh", "trace_default_mesh_fast",
-                                           "trace_exact_intersector", "next_view", "memory"}));
+  EXPECT_THAT(
+      rows, testing::IsSupersetOf({"first_image_default_mesh", "first_image_fine_mesh", "trace_fine_mesh",
+                                   "trace_default_mesh", "trace_default_mesh_fast", "trace_fine_mesh_raw",
+                                   "trace_default_mesh_raw", "trace_exact_intersector", "next_view", "memory",
+                                   "import", "import_unhealed", "samples"}));
   const Json& view = report.at("files").at(0).at("views").at(0);
   // OpenCASCADE's intersector, the mesh and the direct renderer must agree on the part.
   const Json& exact = view.at("exact_intersector");
@@ -62,11 +87,13 @@ TEST_F(BenchProgram, MeasuresAFileAgainstTheAims) {
        {"candidates", "solves", "iterations", "fallbacks", "trim_tests", "useful_solves"})
     EXPECT_TRUE(one.at("counters").contains(counter)) << counter;
   EXPECT_TRUE(view.at("threads").contains("2"));
+  CheckStages(report);
 }
 
 TEST_F(BenchProgram, AMeshThatTakesTooLongCountsAtTheLimit) {
-  const ChildOutcome outcome = Run({Sample("wavy_sheet.step"), "--size", "48x48", "--repeats", "1",
-                                    "--threads", "1", "--time-limit", "0.5", "--no-growth", "--json", json_});
+  const ChildOutcome outcome =
+      Run({Sample("wavy_sheet.step"), "--size", "48x48", "--repeats", "1", "--threads", "1", "--time-limit",
+           "0.5", "--no-growth", "--no-stages", "--json", json_});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
   EXPECT_THAT(outcome.out, HasSubstr("meshing takes longer than 0.5 s"));
   const Json answer = Json::parse(ReadText(json_));
@@ -86,6 +113,9 @@ TEST_F(BenchProgram, SaysInOneSentenceWhatIsWrong) {
   EXPECT_EQ(broken.exit_code, kExitUnusable);
   EXPECT_EQ(std::count(broken.error_tail.begin(), broken.error_tail.end(), '\n'), 1) << broken.error_tail;
   EXPECT_EQ(Run({Sample("sphere.step"), "--repeats", "0"}).exit_code, kExitUsage);
+  const ChildOutcome timeout = Run({Sample("sphere.step"), "--timeout", "5"});
+  EXPECT_EQ(timeout.exit_code, kExitUsage) << "--time-limit bounds each mesh of the bench";
+  EXPECT_THAT(timeout.error_tail, HasSubstr("--timeout"));
 }
 
 }  // namespace
