@@ -9,6 +9,8 @@ thread_local std::size_t allocations = 0;
 
 }  // namespace
 
+// A sanitizer has operators of its own, and reports memory that one of them returned and another one freed.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 void* operator new(std::size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
@@ -20,6 +22,7 @@ void operator delete(void* memory) noexcept {
 void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
+#endif
 
 namespace facetless::testing {
 

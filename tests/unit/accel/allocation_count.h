@@ -5,7 +5,7 @@
 
 namespace facetless::testing {
 
-// The number of calls of `new` by this thread so far.
+// The number of calls of `new` by this thread so far; 0 if a sanitizer is built in (tests/support/sanitized.h).
 std::size_t CountAllocations();
 
 }  // namespace facetless::testing
