@@ -50,8 +50,12 @@ void SetBounds(const EmbreeBoxes::Data& data, unsigned index, RTCBounds& bounds)
     low[axis] = RoundedDown((box.side[0][axis] - data.middle[axis]) / data.size - kBoxMargin);
     high[axis] = RoundedUp((box.side[1][axis] - data.middle[axis]) / data.size + kBoxMargin);
   }
-  bounds.lower_x = low[0], bounds.lower_y = low[1], bounds.lower_z = low[2];
-  bounds.upper_x = high[0], bounds.upper_y = high[1], bounds.upper_z = high[2];
+  bounds.lower_x = low[0];
+  bounds.lower_y = low[1];
+  bounds.lower_z = low[2];
+  bounds.upper_x = high[0];
+  bounds.upper_y = high[1];
+  bounds.upper_z = high[2];
 }
 
 bool CountAllocation(void* data, ssize_t bytes, bool /*post*/) {

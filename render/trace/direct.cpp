@@ -180,8 +180,8 @@ CheckLevel ResolveCheckLevel(const DirectOptions& options) {
   return options.accuracy.precision == Precision::kCertified ? CheckLevel::kShare : CheckLevel::kNone;
 }
 
-// The samples of a tile that belong to refined pixels: a bit per column for each row. Returns false if there are
-// none.
+// Finds the samples of a tile that belong to refined pixels: a bit per column for each row. Returns false if there
+// are none.
 bool FindActiveSamples(const PixelSet& pixels, SampleGrid grid, int first_column, int first_row,
                        std::array<std::uint32_t, kTileSize>* active) {
   const int first_pixel = first_column / grid.x,

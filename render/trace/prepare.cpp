@@ -36,7 +36,7 @@ bool TooMany(const std::vector<LeafSpans>& parts) {
   return certified > kMostLeaves || hard > kMostLeaves || seams > kMostLeaves;
 }
 
-// The error of a preparation that did not come to its end.
+// Returns the error of a preparation that ran out of memory or was cancelled.
 Result<void> CheckBudget(const SplitBudget& budget) {
   if (budget.Exhausted())
     return Error{ErrorCode::kLimitExceeded,
@@ -302,7 +302,8 @@ class LeafReuse {
     CoefficientArena arena;
   };
 
-  // Appends the leaves [first, last) of the view's certified ones to `part`, and so on.
+  // These append those of the certified, or of the hard, leaves [first, last) to `part` that may hold refined samples.
+  // `between`: the boxes of the leaves count samples already.
   void AddCertified(const LeafSpans& leaves, std::size_t first, std::size_t last, bool between, Part* part) {
     for (std::size_t i = first; i < last; ++i) {
       CertifiedLeaf leaf = leaves.certified[i];

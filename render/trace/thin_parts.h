@@ -5,7 +5,7 @@
 //  2. Pieces are found in two ways. The edges of faces are walked: a narrow face has edges in each pixel that it
 //     crosses. The leaves whose image is narrower than a pixel are walked along their length: wires and tips have
 //     such leaves, and no edges beside them.
-//  3. A mark costs samples, and changes nothing else. Marks may therefore be given too often, where depths are close.
+//  3. A mark costs samples and changes nothing else. Where depths are close, pixels may therefore be marked without need.
 #pragma once
 
 #include "render/trace/prepare.h"
