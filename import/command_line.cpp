@@ -24,10 +24,14 @@ Reads a STEP, IGES or BREP file, whatever its extension, and writes its exact su
     --rays-seconds S     trace as many rays as S seconds allow (default 10)
     --rays-near D        ignore hits at a depth below D
   --unit-mm MM         length of the file's unit in millimetres, whatever the file says
+  --threads N          use at most N threads (default: one per core)
   --deadline-s N       give up after N seconds
 
 Standard output is one JSON object. Exit status: 0 written, 4 nothing usable, 64 bad usage.
 )";
+
+// More threads than any machine has cores.
+constexpr double kMostThreads = 4096;
 
 Error Usage(const std::string& what) {
   return {ErrorCode::kBadUsage, what + " See facetless-import --help."};
@@ -68,12 +72,17 @@ Result<CommandLine> ParseCommandLine(int argc, const char* const* argv) {
       line.meshes.push_back({});
       line.meshes.back().path = value;
     } else if (option == "--deflection" || option == "--deflection-mm" || option == "--angular" ||
-               option == "--deadline-s" || option == "--unit-mm" || option == "--rays-seconds" ||
-               option == "--rays-near") {
+               option == "--deadline-s" || option == "--unit-mm" || option == "--threads" ||
+               option == "--rays-seconds" || option == "--rays-near") {
       const double number = PositiveNumber(value);
       if (number == 0) return Usage(option + " needs a number above 0, not \"" + value + "\".");
       if (option == "--deadline-s") {
         line.deadline_s = static_cast<unsigned>(std::ceil(std::fmin(number, 1e9)));
+        continue;
+      }
+      if (option == "--threads") {
+        if (!(number >= 1)) return Usage(option + " needs a whole number from 1, not \"" + value + "\".");
+        line.threads = static_cast<int>(std::fmin(number, kMostThreads));
         continue;
       }
       if (option == "--unit-mm") {

@@ -22,6 +22,7 @@ struct CommandLine {
   std::string input, model;
   std::vector<MeshRequest> meshes;
   unsigned deadline_s = 0;  // 0: no deadline
+  int threads = 0;          // number of threads; 0: one per core
   double unit_mm = 0;       // if above 0, the length of the file's unit in mm; overrides what the file says
   // Rays for OpenCASCADE's exact intersector (exact_intersector.h); none if `rays` is empty.
   std::string rays, depths;

@@ -19,6 +19,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -28,6 +29,7 @@
 #include "import/heal_changes.h"
 #include "import/loop_crossings.h"
 #include "import/surface_patches.h"
+#include "render/base/parallel.h"
 
 namespace facetless {
 namespace {
@@ -194,6 +196,24 @@ bool EnclosesVolume(const std::vector<TopoDS_Face>& faces, const std::vector<Fac
 // Calls a face as the file does.
 using NameFace = std::function<std::string(const TopoDS_Shape& face)>;
 
+// Returns the loops of a face, or what is wrong with them. Several threads may call it for faces of one body.
+Result<FaceLoops> SoundLoops(const TopoDS_Face& face, bool pcurves_in_file, double precision_mm) {
+  try {
+    OCC_CATCH_SIGNALS
+    TopLoc_Location location;
+    if (BRep_Tool::Surface(face, location).IsNull())
+      return Error{ErrorCode::kFormatBroken, "it has no surface"};
+    Result<FaceLoops> loops = LoopsOf(face, pcurves_in_file, MissingPcurve::kProjected);
+    if (!loops.ok()) return loops;
+    if (const char* fault = FaultOf(loops.value(), precision_mm))
+      return Error{ErrorCode::kFormatBroken, fault};
+    return loops;
+  } catch (const Standard_Failure& failure) {
+    return Error{ErrorCode::kFormatBroken,
+                 std::string("OpenCASCADE fails on it (") + failure.DynamicType()->Name() + ")"};
+  }
+}
+
 // Stores the loops of the body's faces if it is sound. Otherwise it says why the body is not. OpenCASCADE may raise
 // exceptions.
 std::optional<std::string> StoreIfSound(const TopoDS_Shape& body, bool pcurves_in_file, double precision_mm,
@@ -201,18 +221,23 @@ std::optional<std::string> StoreIfSound(const TopoDS_Shape& body, bool pcurves_i
   const bool solid = body.ShapeType() == TopAbs_SOLID;
   if (!EdgesMeet(body, solid)) return "its faces do not meet properly at their edges";
   std::vector<TopoDS_Face> faces;
-  std::vector<FaceLoops> loops;
-  for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next()) {
+  for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next())
     faces.push_back(TopoDS::Face(face.Current()));
-    TopLoc_Location location;
-    if (BRep_Tool::Surface(faces.back(), location).IsNull())
-      return name(faces.back()) + ": it has no surface";
-    Result<FaceLoops> found = LoopsOf(faces.back(), pcurves_in_file, MissingPcurve::kProjected);
-    if (!found.ok()) return name(faces.back()) + ": " + found.error().message;
-    if (const char* fault = FaultOf(found.value(), precision_mm)) return name(faces.back()) + ": " + fault;
-    loops.push_back(std::move(found).value());
-  }
   if (faces.empty()) return "it has no face";
+  // Project what has no p-curve. The faces are independent of each other, and those after a faulty one are skipped.
+  std::vector<std::optional<Result<FaceLoops>>> found(faces.size());
+  std::atomic<std::size_t> first_fault = faces.size();
+  ParallelFor(std::size_t{0}, faces.size(), [&](std::size_t i) {
+    if (i > first_fault) return;
+    found[i] = SoundLoops(faces[i], pcurves_in_file, precision_mm);
+    std::size_t known = first_fault;
+    while (!found[i]->ok() && i < known && !first_fault.compare_exchange_weak(known, i)) continue;
+  });
+  std::vector<FaceLoops> loops;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (!found[i]->ok()) return name(faces[i]) + ": " + found[i]->error().message;
+    loops.push_back(std::move(*found[i]).value());
+  }
   if (solid && !EnclosesVolume(faces, loops)) return "its faces do not enclose a positive volume";
   for (std::size_t i = 0; i < faces.size(); ++i) stored.Bind(faces[i], std::move(loops[i]));
   return std::nullopt;

@@ -34,6 +34,7 @@
 #include "import/scratch.h"
 #include "import/source_file.h"
 #include "import/warm_up.h"
+#include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
 #include "render/model/model_file.h"
 #include "sandbox/fork_requests.h"
@@ -259,7 +260,9 @@ int Run(int argc, const char* const* argv) {
   // Handle exceptions that the readers and the mesher did not catch.
   try {
     OCC_CATCH_SIGNALS
-    return Import(options.value(), answer);
+    int status = kExitDone;
+    RunWithThreads(options.value().threads, [&] { status = Import(options.value(), answer); });
+    return status;
   } catch (const std::bad_alloc&) {
     return OutOfMemory(options.value().input, answer);
   } catch (const Standard_OutOfMemory&) {

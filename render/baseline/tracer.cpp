@@ -10,6 +10,7 @@
 #include "render/base/stopwatch.h"
 #include "render/baseline/packet_rays.h"
 #include "render/baseline/scene_data.h"
+#include "render/baseline/triangle_point.h"
 
 namespace facetless {
 namespace {
@@ -23,39 +24,12 @@ struct HitPoint {
   Vec3 normal;
 };
 
-// The point at which `ray` meets the triangle `corners`, in double, computed from signed volumes relative to
-// a point of the ray near the mesh. If the ray misses the triangle by an error of float32, the result is on
-// the nearest border in barycentric coordinates.
-HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const Vec3 (&corners)[3],
-                const Vec3 (&normals)[3], double side) {
-  const Vec3 origin = ray.origin + start * ray.direction;
-  const Vec3 q[3] = {corners[0] - origin, corners[1] - origin, corners[2] - origin};
-  double share[3];
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) share[k] = Dot(ray.direction, Cross(q[(k + 1) % 3], q[(k + 2) % 3]));
-  for (double& s : share) sum += s;
-  const double sign = sum < 0 ? -1 : 1;
-  sum = 0;
-  for (double& s : share) sum += s = std::max(sign * s, 0.0);
-
-  // Interpolate. A triangle that is seen exactly edge-on has no volume; use its middle.
-  HitPoint hit;
-  hit.depth = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double weight = sum > 0 ? share[k] / sum : 1.0 / 3;
-    hit.depth += weight * Dot(corners[k] - frame.eye, frame.forward);
-    hit.normal = hit.normal + weight * normals[k];
-  }
-
-  // Rotate a normal that points to the other side than its triangle until it is perpendicular to the ray
-  // (tracer.h, law 3).
-  Vec3 facing = side * Cross(corners[1] - corners[0], corners[2] - corners[0]);
-  hit.normal = Normalized(hit.normal);
-  if (!(Dot(hit.normal, hit.normal) > 0)) hit.normal = Normalized(facing);
-  if (Dot(facing, hit.normal) < 0) facing = -facing;
-  const double along = Dot(hit.normal, ray.direction);
-  if (along * Dot(facing, ray.direction) < 0)
-    hit.normal = Normalized(hit.normal - (along / Dot(ray.direction, ray.direction)) * ray.direction);
+// The point at which `ray` meets the triangle.
+HitPoint Refine(const CameraFrame& frame, const Ray& ray, double start, const TriangleCorners& corners) {
+  const TrianglePoint point = MeetTriangle(corners, ray.origin + start * ray.direction, ray.direction);
+  HitPoint hit{0, point.normal};
+  for (int k = 0; k < 3; ++k)
+    hit.depth += point.weight[k] * Dot(corners.position[k] - frame.eye, frame.forward);
   return hit;
 }
 
@@ -201,9 +175,7 @@ class TileTracer {
     // Sort the triangles by depth, and merge those that share an edge.
     const auto solid_of = [&](const MetTriangle& m) {
       if (!data_.mesh->from_model) return m.node;
-      const MeshNode& node = data_.mesh->nodes[m.node];
-      const std::uint32_t face = data_.mesh->parts[node.part].face_of_triangle[m.triangle];
-      return options.solids->ClosedSolidOfFace(node.first_placed_face + face);
+      return options.solids->ClosedSolidOfFace(PlacedFaceOf(data_, m.node, m.triangle));
     };
     std::sort(met->begin(), met->end(), [&](const MetTriangle& a, const MetTriangle& b) {
       return std::tuple(solid_of(a), a.hit.depth, a.node, a.triangle) <
@@ -260,39 +232,18 @@ class TileTracer {
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(data_.scene, &every.context, &query);
     for (MetTriangle& m : *met) {
-      Vec3 corners[3], normals[3];
-      LoadTriangleCorners(m.node, m.triangle, corners, normals);
-      const double side = data_.nodes[m.node].side;
-      m.hit = Refine(frame_, ray, start_, corners, normals, side);
-      m.leaving = side * Dot(Cross(corners[1] - corners[0], corners[2] - corners[0]), ray.direction) > 0;
-    }
-  }
-
-  void LoadTriangleCorners(std::uint32_t node_index, std::uint32_t triangle, Vec3 (&corners)[3],
-                           Vec3 (&normals)[3]) const {
-    const MeshNode& node = data_.mesh->nodes[node_index];
-    const MeshPart& part = data_.mesh->parts[node.part];
-    const PlacedNode& placed = data_.nodes[node_index];
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = part.triangles[triangle][k];
-      const auto& p = part.positions[vertex];
-      const auto& n = part.normals[vertex];
-      corners[k] = placed.placement.Point({p[0], p[1], p[2]});
-      const Vec3 normal{n[0], n[1], n[2]};
-      normals[k] = {Dot(placed.normal_rows[0], normal), Dot(placed.normal_rows[1], normal),
-                    Dot(placed.normal_rows[2], normal)};
+      const TriangleCorners corners = LoadCorners(data_, m.node, m.triangle);
+      m.hit = Refine(frame_, ray, start_, corners);
+      m.leaving = Dot(corners.Facing(), ray.direction) > 0;
     }
   }
 
   void Store(std::size_t pixel, const Ray& ray, std::uint32_t node_index, std::uint32_t triangle) const {
-    Vec3 corners[3], normals[3];
-    LoadTriangleCorners(node_index, triangle, corners, normals);
-    const HitPoint hit = Refine(frame_, ray, start_, corners, normals, data_.nodes[node_index].side);
+    const HitPoint hit = Refine(frame_, ray, start_, LoadCorners(data_, node_index, triangle));
     out_.depth[pixel] = hit.depth;
     out_.normal[pixel] = {static_cast<float>(hit.normal.x), static_cast<float>(hit.normal.y),
                           static_cast<float>(hit.normal.z)};
-    const MeshNode& node = data_.mesh->nodes[node_index];
-    out_.face[pixel] = node.first_placed_face + data_.mesh->parts[node.part].face_of_triangle[triangle];
+    out_.face[pixel] = PlacedFaceOf(data_, node_index, triangle);
   }
 
   const BaselineScene::Data& data_;

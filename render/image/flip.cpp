@@ -96,10 +96,16 @@ struct Sensitivity {
 constexpr Sensitivity kSensitivity[3] = {
     {1, 0.0047, 0, 1e-5}, {1, 0.0053, 0, 1e-5}, {34.1, 0.04, 13.5, 0.025}};
 
-Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_per_degree) {
+// All kernels have the radius of the widest.
+int SensitivityRadius(double pixels_per_degree) {
+  constexpr double kWidest = 0.04;
+  return static_cast<int>(std::ceil(3 * std::sqrt(kWidest / 2) / std::numbers::pi * pixels_per_degree));
+}
+
+Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_per_degree,
+                        const FilterRegion& region) {
   constexpr double kPi = std::numbers::pi;
-  const double widest = 0.04;  // all kernels have the radius of the widest
-  const int radius = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * kPi * kPi)) * pixels_per_degree));
+  const int radius = SensitivityRadius(pixels_per_degree);
   // Each Gaussian is separable. Weight the two by their share of the sum of the kernel.
   double total = 0, weight[2] = {0, 0};
   Taps taps[2];
@@ -116,43 +122,16 @@ Plane FilterSensitivity(const Plane& plane, const Sensitivity& s, double pixels_
     weight[k] = a * std::sqrt(kPi / b) * sum * sum;
     total += weight[k];
   }
-  Plane out = Filter(plane, taps[0], taps[0]);
+  Plane out = Filter(plane, taps[0], taps[0], region);
   if (taps[1].empty()) return out;
-  const Plane second = Filter(plane, taps[1], taps[1]);
+  const Plane second = Filter(plane, taps[1], taps[1], region);
   const float share[2] = {static_cast<float>(weight[0] / total), static_cast<float>(weight[1] / total)};
-  for (std::size_t i = 0; i < out.values.size(); ++i)
-    out.values[i] = share[0] * out.values[i] + share[1] * second.values[i];
-  return out;
-}
-
-// The picture in opponent space, filtered by the contrast sensitivity of the eye (section 4.1.1), and its
-// unfiltered luminance, 0 … 1.
-struct Seen {
-  std::array<Plane, 3> opponent;
-  Plane luminance;
-
-  Triple at(std::size_t i) const {
-    return {opponent[0].values[i], opponent[1].values[i], opponent[2].values[i]};
-  }
-};
-Seen See(const Image8& image, double pixels_per_degree) {
-  Seen seen{LinearChannels(image), Plane(image.width, image.height)};
-  std::array<Plane, 3>& planes = seen.opponent;
-  ParallelForBlocks(0, seen.luminance.values.size(), 4096, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const Triple opponent = ToOpponent(seen.at(i));
-      seen.luminance.values[i] = static_cast<float>((opponent[0] + 16) / 116);
-      for (int c = 0; c < 3; ++c) planes[c].values[i] = static_cast<float>(opponent[c]);
-    }
+  region.ForRuns([&](int y, int begin, int end) {
+    float* row = out.row(y);
+    const float* other = second.row(y);
+    for (int x = begin; x < end; ++x) row[x] = share[0] * row[x] + share[1] * other[x];
   });
-  for (int c = 0; c < 3; ++c) planes[c] = FilterSensitivity(planes[c], kSensitivity[c], pixels_per_degree);
-  return seen;
-}
-
-Triple OpponentToHuntLab(const Triple& opponent) {
-  Triple rgb = FromOpponent(opponent);
-  for (double& channel : rgb) channel = std::clamp(channel, 0.0, 1.0);
-  return ToHuntLab(rgb);
+  return out;
 }
 
 // The Gaussian derivatives of section 4.2.1. The positive and the negative taps of a kernel each sum to 1.
@@ -160,9 +139,8 @@ struct FeatureTaps {
   Taps smooth, edge, point;
 
   explicit FeatureTaps(double pixels_per_degree) {
-    constexpr double kFeatureWidthDeg = 0.082;
-    const double sigma = 0.5 * kFeatureWidthDeg * pixels_per_degree;
-    const int radius = static_cast<int>(std::ceil(3 * sigma));
+    const double sigma = Sigma(pixels_per_degree);
+    const int radius = Radius(pixels_per_degree);
     double sum = 0;
     for (int i = -radius; i <= radius; ++i) {
       const double g = std::exp(-(i * i) / (2 * sigma * sigma));
@@ -175,8 +153,15 @@ struct FeatureTaps {
     Balance(edge);
     Balance(point);
   }
+  static int Radius(double pixels_per_degree) {
+    return static_cast<int>(std::ceil(3 * Sigma(pixels_per_degree)));
+  }
 
  private:
+  static double Sigma(double pixels_per_degree) {
+    constexpr double kFeatureWidthDeg = 0.082;
+    return 0.5 * kFeatureWidthDeg * pixels_per_degree;
+  }
   static void Balance(Taps& taps) {
     double positive = 0, negative = 0;
     for (float tap : taps) (tap > 0 ? positive : negative) += tap;
@@ -184,16 +169,59 @@ struct FeatureTaps {
   }
 };
 
+// The largest distance, in pixels, at which any of the filters reads.
+int FilterRadius(double pixels_per_degree) {
+  return std::max(SensitivityRadius(pixels_per_degree), FeatureTaps::Radius(pixels_per_degree));
+}
+
+// The picture in opponent space, filtered by the contrast sensitivity of the eye (section 4.1.1), and its
+// unfiltered luminance, 0 … 1.
+struct Seen {
+  std::array<Plane, 3> opponent;
+  Plane luminance;
+
+  Triple at(std::size_t i) const {
+    return {opponent[0].values[i], opponent[1].values[i], opponent[2].values[i]};
+  }
+};
+Seen See(const Image8& image, double pixels_per_degree, const FilterRegion& region) {
+  Seen seen{LinearChannels(image), Plane(image.width, image.height)};
+  std::array<Plane, 3>& planes = seen.opponent;
+  // The filters reach beyond the region.
+  const int radius = FilterRadius(pixels_per_degree);
+  region.Grown(radius, radius).ForRuns([&](int y, int begin, int end) {
+    const std::size_t row = static_cast<std::size_t>(y) * image.width;
+    for (std::size_t i = row + begin; i < row + end; ++i) {
+      const Triple opponent = ToOpponent(seen.at(i));
+      seen.luminance.values[i] = static_cast<float>((opponent[0] + 16) / 116);
+      for (int c = 0; c < 3; ++c) planes[c].values[i] = static_cast<float>(opponent[c]);
+    }
+  });
+  for (int c = 0; c < 3; ++c)
+    planes[c] = FilterSensitivity(planes[c], kSensitivity[c], pixels_per_degree, region);
+  return seen;
+}
+
+Triple OpponentToHuntLab(const Triple& opponent) {
+  Triple rgb = FromOpponent(opponent);
+  for (double& channel : rgb) channel = std::clamp(channel, 0.0, 1.0);
+  return ToHuntLab(rgb);
+}
+
 struct Features {
   Plane edge, point;  // lengths of the gradients
 };
-Features FindFeatures(const Plane& luminance, const FeatureTaps& taps) {
-  const Plane smooth = FilterRows(luminance, taps.smooth);
+Features FindFeatures(const Plane& luminance, const FeatureTaps& taps, const FilterRegion& region) {
+  const Plane smooth =
+      FilterRows(luminance, taps.smooth, region.Grown(0, static_cast<int>(taps.smooth.size() / 2)));
   const auto length = [&](const Taps& derivative) {
-    Plane x = Filter(luminance, derivative, taps.smooth);
-    const Plane y = FilterColumns(smooth, derivative);
-    for (std::size_t i = 0; i < x.values.size(); ++i)
-      x.values[i] = std::sqrt(x.values[i] * x.values[i] + y.values[i] * y.values[i]);
+    Plane x = Filter(luminance, derivative, taps.smooth, region);
+    const Plane y = FilterColumns(smooth, derivative, region);
+    region.ForRuns([&](int row, int begin, int end) {
+      float* out = x.row(row);
+      const float* other = y.row(row);
+      for (int i = begin; i < end; ++i) out[i] = std::sqrt(out[i] * out[i] + other[i] * other[i]);
+    });
     return x;
   };
   return {length(taps.edge), length(taps.point)};
@@ -206,18 +234,22 @@ Result<std::vector<float>> FlipMap(const Image8& reference, const Image8& test, 
   if (!(pixels_per_degree >= 1 && pixels_per_degree <= 1000))
     return Error{ErrorCode::kBadUsage, "pixels per degree must lie between 1 and 1000"};
 
+  std::vector<float> map(static_cast<std::size_t>(reference.width) * reference.height);
+  // Beyond the reach of the filters from any difference, the error is 0.
+  const int radius = FilterRadius(pixels_per_degree);
+  const FilterRegion region = FilterRegion(reference, test).Grown(radius, radius);
+  if (region.empty()) return map;
   // Run the colour pipeline.
-  const Seen a = See(reference, pixels_per_degree), b = See(test, pixels_per_degree);
+  const Seen a = See(reference, pixels_per_degree, region), b = See(test, pixels_per_degree, region);
   // Run the feature pipeline.
   const FeatureTaps taps(pixels_per_degree);
-  const Features fa = FindFeatures(a.luminance, taps), fb = FindFeatures(b.luminance, taps);
+  const Features fa = FindFeatures(a.luminance, taps, region), fb = FindFeatures(b.luminance, taps, region);
 
   // Combine both: features amplify the colour error (equation 11).
   const ColorError color_error;
-  std::vector<float> map(a.luminance.values.size());
-  ParallelForBlocks(0, map.size(), 4096, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      // Most pixels of two renderings of one model are equal.
+  region.ForRuns([&](int y, int begin, int end) {
+    const std::size_t row = static_cast<std::size_t>(y) * reference.width;
+    for (std::size_t i = row + begin; i < row + end; ++i) {
       const Triple color_a = a.at(i), color_b = b.at(i);
       const double color =
           color_a == color_b ? 0 : color_error(OpponentToHuntLab(color_a), OpponentToHuntLab(color_b));

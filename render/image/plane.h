@@ -1,9 +1,17 @@
-// One channel of a picture in float32, and the separable filters of the metrics. Private to render/image.
+// One channel of a picture in float32, the separable filters of the metrics, and the region of a picture in which
+// they are evaluated. Private to render/image.
+//
+//  1. A filter computes the pixels of its region and leaves all others 0. Which region contains a pixel does not
+//     affect its value.
+//  2. Two pictures that are equal around a pixel have the same filtered values there. A metric that compares them
+//     therefore needs only the pixels within a filter's radius of a difference.
 #pragma once
 
 #include <array>
-#include <functional>
+#include <cstdint>
 #include <vector>
+
+#include "render/base/parallel.h"
 
 #include "render/image/film.h"
 
@@ -19,14 +27,50 @@ struct Plane {
   const float* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
 };
 
+// A set of pixels that consists of whole blocks of kBlock pixels of a row, cut off at the right border.
+class FilterRegion {
+ public:
+  static constexpr int kBlock = 16;
+  // The blocks that have a pixel in which two pictures of the same size differ.
+  FilterRegion(const Image8& a, const Image8& b);
+
+  // All blocks that have a pixel within the given distances of this region.
+  FilterRegion Grown(int radius_x, int radius_y) const;
+  bool empty() const;
+  // Calls visit(y, begin, end) for each run of pixels [begin, end) in rows first ≤ y < last.
+  template <typename Visit>
+  void ForRuns(int first, int last, const Visit& visit) const {
+    for (int y = first; y < last; ++y) {
+      const std::uint8_t* row = blocks_.data() + static_cast<std::size_t>(y) * stride_;
+      for (int block = 0; block < stride_; ++block) {
+        if (!row[block]) continue;
+        const int begin = block;
+        while (block < stride_ && row[block]) ++block;
+        const int end = block * kBlock;
+        visit(y, begin * kBlock, end < width_ ? end : width_);
+      }
+    }
+  }
+  // The same for all rows, in parallel.
+  template <typename Visit>
+  void ForRuns(const Visit& visit) const {
+    ParallelForBlocks(0, height_, 16, [&](int first, int last) { ForRuns(first, last, visit); });
+  }
+
+ private:
+  int width_, height_, stride_;       // stride_: blocks per row
+  std::vector<std::uint8_t> blocks_;  // row by row; 1: in the region
+};
+
 // The weights of a filter for the offsets −radius … radius; taps.size() = 2·radius + 1.
 using Taps = std::vector<float>;
 
 // Filters a plane. Beyond the border, the border pixel is repeated. Sums run in single precision from the
 // first tap to the last, so they are the same on every machine, and accurate to 1e-6 of the largest value.
-Plane FilterRows(const Plane& plane, const Taps& taps);
-Plane FilterColumns(const Plane& plane, const Taps& taps);
-Plane Filter(const Plane& plane, const Taps& along_x, const Taps& along_y);  // rows, then columns
+Plane FilterRows(const Plane& plane, const Taps& taps, const FilterRegion& region);
+Plane FilterColumns(const Plane& plane, const Taps& taps, const FilterRegion& region);
+// Rows, then columns.
+Plane Filter(const Plane& plane, const Taps& along_x, const Taps& along_y, const FilterRegion& region);
 
 // The channels of the picture as linear light, 0 … 1. Transparent pixels are composed over mid grey (encoded
 // 0.5).

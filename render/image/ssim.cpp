@@ -53,25 +53,30 @@ Plane Product(const Plane& a, const Plane& b) {
 
 Result<double> Ssim(const Image8& a, const Image8& b) {
   if (Result<void> same = CheckSameSize(a, b); !same.ok()) return same.error();
-  const Plane x = Luma(a), y = Luma(b);
   const Taps across = GaussianTaps(a.width), down = GaussianTaps(a.height);
-  const Plane mean_x = Filter(x, across, down), mean_y = Filter(y, across, down);
-  const Plane xx = Filter(Product(x, x), across, down), yy = Filter(Product(y, y), across, down);
-  const Plane xy = Filter(Product(x, y), across, down);
+  const int margin_x = static_cast<int>(across.size() / 2), margin_y = static_cast<int>(down.size() / 2);
+  const std::size_t windows =
+      static_cast<std::size_t>(a.width - 2 * margin_x) * static_cast<std::size_t>(a.height - 2 * margin_y);
+  // A window without a difference has a similarity of 1.
+  const FilterRegion region = FilterRegion(a, b).Grown(margin_x, margin_y);
+  if (region.empty()) return 1.0;
+  const Plane x = Luma(a), y = Luma(b);
+  const Plane mean_x = Filter(x, across, down, region), mean_y = Filter(y, across, down, region);
+  const Plane xx = Filter(Product(x, x), across, down, region),
+              yy = Filter(Product(y, y), across, down, region);
+  const Plane xy = Filter(Product(x, y), across, down, region);
 
   // Average over the windows that lie entirely inside the picture.
-  const int margin_x = static_cast<int>(across.size() / 2), margin_y = static_cast<int>(down.size() / 2);
-  double sum = 0;
-  std::size_t count = 0;
-  for (int row = margin_y; row < a.height - margin_y; ++row)
-    for (int column = margin_x; column < a.width - margin_x; ++column) {
+  double less = 0;  // the sum of 1 − similarity
+  region.ForRuns(margin_y, a.height - margin_y, [&](int row, int begin, int end) {
+    for (int column = std::max(begin, margin_x); column < std::min(end, a.width - margin_x); ++column) {
       const std::size_t i = static_cast<std::size_t>(row) * a.width + column;
       const double mx = mean_x.values[i], my = mean_y.values[i];
       const double vx = xx.values[i] - mx * mx, vy = yy.values[i] - my * my, cov = xy.values[i] - mx * my;
-      sum += (2 * mx * my + kC1) * (2 * cov + kC2) / ((mx * mx + my * my + kC1) * (vx + vy + kC2));
-      ++count;
+      less += 1 - (2 * mx * my + kC1) * (2 * cov + kC2) / ((mx * mx + my * my + kC1) * (vx + vy + kC2));
     }
-  return sum / static_cast<double>(count);
+  });
+  return 1 - less / static_cast<double>(windows);
 }
 
 }  // namespace facetless

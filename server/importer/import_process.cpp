@@ -262,6 +262,8 @@ std::vector<std::string> ImporterArguments(const ImportRequest& request, Importe
   std::vector<std::string> arguments = {std::filesystem::absolute(request.input, path_error).string(),
                                         "--model", files.model_path};
   if (request.unit_mm > 0) arguments.insert(arguments.end(), {"--unit-mm", Number(request.unit_mm)});
+  if (request.execution.threads > 0)
+    arguments.insert(arguments.end(), {"--threads", std::to_string(request.execution.threads)});
   for (std::size_t i = 0; i < request.meshes.size(); ++i) {
     const TessellationOptions& mesh = request.meshes[i];
     files.mesh_paths.push_back(files.directory.File("mesh" + std::to_string(i) + ".glb"));
@@ -275,8 +277,8 @@ std::vector<std::string> ImporterArguments(const ImportRequest& request, Importe
 }
 
 // Writes the rays for the exact intersector, and adds their path to the arguments.
-Result<void> AddRays(const ExactRays& exact, const std::string& rays_path, const std::string& depths_path,
-                     std::vector<std::string>& arguments) {
+Result<void> AddRays(const IntersectorRays& exact, const std::string& rays_path,
+                     const std::string& depths_path, std::vector<std::string>& arguments) {
   if (auto written = WriteFileAtomically(rays_path, {reinterpret_cast<const char*>(exact.rays.data()),
                                                      exact.rays.size() * sizeof exact.rays[0]});
       !written)

@@ -52,7 +52,7 @@ struct ImportLimits {
 };
 
 // Rays for OpenCASCADE's exact intersector, which exists only in the importer's process.
-struct ExactRays {
+struct IntersectorRays {
   std::vector<std::array<double, 6>> rays;  // origin, direction
   double near = 0;                          // if above 0, hits at a smaller depth are ignored, mm
   double seconds = 10;                      // time limit: as many rays as possible are answered within it
@@ -62,11 +62,11 @@ struct ImportRequest {
   std::string input;
   std::vector<TessellationOptions> meshes;  // one mesh file each; empty: the model only
   bool model_suffices = false;              // law 4
-  ExactRays exact;                          // rays to intersect; may be empty
+  IntersectorRays exact;                    // rays to intersect; may be empty
   double unit_mm = 0;                       // if above 0, the unit of the file, whatever the file states
   ImportLimits limits;
   std::string temp_parent;            // parent directory of the files; empty: $TMPDIR or /tmp
-  Execution execution;                // of threads the importer uses one, whatever this allows
+  Execution execution;                // threads of the importer, too
   ForkServer* fork_server = nullptr;  // made with ImporterForkServer; null: the program is started
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;

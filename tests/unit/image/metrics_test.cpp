@@ -160,6 +160,36 @@ TEST(Flip, IsSymmetricAndBetweenZeroAndOne) {
   }));
 }
 
+TEST(Flip, DifferencesElsewhereChangeNothingNearby) {
+  // The error is computed around differences only. One in each corner makes the whole picture such a region.
+  EXPECT_TRUE(rc::check("a patch of noise in two equal pictures", [] {
+    const unsigned seed = *rc::gen::inRange(1u, 1000000u);
+    const int width = *rc::gen::inRange(60, 160), height = *rc::gen::inRange(60, 160);
+    const double ppd = *rc::gen::inRange(5, 80);
+    const int reach = static_cast<int>(std::ceil(0.15 * ppd));  // of both filters, at least
+    const Image8 a = Noise(width, height, seed);
+    Image8 b = a;
+    const int column = *rc::gen::inRange(0, width - 3), row = *rc::gen::inRange(0, height - 3);
+    for (int y = row; y < row + 3; ++y)
+      for (int x = column; x < column + 3; ++x) b.at(x, y)[0] ^= 0x5a;
+    const std::vector<float> alone = FlipMap(a, b, ppd).value();
+    Image8 c = b;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        if (std::abs(x - column - 1) > 3 * reach || std::abs(y - row - 1) > 3 * reach) c.at(x, y)[1] ^= 0x21;
+    const std::vector<float> among = FlipMap(a, c, ppd).value();
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        if (std::abs(x - column - 1) <= reach && std::abs(y - row - 1) <= reach) {
+          RC_ASSERT(alone[i] == among[i]);
+        } else if (std::abs(x - column - 1) > 2 * reach || std::abs(y - row - 1) > 2 * reach) {
+          RC_ASSERT(alone[i] == 0);
+        }
+      }
+  }));
+}
+
 TEST(Flip, GrowsWithTheDifference) {
   double last = 0;
   for (int step : {2, 5, 10, 20, 50, 100}) {
