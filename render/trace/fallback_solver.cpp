@@ -50,7 +50,8 @@ DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
 }  // namespace
 
 std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& rect, double x, double y,
-                                   double limit, RayWork* work_left, std::vector<FallbackRoot>* roots) {
+                                   double limit, RayWork* work_left, std::vector<FallbackRoot>* roots,
+                                   bool whole) {
   if (work_left->exhausted()) return kDoubtLimit;
   work_left->Spend(leaf.points());
   const Task task{x, y, limit, rect, RuleOf(leaf), roots};
@@ -85,8 +86,12 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
     if (residual.empty) continue;
     if (limit < INFINITY && MeasureDepth(net, task.rule).near > limit) continue;
 
-    // Solve the piece if it can be certified now. The whole leaf cannot.
-    if (pieces > 1 && SolveCertified(*work, task)) continue;
+    // Solve the piece if it can be certified now. The whole leaf of a view cannot.
+    if ((pieces > 1 || whole) && SolveCertified(*work, task)) continue;
+    if (pieces == 1 && whole) {
+      const LineImage line = FitLine(net);
+      if (line.is_line) return line.DistanceToLine(x, y) > line.half_width ? 0 : kDoubtUnresolved;
+    }
     if (residual.size <= std::max(kFloorSamples * residual.weight, 2 * residual.error)) {
       if (!AddUnprovenRoot(*work, task)) return kDoubtUnresolved;
       continue;
@@ -125,6 +130,21 @@ bool FallbackSolver::SolveCertified(const Piece& work, const Task& task) const {
   found.error_s = root_error * work.s_half;
   found.error_t = root_error * work.t_half;
   found.jacobian_sign = piece.c11 * piece.c22 - piece.c12 * piece.c21;
+  found.half_s = work.s_half;
+  found.half_t = work.t_half;
+  // H of the moved ray differs by C·d·W/W(0,0) at the root, so by law 1 of leaf.h the root moves by at most that
+  // over 1 − kMaxKappa.
+  constexpr double kSpread = 1 / (1 - kMaxKappa);
+  double least = INFINITY, most = 0;
+  for (int i = 0; i < work.net.points(); ++i) {
+    least = std::min(least, work.net.at(i, kW));
+    most = std::max(most, work.net.at(i, kW));
+  }
+  const double moved =
+      kSpread * (most / least) *
+      std::max(std::fabs(piece.c11) + std::fabs(piece.c12), std::fabs(piece.c21) + std::fabs(piece.c22));
+  found.spread_s = moved * work.s_half;
+  found.spread_t = moved * work.t_half;
   if (found.hit.depth - found.hit.error <= task.limit) task.roots->push_back(found);
   return true;
 }

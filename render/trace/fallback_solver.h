@@ -14,6 +14,8 @@
 //  4. If a leaf needs more than kMaxPieces pieces for a ray, the result is kDoubtUnresolved. If a ray has
 //     used up its RayWork, the result is kDoubtLimit. Nothing is dropped silently.
 //  5. The bounds hold for the exact surface, because they include the error of the net.
+//  6. A proven root is the only one in its piece, enlarged as in leaf.h. If the ray is moved by d samples, the root of
+//     the moved ray in that piece, if there is one, lies within spread_s·d and spread_t·d of this root.
 #pragma once
 
 #include <cstdint>
@@ -51,6 +53,8 @@ struct FallbackRoot {
   double jacobian_sign = 0;         // sign of the Jacobian of (u,v) → pixel at the root; 0: unknown
   bool proven = true;               // the root exists and is the only one in its piece
   bool on_border = false;           // on a border of its patch, within its error (OnPatchBorder)
+  double half_s = 0, half_t = 0;    // of a proven root: half the sides of its piece, in the leaf's parameters
+  double spread_s = 0, spread_t = 0;  // of a proven root: law 6, per sample
 };
 
 class FallbackSolver {
@@ -60,9 +64,10 @@ class FallbackSolver {
   ~FallbackSolver();
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
   // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `rect` is the leaf's
-  // of its patch, `work` the ray's.
+  // of its patch, `work` the ray's. `whole`: the whole leaf may have a certificate, so that is tried first, and may be seen
+  // edge-on otherwise.
   std::uint8_t Solve(const HardLeaf& leaf, const ParameterRect& rect, double x, double y, double limit,
-                     RayWork* work, std::vector<FallbackRoot>* roots);
+                     RayWork* work, std::vector<FallbackRoot>* roots, bool whole = false);
 
  private:
   struct Piece;

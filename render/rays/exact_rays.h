@@ -1,0 +1,81 @@
+// ExactRays: rays in any direction against the exact faces of a whole model (view/secondary_rays.h).
+//
+//     Result<std::unique_ptr<ExactRays>> rays = ExactRays::Build(scene, {.structure = "bvh"}, execution);
+//     if (!rays) return rays.error();
+//     rays.value()->FindBlocked(starts, batch, passages);
+//
+//  1. The faces are divided into pieces in space (space_pieces.h), once for each part, and each placed piece has a box.
+//     A structure of render/accel, chosen by name, finds the boxes that a ray meets. A box holds its piece with all
+//     errors, so a piece that is not visited is proven to be empty.
+//  2. Whatever is found in a piece, and when it is proven, is the matter of ray_roots.h: the start's own root is
+//     recognised by its face and parameters, and nothing is lifted off the surface.
+//  3. A blocked ray is certified if a proven root lies strictly between the start and the length. A clear ray is
+//     certified if every candidate is proven empty or trimmed away. The nearest hit is certified if it is proven, and
+//     nothing that is not proven absent lies in front of it or within its error (kDoubtCoincident for another face).
+//     Any other answer is the best one that is known, with the doubts that stand in the way.
+//  4. Queries allocate nothing per ray. They may be called from any number of threads; the answers are the same for any
+//     grouping, any structure, and any instruction set.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "render/accel/structures.h"
+#include "render/base/execution.h"
+#include "render/base/parallel.h"
+#include "render/rays/ray_roots.h"
+#include "render/view/secondary_rays.h"
+
+namespace facetless {
+
+struct ExactRaysOptions {
+  std::string structure = "bvh";  // a name of StructureNames()
+  // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored.
+  const std::vector<bool>* leave_out = nullptr;
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of the pieces, their boxes and the structure
+};
+
+class ExactRays final : public SecondaryRays {
+ public:
+  // Errors: kBadUsage (no structure has that name), kLimitExceeded, kCancelled. `scene` must outlive the result.
+  static Result<std::unique_ptr<ExactRays>> Build(const Scene& scene, const ExactRaysOptions& options,
+                                                  const Execution& execution);
+
+  void FindBlocked(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                   std::span<RayPassage> passages) const override;
+  void FindNearest(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                   std::span<SecondaryHit> hits) const override;
+
+  std::string structure() const override { return structure_name_; }
+  double build_ms() const override { return build_ms_; }
+  std::uint64_t bytes() const override;
+  std::size_t pieces() const { return placed_.size(); }
+
+ private:
+  // A piece of an instance; its box has the same index.
+  struct PlacedPiece {
+    std::uint32_t instance, piece;
+  };
+  // What one thread needs for its rays, kept from batch to batch.
+  struct Worker {
+    Worker(const RayScene& scene, StateSize size) : roots(scene), state(size) {}
+    RayRoots roots;
+    QueryState state;
+  };
+
+  ExactRays() = default;
+  Result<void> PlacePieces(const std::vector<bool>& shown, std::uint64_t max_bytes, std::vector<Box3>* boxes);
+  // Calls finish(ray, roots) after the visit of each ray.
+  template <typename Structure, typename Finish>
+  void Trace(const Structure& structure, std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+             bool any, const Finish& finish) const;
+
+  RayScene scene_;
+  std::vector<PlacedPiece> placed_;
+  AnyStructure structure_;
+  std::string structure_name_;
+  double build_ms_ = 0;
+  mutable std::unique_ptr<PerThread<Worker>> workers_;
+};
+
+}  // namespace facetless
