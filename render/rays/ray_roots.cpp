@@ -167,6 +167,11 @@ void RayRoots::AddRoot(const Site& site, const FallbackRoot& found) {
   root.u = site.u_map->ToNative(site.U(found.hit.s));
   root.v = site.v_map->ToNative(site.V(found.hit.t));
   root.orientation = found.proven ? found.jacobian_sign : 0;
+  const HitGeometry geometry = EvaluateHit(site.leaf, found.hit.s, found.hit.t, 0, 0, frame_.camera);
+  root.normal = geometry.normal;
+  if (!site.piece.whole) Trim(site, found, geometry.cosine, &root);
+  // A root that is proven to be trimmed away is none.
+  if (!root.inside && root.doubt == 0) return;
   if (own == Own::kUnknown) {
     root.doubt |= kDoubtSilhouette;
     root.inside = false;
@@ -179,16 +184,11 @@ void RayRoots::AddRoot(const Site& site, const FallbackRoot& found) {
     root.doubt |= kDoubtCoincident;
     root.inside = root.inside && root.distance < length_;
   }
-  const HitGeometry geometry = EvaluateHit(site.leaf, found.hit.s, found.hit.t, 0, 0, frame_.camera);
-  root.normal = geometry.normal;
   if (!found.proven) root.doubt |= geometry.singular ? kDoubtPole : kDoubtSilhouette;
   // Without a proof, a root as near as the start's error explains is better taken for the start than for a shadow.
   const bool unclear = root.doubt != 0 || awaiting_own_;
   if (unclear && root.placed_face == start_face_ && root.distance * geometry.cosine <= 2 * start_error_)
     root.inside = false;
-  if (!site.piece.whole) Trim(site, found, geometry.cosine, &root);
-  // A root that is proven to be trimmed away is none.
-  if (!root.inside && root.doubt == 0) return;
   root.border = found.on_border;
   if (root.border) PairWithNeighbour(&root);
   roots_.push_back(root);

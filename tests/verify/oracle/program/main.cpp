@@ -1,5 +1,7 @@
 // facetless_oracle FILE... renders views, and lets the oracle judge samples of them.
 //
+// With --rays N, rays in all directions from N hits of each view are judged instead of the view's samples.
+//
 // For each view, standard output gets a table per certificate, followed by the first disagreements. FILE is a
 // CAD file, which facetless-import reads, or a model file (.flm). Exit status: 0 no certified sample is
 // wrong, 2 some are, 4 a file that cannot be read or rendered, 64 bad usage.
@@ -14,6 +16,7 @@
 #include "server/importer/import_process.h"
 #include "tests/verify/oracle/aim.h"
 #include "tests/verify/oracle/judge.h"
+#include "tests/verify/oracle/program/ray_hunt.h"
 
 namespace facetless::oracle {
 namespace {
@@ -25,6 +28,8 @@ struct Options {
   std::size_t samples = 10000, hard = 10000;
   std::uint64_t seed = 1;
   int size = 1024, close_ups = 24, list = 20;
+  std::size_t rays = 0;
+  std::string structure = "bvh";
   bool perspective = false;
 };
 
@@ -76,6 +81,7 @@ class Hunt {
   Hunt(const Model& model, const Options& options)
       : model_(model), options_(options), scene_(model), oracle_(model), random_(options.seed) {
     direct_.depth_error = true;
+    direct_.uv = options.rays > 0;
     direct_.accuracy.precision = options.precision == "fast"        ? Precision::kFast
                                  : options.precision == "certified" ? Precision::kCertified
                                                                     : Precision::kStandard;
@@ -88,6 +94,9 @@ class Hunt {
     if (!camera.ok()) return camera.error();
     const Result<DirectResult> direct = TraceDirect(scene_, camera.value(), direct_);
     if (!direct.ok()) return direct.error();
+    if (options_.rays > 0)
+      return HuntRays(name + ", " + view, scene_, oracle_, camera.value(), direct.value(),
+                      {options_.rays, options_.structure, options_.list}, random_);
     const SampleBuffer& samples = direct.value().samples;
     const std::vector<Vec3> features = Features(model_, options_.hard, random_);
     const std::string title = name + ", " + view;
@@ -170,6 +179,8 @@ int main(int argc, char** argv) {
   app.add_option("--hard", options.hard,
                  "Most samples of each view beside edges, silhouettes, seams, vertices");
   app.add_option("--close-ups", options.close_ups, "Close-ups of each view, 250 samples each at most");
+  app.add_option("--rays", options.rays, "Judge rays from so many hits of each view, and nothing else");
+  app.add_option("--structure", options.structure, "What finds the candidates of those rays");
   app.add_option("--seed", options.seed, "Of the random choice");
   app.add_option("--size", options.size, "Pixels of each side of the picture")->check(CLI::Range(1, 16384));
   app.add_option("--list", options.list, "List so many disagreements of each picture");
