@@ -37,6 +37,9 @@ Result<void> CheckOptions(const ViewOptions& options) {
                                            std::to_string(kMaxSamples) + " are allowed"};
   if (options.execution.threads < 0)
     return Error{ErrorCode::kBadUsage, "the number of threads must not be negative"};
+  if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
+    return Error{ErrorCode::kBadUsage,
+                 "an inspection has no light; leave out --shadows and --ambient-occlusion, or --shade"};
   return {};
 }
 
@@ -77,10 +80,16 @@ struct Exposure {
   const std::vector<ViewLine>& lines;
   // What transparent faces hide, for the same rays; null if nothing is transparent.
   const SampleBuffer* behind;
+  // The light of both, if it was cast.
+  const SampleLight* light = nullptr;
+  const SampleLight* light_behind = nullptr;
 };
 
-ShadeOptions HowToShade(const Subject& subject, SampleGrid grid, const ViewOptions& options) {
+ShadeOptions HowToShade(const Subject& subject, SampleGrid grid, const ViewOptions& options,
+                        const SampleLight* light) {
   ShadeOptions shade;
+  shade.light = light;
+  shade.ground_up = RotateToUpAxis(options.up, {0, 0, 1});
   if (subject.solids) {
     shade.first_cap = subject.solids->first_cap();
     shade.cap_stride = subject.solids->stride();
@@ -97,13 +106,14 @@ ShadeOptions HowToShade(const Subject& subject, SampleGrid grid, const ViewOptio
 // the studio's light.
 Result<Image8> Develop(const Exposure& exposure, const Subject& subject, const InspectionView* inspection,
                        const ViewOptions& options) {
-  const ShadeOptions shade = HowToShade(subject, exposure.grid, options);
+  ShadeOptions shade = HowToShade(subject, exposure.grid, options, exposure.light);
   Result<Film> film = inspection != nullptr ? Draw(subject.model, exposure.scene, exposure.samples,
                                                    exposure.frame, *inspection, shade)
                                             : Shade(exposure.samples, exposure.frame, subject.colors, shade);
   if (!film.ok()) return film.error();
   std::optional<Film> behind;
   if (exposure.behind != nullptr && inspection == nullptr) {
+    shade.light = exposure.light_behind;
     Result<Film> shaded = Shade(*exposure.behind, exposure.frame, subject.colors, shade);
     if (!shaded.ok()) return shaded.error();
     behind = std::move(shaded).value();
@@ -146,25 +156,33 @@ struct ReferenceView {
 class ContrastPicker final : public PixelPicker {
  public:
   // `faces`: the faces that the samples borrow; null if they name their own. `also`: null if there is no reference.
+  // `lighter`: casts the light of the centres; null: all light arrives.
   ContrastPicker(const Subject& subject, const ViewOptions& options, const BorrowedFaces* faces,
-                 const PixelSet* also)
-      : subject_(subject), options_(options), faces_(faces), also_(also) {}
+                 const PixelSet* also, ViewLighter* lighter)
+      : subject_(subject), options_(options), faces_(faces), also_(also), lighter_(lighter) {}
 
   void Pick(const SampleBuffer& centres, const CameraFrame& frame, PixelSet* set) override {
+    if (lighter_ != nullptr) {
+      light_ = lighter_->Cast(centres, frame);
+      if (!light_->ok()) return;
+    }
     const Stopwatch stopwatch;
     std::optional<SampleBuffer> borrowed;
     if (faces_ != nullptr) {
       borrowed = centres;
       borrowed->face = faces_->OfCentres(centres);
     }
-    film_ = Shade(borrowed ? *borrowed : centres, frame, subject_.colors, HowToShade(subject_, {}, options_));
+    film_ = Shade(borrowed ? *borrowed : centres, frame, subject_.colors,
+                  HowToShade(subject_, {}, options_, light_ ? &light_->value() : nullptr));
     if (film_->ok()) RunWithThreads(options_.execution.threads, [&] { AddContrast(film_->value(), set); });
     if (also_ != nullptr) set->Add(*also_);
     shade_ms_ = stopwatch.Milliseconds();
   }
 
-  // The shaded centres; nothing before Pick.
+  // The shaded centres; nothing before Pick, or if their light could not be cast.
   std::optional<Result<Film>>& film() { return film_; }
+  // The light of the centres; nothing before Pick, and without a lighter.
+  std::optional<Result<SampleLight>>& light() { return light_; }
   double shade_ms() const { return shade_ms_; }
 
  private:
@@ -172,7 +190,9 @@ class ContrastPicker final : public PixelPicker {
   const ViewOptions& options_;
   const BorrowedFaces* faces_;
   const PixelSet* also_;
+  ViewLighter* lighter_;
   std::optional<Result<Film>> film_;
+  std::optional<Result<SampleLight>> light_;
   double shade_ms_ = 0;
 };
 
@@ -197,17 +217,25 @@ class ViewMaker {
         faces_.emplace(subject_.colors);
       }
     }
+    if (options_.light.any()) {
+      lighter_.emplace(representation_, subject_.model, options_.light, options_.up, options_.sections,
+                       options_.execution);
+      if (auto made = lighter_->Prepare(subject_.transparent); !made.ok()) return made.error();
+    }
     if (IsAdaptive())
-      picker_.emplace(subject_, options_, faces_ ? &*faces_ : nullptr,
-                      reference != nullptr && reference->refinement != nullptr
-                          ? &reference->refinement->pixels
-                          : nullptr);
+      picker_.emplace(
+          subject_, options_, faces_ ? &*faces_ : nullptr,
+          reference != nullptr && reference->refinement != nullptr ? &reference->refinement->pixels : nullptr,
+          lighter_ ? &*lighter_ : nullptr);
     if (auto done = TraceCentres(); !done.ok()) return done.error();
     if (auto done = TraceColors(); !done.ok()) return done.error();
     if (auto done = TraceBehind(); !done.ok()) return done.error();
+    if (lighter_)
+      if (auto done = CastLightOfSamples(); !done.ok()) return done.error();
     if (reference == nullptr)
       if (auto done = FindOwnLines(); !done.ok()) return done.error();
-    if (auto done = Light(reference); !done.ok()) return done.error();
+    if (auto done = MakePicture(reference); !done.ok()) return done.error();
+    if (lighter_) view_.light = lighter_->Finish(std::move(light_.centres));
     view_.total_ms = stopwatch.Milliseconds();
     return std::move(view_);
   }
@@ -226,13 +254,14 @@ class ViewMaker {
   }
 
   Result<void> TraceCentres() {
-    const RefineRequest refine{grid_, picker_ ? &*picker_ : nullptr};
-    Result<TracedView> traced = representation_.Trace(camera_,
-                                                      {.uv = options_.uv || NeedsUv(options_.inspection.kind),
-                                                       .depth_error = options_.depth_error,
-                                                       .audit = options_.audit,
-                                                       .refine = picker_ ? &refine : nullptr},
-                                                      options_.execution);
+    const RefineRequest refine{grid_, picker_ ? &*picker_ : nullptr, options_.light.any()};
+    Result<TracedView> traced =
+        representation_.Trace(camera_,
+                              {.uv = options_.uv || options_.light.any() || NeedsUv(options_.inspection.kind),
+                               .depth_error = options_.depth_error || options_.light.any(),
+                               .audit = options_.audit,
+                               .refine = picker_ ? &refine : nullptr},
+                              options_.execution);
     if (!traced.ok()) return traced.error();
     TracedView& centres = traced.value();
     refinement_ = std::move(centres.refinement);
@@ -255,7 +284,9 @@ class ViewMaker {
 
   // The report's certificates are those of the pixel centres, so that the colour pass needs none.
   TraceRequest ColorRequest() const {
-    return {.uv = NeedsExactSurface(options_.inspection.kind), .certificates = false};
+    return {.uv = options_.light.any() || NeedsExactSurface(options_.inspection.kind),
+            .depth_error = options_.light.any(),
+            .certificates = false};
   }
 
   Result<void> TraceColors() {
@@ -278,12 +309,37 @@ class ViewMaker {
   Result<void> TraceBehind() {
     if (subject_.transparent.empty() || !representation_.names_faces()) return {};
     const Stopwatch stopwatch;
-    Result<TracedView> seen = representation_.Trace(
-        camera_.Supersampled(grid_.x, grid_.y), {.certificates = false, .leave_out = &subject_.transparent},
-        options_.execution);
+    Result<TracedView> seen = representation_.Trace(camera_.Supersampled(grid_.x, grid_.y),
+                                                    {.uv = options_.light.any(),
+                                                     .depth_error = options_.light.any(),
+                                                     .certificates = false,
+                                                     .leave_out = &subject_.transparent},
+                                                    options_.execution);
     if (!seen.ok()) return seen.error();
     behind_ = std::move(seen.value().samples);
     view_.color_ms += stopwatch.Milliseconds();
+    return {};
+  }
+
+  // Casts the light of the pixel centres and of the samples of the colour.
+  Result<void> CastLightOfSamples() {
+    const auto cast = [](Result<SampleLight> from, SampleLight* to) -> Result<void> {
+      if (!from.ok()) return from.error();
+      *to = std::move(from).value();
+      return {};
+    };
+    if (picker_ && picker_->light()) {
+      if (auto done = cast(*std::move(picker_->light()), &light_.centres); !done.ok()) return done;
+    } else if (auto done = cast(lighter_->Cast(view_.samples, view_.frame), &light_.centres); !done.ok()) {
+      return done;
+    }
+    if (refinement_)
+      if (auto done = cast(lighter_->Cast(*refinement_), &light_.color); !done.ok()) return done;
+    if (color_samples_.size() > 0)
+      if (auto done = cast(lighter_->Cast(color_samples_, color_frame_), &light_.color); !done.ok())
+        return done;
+    if (behind_.size() > 0)
+      if (auto done = cast(lighter_->Cast(behind_, color_frame_), &light_.behind); !done.ok()) return done;
     return {};
   }
 
@@ -302,7 +358,7 @@ class ViewMaker {
     return {};
   }
 
-  Result<void> Light(const ReferenceView* reference) {
+  Result<void> MakePicture(const ReferenceView* reference) {
     const Stopwatch stopwatch;
     auto inspected = Inspected(subject_.model, representation_.exact(), view_.samples, view_.frame, options_);
     if (!inspected.ok()) return inspected.error();
@@ -319,7 +375,8 @@ class ViewMaker {
     if (faces_) refinement_->samples.face = faces_->OfRefinement(*refinement_);
     Result<Film> film = *std::move(picker_->film());
     if (!film.ok()) return film.error();
-    if (auto done = ShadeRefinement(*refinement_, subject_.colors, HowToShade(subject_, grid_, options_),
+    if (auto done = ShadeRefinement(*refinement_, subject_.colors,
+                                    HowToShade(subject_, grid_, options_, lighter_ ? &light_.color : nullptr),
                                     &film.value());
         !done.ok())
       return done.error();
@@ -338,11 +395,15 @@ class ViewMaker {
     const SampleBuffer& color = borrowed ? *borrowed : Color();
     const std::vector<ViewLine>& lines = reference != nullptr ? reference->view.lines : view_.lines;
     return Develop(
-        {color, color_frame_, grid_, representation_.exact(), lines, behind_.size() > 0 ? &behind_ : nullptr},
+        {color, color_frame_, grid_, representation_.exact(), lines, behind_.size() > 0 ? &behind_ : nullptr,
+         lighter_ ? ColorLight() : nullptr, lighter_ ? &light_.behind : nullptr},
         subject_, Address(view_.inspection), options_);
   }
 
   const SampleBuffer& Color() const { return color_samples_.size() > 0 ? color_samples_ : view_.samples; }
+  const SampleLight* ColorLight() const {
+    return color_samples_.size() > 0 ? &light_.color : &light_.centres;
+  }
 
   const Representation& representation_;
   const Camera& camera_;
@@ -356,6 +417,10 @@ class ViewMaker {
   SampleBuffer color_samples_;            // empty where the pixel-centre pass is the colour pass
   CameraFrame color_frame_;               // of the colour pass
   SampleBuffer behind_;                   // empty where nothing is transparent
+  std::optional<ViewLighter> lighter_;    // if secondary rays are needed
+  struct {
+    SampleLight centres, color, behind;  // of the pixel centres, the colour's samples, and behind_
+  } light_;
 };
 
 // Checks whether the view of a representation can be made.
@@ -402,6 +467,15 @@ Result<CandidateView> CompareCandidate(const ReferenceView& reference, const Rep
   if (!picture->ok()) return picture->error();
   candidate.difference = std::move(*difference).value();
   candidate.picture = std::move(*picture).value();
+  if (exact.light) {
+    std::optional<Result<LightComparison>> light;
+    RunWithThreads(options.execution.threads, [&] {
+      light = CompareLight({exact.samples, *exact.light}, {view.samples, *view.light}, exact.frame,
+                           representation.names_faces(), exact.image);
+    });
+    if (!light->ok()) return light->error();
+    candidate.light = std::move(*light).value();
+  }
   if (subject.solids) NameCaps(*subject.solids, &candidate.difference);
   candidate.difference_ms = stopwatch.Milliseconds();
   return candidate;

@@ -17,6 +17,8 @@
 //     Without a reference, such a representation has the colour of most faces of the model.
 //  6. Section planes cut every representation (view/section.h). An audit counts the crossings of the whole
 //     model.
+//  7. Light by secondary rays (ViewOptions::light) is cast for the samples that the colour comes from, and for the pixel
+//     centres. Each representation casts its own rays. Transparent faces block no light.
 //
 //   const ExactSurfaces exact(scene, {});
 //   const Triangles triangles(baseline, model, {}, max_bytes);
@@ -34,7 +36,9 @@
 #include "render/compare/difference.h"
 #include "render/compare/difference_picture.h"
 #include "render/compare/face_colors.h"
+#include "render/compare/light_difference.h"
 #include "render/compare/representation.h"
+#include "render/compare/view_light.h"
 #include "render/image/film.h"
 #include "render/image/metrics.h"
 #include "render/inspect/picture.h"
@@ -64,6 +68,8 @@ struct ViewOptions {
   bool audit = false;        // fill odd_rays and reverse_mismatches of View::direct
   // The section planes. The options of exact surfaces and triangles must contain the same planes.
   std::vector<SectionPlane> sections;
+  LightOptions light;      // secondary rays, for the studio's light only
+  UpAxis up = UpAxis::kZ;  // of the model: the ground lies below it
   ColorMetricOptions color;
   DifferencePictureOptions picture;
 };
@@ -77,6 +83,7 @@ struct View {
   std::vector<std::string> unseen_names;  // of direct->unseen_faces, in that order
   Image8 image;
   std::optional<InspectionView> inspection;  // nothing for InspectionKind::kStudio
+  std::optional<ViewLight> light;            // nothing without secondary rays
   SampleGrid grid;
   std::optional<std::uint64_t>
       refined_pixels;           // pixels with all samples of the grid; nothing if all have them
@@ -94,6 +101,7 @@ struct CandidateView {
   View view;
   Difference difference;
   DifferencePicture picture;
+  std::optional<LightComparison> light;  // nothing without secondary rays
   double difference_ms = 0;
 };
 

@@ -237,6 +237,45 @@ json TraceCountersJson(const DirectStats& stats) {
           {"isa", stats.isa}};
 }
 
+// "light" of a view of any representation; null if no secondary rays were cast.
+json LightJson(const View& view) {
+  if (!view.light) return nullptr;
+  const ViewLight& light = *view.light;
+  json doubts = json::object();
+  for (std::size_t bit = 0; bit < kDoubtNames.size(); ++bit)
+    doubts[kDoubtNames[bit]] = light.stats.doubts[bit];
+  return {{"shadows", light.options.shadows},
+          {"occlusion_rays", light.options.occlusion_rays},
+          {"occlusion_radius_mm",
+           light.options.occlusion_rays > 0 ? json(light.options.occlusion_radius_mm) : json(nullptr)},
+          {"ground", light.options.ground},
+          {"structure", light.rays->structure()},
+          {"lift_mm", light.rays->lift_mm()},
+          {"samples", light.stats.samples},
+          {"certified", light.stats.certified},
+          {"doubts", std::move(doubts)},
+          {"rays", light.stats.rays},
+          {"rays_blocked", light.stats.blocked},
+          {"rays_certified", light.stats.certified_rays},
+          {"timing_ms", {{"build", light.build_ms}, {"cast", light.cast_ms}}},
+          {"bytes", light.rays->bytes()}};
+}
+
+json LightDifferenceJson(const std::optional<LightComparison>& comparison) {
+  if (!comparison) return nullptr;
+  const LightDifference& light = comparison->difference;
+  json out = {{"pixels", light.pixels}, {"shadow", nullptr}, {"occlusion", nullptr}};
+  if (light.shadows)
+    out["shadow"] = {{"share", light.OtherShadowShare()},
+                     {"lit_only_reference", light.lit_only_reference},
+                     {"lit_only_candidate", light.lit_only_candidate},
+                     {"false_self_shadow", OrNull(light.false_self_shadow)}};
+  if (light.occlusion)
+    out["occlusion"] = {
+        {"mean", light.occlusion_mean}, {"mean_abs", light.occlusion_mean_abs}, {"max", light.occlusion_max}};
+  return out;
+}
+
 json DirectJson(const View& view) {
   const DirectStats& stats = *view.direct;
   json direct = {{"timing_ms",
@@ -258,6 +297,7 @@ json DirectJson(const View& view) {
                  {"bmssm", {{"bits", stats.bmssm_bits}, {"bytes", stats.bmssm_bytes}}},
                  {"samples_per_pixel", view.grid.count()},
                  {"refined_pixels", OrNull(view.refined_pixels)},
+                 {"light", LightJson(view)},
                  {"peak_bytes", view.peak_bytes}};
   direct.update(TraceCountersJson(stats));
   return direct;
@@ -280,6 +320,7 @@ json BaselineJson(const View& view, const BaselineScene& scene) {
           {"rays", view.counters.rays},
           {"hits", view.counters.hits},
           {"refined_pixels", OrNull(view.refined_pixels)},
+          {"light", LightJson(view)},
           {"bvh_bytes", scene.bvh_bytes()},
           {"peak_bytes", view.peak_bytes}};
 }
@@ -331,6 +372,12 @@ json DifferenceJson(const Difference& difference, const DifferencePicture& pictu
           {"face_count", difference.faces.size()}};
 }
 
+json CandidateDifferenceJson(const CandidateView& candidate) {
+  json difference = DifferenceJson(candidate.difference, candidate.picture);
+  difference["light"] = LightDifferenceJson(candidate.light);
+  return difference;
+}
+
 json CandidateJson(const CandidateView& candidate) {
   const View& view = candidate.view;
   json facts = json::object();
@@ -348,9 +395,10 @@ json CandidateJson(const CandidateView& candidate) {
           {"rays", view.counters.rays},
           {"hits", view.counters.hits},
           {"refined_pixels", OrNull(view.refined_pixels)},
+          {"light", LightJson(view)},
           {"facts", std::move(facts)},
           {"peak_bytes", view.peak_bytes},
-          {"difference", DifferenceJson(candidate.difference, candidate.picture)}};
+          {"difference", CandidateDifferenceJson(candidate)}};
 }
 
 json ComparisonJson(const ViewComparison& comparison, const BaselineScene* baseline) {
@@ -361,7 +409,7 @@ json ComparisonJson(const ViewComparison& comparison, const BaselineScene* basel
   if (baseline != nullptr) {
     const CandidateView& mesh = comparison.candidates[others++];
     view["baseline"] = BaselineJson(mesh.view, *baseline);
-    view["difference"] = DifferenceJson(mesh.difference, mesh.picture);
+    view["difference"] = CandidateDifferenceJson(mesh);
     view["timing_ms"] = {{"difference", mesh.difference_ms}};
   }
   for (; others < comparison.candidates.size(); ++others)

@@ -1,10 +1,62 @@
 #include "render/compare/representation.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "render/baseline/mesh_rays.h"
 #include "render/compare/see_through.h"
+#include "render/rays/exact_rays.h"
 
 namespace facetless {
+namespace {
+
+// The rays of a mesh without its transparent faces, which belongs to this object.
+class RaysOfPart final : public SecondaryRays {
+ public:
+  RaysOfPart(std::unique_ptr<const Mesh> mesh, BaselineScene scene)
+      : mesh_(std::move(mesh)), scene_(std::move(scene)), rays_(scene_) {}
+  void FindBlocked(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                   std::span<RayPassage> passages) const override {
+    rays_.FindBlocked(starts, rays, passages);
+  }
+  void FindNearest(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                   std::span<SecondaryHit> hits) const override {
+    rays_.FindNearest(starts, rays, hits);
+  }
+  std::string structure() const override { return rays_.structure(); }
+  double build_ms() const override { return scene_.build_ms(); }
+  std::uint64_t bytes() const override { return scene_.bvh_bytes(); }
+  double lift_mm() const override { return rays_.lift_mm(); }
+
+ private:
+  std::unique_ptr<const Mesh> mesh_;
+  BaselineScene scene_;
+  MeshRays rays_;
+};
+
+// The rays where no face is left: nothing is on any of them.
+class EmptySpace final : public SecondaryRays {
+ public:
+  void FindBlocked(std::span<const RayStart>, std::span<const SecondaryRay>,
+                   std::span<RayPassage> passages) const override {
+    std::fill(passages.begin(), passages.end(), RayPassage{});
+  }
+  void FindNearest(std::span<const RayStart>, std::span<const SecondaryRay>,
+                   std::span<SecondaryHit> hits) const override {
+    std::fill(hits.begin(), hits.end(), SecondaryHit{});
+  }
+  std::string structure() const override { return "none"; }
+  double build_ms() const override { return 0; }
+  std::uint64_t bytes() const override { return 0; }
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SecondaryRays>> Representation::MakeRays(const SecondaryRaysRequest&,
+                                                                const Execution&) const {
+  return Error{ErrorCode::kBadUsage,
+               title() + " has no rays that start on surfaces; leave out --shadows and --ambient-occlusion"};
+}
 
 Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest& request,
                                         const Execution& execution) const {
@@ -27,6 +79,17 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
   view.structure_bytes = stats.scene_bytes + stats.refine_bytes;
   view.direct = std::move(stats);
   return view;
+}
+
+Result<std::unique_ptr<SecondaryRays>> ExactSurfaces::MakeRays(const SecondaryRaysRequest& request,
+                                                               const Execution& execution) const {
+  ExactRaysOptions options;
+  if (!request.structure.empty()) options.structure = request.structure;
+  if (!request.leave_out.empty()) options.leave_out = &request.leave_out;
+  options.max_bytes = options_.accuracy.max_bytes;
+  Result<std::unique_ptr<ExactRays>> made = ExactRays::Build(scene_, options, execution);
+  if (!made.ok()) return made.error();
+  return std::unique_ptr<SecondaryRays>(std::move(made).value());
 }
 
 Triangles::Triangles(const BaselineScene& scene, const Model& model, std::span<const SectionPlane> sections,
@@ -66,6 +129,19 @@ Result<TracedView> Triangles::Trace(const Camera& camera, const TraceRequest& re
   view.refinement = std::move(traced.value().refinement);
   view.counters = {0, stats.trace_ms, stats.rays, stats.hits, stats.refine_ms};
   return view;
+}
+
+Result<std::unique_ptr<SecondaryRays>> Triangles::MakeRays(const SecondaryRaysRequest& request,
+                                                           const Execution& execution) const {
+  if (request.leave_out.empty()) return std::unique_ptr<SecondaryRays>(std::make_unique<MeshRays>(scene_));
+  auto rest = std::make_unique<const Mesh>(OpaqueMesh(scene_.mesh(), request.leave_out));
+  Result<BaselineScene> built = BaselineScene::Build(*rest, execution, false, max_bytes_);
+  if (!built.ok()) {
+    if (built.error().code != ErrorCode::kNothingUsable) return built.error();
+    return std::unique_ptr<SecondaryRays>(std::make_unique<EmptySpace>());
+  }
+  return std::unique_ptr<SecondaryRays>(
+      std::make_unique<RaysOfPart>(std::move(rest), std::move(built).value()));
 }
 
 }  // namespace facetless

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "render/view/camera.h"
 #include "render/view/refinement.h"
 #include "render/view/samples.h"
+#include "render/view/secondary_rays.h"
 #include "render/view/section.h"
 
 namespace facetless {
@@ -83,6 +85,11 @@ class Representation {
   // Traces a view. Errors: the errors of the tracer.
   virtual Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                                    const Execution& execution) const = 0;
+
+  // Makes rays that start on the surfaces, for light. They must not outlive the representation. Errors: kLimitExceeded,
+  // kCancelled, and kBadUsage if the representation has no such rays, or no such structure.
+  virtual Result<std::unique_ptr<SecondaryRays>> MakeRays(const SecondaryRaysRequest& request,
+                                                          const Execution& execution) const;
 };
 
 // The exact surfaces of a scene, which must outlive the representation.
@@ -99,6 +106,8 @@ class ExactSurfaces final : public Representation {
   const Scene* exact() const override { return &scene_; }
   Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                            const Execution& execution) const override;
+  Result<std::unique_ptr<SecondaryRays>> MakeRays(const SecondaryRaysRequest& request,
+                                                  const Execution& execution) const override;
 
  private:
   const Scene& scene_;
@@ -125,6 +134,8 @@ class Triangles final : public Representation {
   // Requires a mesh with face ids if the request leaves out faces.
   Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                            const Execution& execution) const override;
+  Result<std::unique_ptr<SecondaryRays>> MakeRays(const SecondaryRaysRequest& request,
+                                                  const Execution& execution) const override;
 
  private:
   const BaselineScene& scene_;

@@ -32,6 +32,15 @@ bool Same(const Color& a, const Color& b) {
   return a.r == b.r && a.g == b.g && a.b == b.b;
 }
 
+Result<void> CheckLight(const SampleBuffer& samples, const ShadeOptions& options) {
+  if (options.light == nullptr) return {};
+  for (const std::size_t size :
+       {options.light->key.size(), options.light->open.size(), options.light->ground.size()})
+    if (size != 0 && size != samples.size())
+      return Error{ErrorCode::kSizeMismatch, "the light does not belong to the samples"};
+  return {};
+}
+
 Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options) {
   const std::size_t count =
       static_cast<std::size_t>(samples.width) * static_cast<std::size_t>(samples.height);
@@ -42,7 +51,7 @@ Result<void> CheckInput(const SampleBuffer& samples, const ShadeOptions& options
     return Error{ErrorCode::kBadUsage, "the edge angle must lie between 0 and 180 degrees"};
   if (options.samples_x < 1 || options.samples_y < 1)
     return Error{ErrorCode::kBadUsage, "the number of samples per pixel must be at least 1"};
-  return {};
+  return CheckLight(samples, options);
 }
 
 // Converts a vector from model axes to viewer axes: right, up, towards the viewer. Lengths are preserved up
@@ -63,6 +72,22 @@ struct Shading {
     for (std::size_t i = 0; i < colors.size(); ++i)
       albedo.push_back(i > 0 && Same(colors[i], colors[i - 1]) ? albedo.back() : Linear(colors[i]));
   }
+  LightShare ShareAt(std::size_t i) const {
+    LightShare share;
+    share.shadows = !options.light->key.empty();
+    if (share.shadows) share.key = options.light->key[i];
+    if (!options.light->open.empty()) share.open = options.light->open[i];
+    return share;
+  }
+  // The background, darkened where the sample sees the ground.
+  std::array<float, 4> BackgroundAt(std::size_t i) const {
+    if (options.light->ground.empty() || options.light->ground[i] == 0) return background;
+    const auto left =
+        static_cast<float>(FloorLight(Dot(options.ground_up, TowardKeyLight(frame)), ShareAt(i)));
+    if (options.background == Background::kTransparent) return {0, 0, 0, 1 - left};
+    return {left * background[0], left * background[1], left * background[2], 1};
+  }
+
   const CameraFrame& frame;
   const ShadeOptions& options;
   std::vector<Vec3> albedo;  // linear, by placed face, then by cap
@@ -72,7 +97,7 @@ struct Shading {
 
 // Shades the samples [first, last). place(i) returns the pixel coordinates of sample `i`; `pixels` receives the
 // colour of sample `first` first. Returns the first sample that is not finite, or kNoPixel.
-template <typename PlaceOf>
+template <bool kLit, typename PlaceOf>
 std::size_t ShadeRun(const Shading& shading, const SampleBuffer& samples, std::size_t first, std::size_t last,
                      const PlaceOf& place, std::array<float, 4>* pixels) {
   const CameraFrame& frame = shading.frame;
@@ -83,7 +108,7 @@ std::size_t ShadeRun(const Shading& shading, const SampleBuffer& samples, std::s
     std::array<float, 4>& pixel = pixels[i - first];
     // A miss shows the background. NaN and −inf are not misses.
     if (samples.depth[i] == INFINITY) {
-      pixel = shading.background;
+      pixel = kLit ? shading.BackgroundAt(i) : shading.background;
       continue;
     }
     const auto& n = samples.normal[i];
@@ -93,7 +118,7 @@ std::size_t ShadeRun(const Shading& shading, const SampleBuffer& samples, std::s
 
     // In an orthographic view, a plane has the same light everywhere.
     const std::uint32_t face = samples.face[i];
-    if (alike != kNoPixel && samples.normal[alike] == n && samples.face[alike] == face) {
+    if (!kLit && alike != kNoPixel && samples.normal[alike] == n && samples.face[alike] == face) {
       pixel = pixels[alike - first];
       continue;
     }
@@ -107,14 +132,21 @@ std::size_t ShadeRun(const Shading& shading, const SampleBuffer& samples, std::s
     if (!(Dot(normal, normal) > 0)) normal = view.toward();
     if (Dot(normal, view.toward()) < 0) normal = -normal;
 
-    const Vec3 light =
-        view.Light(normal, face < shading.albedo.size() ? shading.albedo[face] : shading.fallback);
+    const Vec3 albedo = face < shading.albedo.size() ? shading.albedo[face] : shading.fallback;
+    const Vec3 light = kLit ? view.Light(normal, albedo, shading.ShareAt(i)) : view.Light(normal, albedo);
     pixel = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0f};
     const bool cap = face >= shading.options.first_cap;
     if (cap) HatchCap(shading.options, face, at.x, at.y, &pixel);
     alike = perspective || cap ? kNoPixel : i;
   }
   return kNoPixel;
+}
+
+template <typename PlaceOf>
+std::size_t ShadeOf(const Shading& shading, const SampleBuffer& samples, std::size_t first, std::size_t last,
+                    const PlaceOf& place, std::array<float, 4>* pixels) {
+  return shading.options.light != nullptr ? ShadeRun<true>(shading, samples, first, last, place, pixels)
+                                          : ShadeRun<false>(shading, samples, first, last, place, pixels);
 }
 
 // Lowers `bad` to `found`, if that is less.
@@ -145,7 +177,7 @@ Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::s
     ParallelFor(0, samples.height, [&](int y) {
       const std::size_t first = static_cast<std::size_t>(y) * width;
       const auto place = [&](std::size_t i) { return Vec2{static_cast<double>(i - first) + 0.5, y + 0.5}; };
-      KeepFirst(ShadeRun(shading, samples, first, first + width, place, &film.pixels[first]), &bad);
+      KeepFirst(ShadeOf(shading, samples, first, first + width, place, &film.pixels[first]), &bad);
     });
     if (bad.load() == kNoPixel && options.edges) DrawEdges(samples, frame, options, film);
   });
@@ -160,6 +192,7 @@ Result<void> ShadeRefinement(const Refinement& refinement, std::span<const Color
   if (film->width != set.width() || film->height != set.height() || count < 1 ||
       refinement.samples.size() != set.size() * static_cast<std::size_t>(count))
     return Error{ErrorCode::kSizeMismatch, "the refined samples do not belong to the film"};
+  if (Result<void> light = CheckLight(refinement.samples, options); !light.ok()) return light.error();
   const Shading shading(refinement.frame, colors, options);
   const float share = 1.0f / static_cast<float>(count);
   std::atomic<std::size_t> bad{kNoPixel};
@@ -175,7 +208,7 @@ Result<void> ShadeRefinement(const Refinement& refinement, std::span<const Color
                           static_cast<int>(i % static_cast<std::size_t>(count)));
         return Vec2{at.column + 0.5, at.row + 0.5};
       };
-      KeepFirst(ShadeRun(shading, refinement.samples, first_sample, last_sample, place, light.data()), &bad);
+      KeepFirst(ShadeOf(shading, refinement.samples, first_sample, last_sample, place, light.data()), &bad);
       for (std::size_t k = first; k < last; ++k) {
         // As Resolve does: the sum of a pixel's samples, row by row, times their share.
         std::array<float, 4> sum = {0, 0, 0, 0};

@@ -3,9 +3,9 @@
 //     Result<Film> film = Shade(result.samples, result.frame, colors, {.edges = true});
 //     if (!film) return film.error();
 //
-//  1. The colour of a pixel depends only on its normal, its view direction and the colour of its face. There
-//     are no shadows, no secondary rays and no random numbers. Two tracers whose samples are equal give
-//     pictures with equal bytes.
+//  1. The colour of a pixel depends only on its normal, its view direction, the colour of its face, and the light that
+//     reaches it (ShadeOptions::light), which is all of it unless secondary rays were cast. There are no random
+//     numbers. Two tracers whose samples are equal give pictures with equal bytes.
 //  2. Normals are flipped towards the viewer, so open shells look the same from both sides.
 //  3. The lights are fixed relative to the camera: a warm key light from above left, a cool fill light from
 //     below right, and a rim light.
@@ -14,6 +14,8 @@
 //     explain), and where the normals on both sides of a face border differ by more than edge_angle_deg. They
 //     are about one pixel wide, which is samples_x × samples_y samples.
 //  6. Caps of section planes have the colour of their solid and are hatched (hatch.h).
+//  7. A ground darkens the background where its light is blocked; on a transparent background it is black with the
+//     missing share of the light as alpha.
 #pragma once
 
 #include <array>
@@ -24,6 +26,7 @@
 #include "render/base/result.h"
 #include "render/image/film.h"
 #include "render/model/model.h"
+#include "render/shade/cast_light.h"
 #include "render/view/camera.h"
 #include "render/view/refinement.h"
 #include "render/view/samples.h"
@@ -41,6 +44,9 @@ struct ShadeOptions {
   // Face ids from first_cap on are caps. The caps of each plane are consecutive, ordered by solid
   // (view/section.h).
   std::uint32_t first_cap = kNoIndex, cap_stride = 1;
+  // The light that reaches the samples (cast_light.h), parallel to them. Null: all of it does.
+  const SampleLight* light = nullptr;
+  Vec3 ground_up;       // normal of the ground, if `light` has one
   Execution execution;  // shading takes little time and is not cancelled
 };
 

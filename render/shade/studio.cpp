@@ -28,6 +28,10 @@ constexpr Vec3 kCeiling = {0.215, 0.225, 0.245}, kFloor = {0.105, 0.098, 0.090};
 // The strengths of the tight and the wide highlight of the key light, and of the rim, where surfaces reflect
 // the ceiling.
 constexpr double kTight = 0.13, kWide = 0.03, kRim = 0.24;
+constexpr Vec3 kRimColor = {0.93, 0.97, 1.0};
+// The strengths of the key light and of all other light on a floor that catches shadows. They are closer to each other
+// than on the model, so that a shadow on the bright background is not black.
+constexpr double kFloorKey = 0.85, kFloorOther = 0.75;
 // The beginning of the shoulder curve; smaller values are not changed.
 constexpr double kShoulder = 0.60;
 
@@ -35,6 +39,12 @@ double Diffuse(const Light& light, Vec3 normal) {
   // Wrapped Lambert, squared, so that the terminator is soft and ends with slope zero.
   const double wrapped = std::max((Dot(normal, light.toward) + light.wrap) * light.scale, 0.0);
   return wrapped * (0.45 + 0.55 * wrapped);
+}
+
+// Unwrapped and squared as above: its light and the slope of its light end at the terminator.
+double DiffuseWithShadow(const Light& light, Vec3 normal) {
+  const double cosine = std::max(Dot(normal, light.toward), 0.0);
+  return cosine * (0.45 + 0.55 * cosine);
 }
 
 double Shoulder(double x) {
@@ -48,25 +58,47 @@ double Shoulder(double x) {
 
 StudioView::StudioView(Vec3 toward) : toward_(toward), half_(Normalized(kKey.toward + toward)) {}
 
+// The highlights of the key light around the half vector: cosines to the powers 8 and 64.
+double StudioView::KeyHighlight(Vec3 normal) const {
+  const double half = std::max(Dot(normal, half_), 0.0);
+  const double half2 = half * half, half4 = half2 * half2, half8 = half4 * half4;
+  const double half16 = half8 * half8, half32 = half16 * half16, half64 = half32 * half32;
+  return kWide * half8 + kTight * half64;
+}
+
+// Schlick's fifth power of the grazing angle, brighter on surfaces that face up.
+double StudioView::Rim(Vec3 normal) const {
+  const double grazing = 1 - std::clamp(Dot(normal, toward_), 0.0, 1.0);
+  const double grazing2 = grazing * grazing;
+  return kRim * grazing2 * grazing2 * grazing * (0.35 + 0.65 * (0.5 + 0.5 * normal.y));
+}
+
 Vec3 StudioView::Light(Vec3 normal, Vec3 albedo) const {
   // Add the diffuse light of both lights and the ambient light.
   const double up = 0.5 + 0.5 * normal.y;
   const Vec3 incoming =
       Diffuse(kKey, normal) * kKey.color + Diffuse(kFill, normal) * kFill.color + Mix(kFloor, kCeiling, up);
-  Vec3 light = Times(albedo, incoming);
-
-  // Add the highlights of the key light around the half vector: cosines to the powers 8 and 64.
-  const double half = std::max(Dot(normal, half_), 0.0);
-  const double half2 = half * half, half4 = half2 * half2, half8 = half4 * half4;
-  const double half16 = half8 * half8, half32 = half16 * half16, half64 = half32 * half32;
-  light = light + (kWide * half8 + kTight * half64) * kKey.color;
-
-  // Add the rim: Schlick's fifth power of the grazing angle, brighter on surfaces that face up.
-  const double grazing = 1 - std::clamp(Dot(normal, toward_), 0.0, 1.0);
-  const double grazing2 = grazing * grazing;
-  light = light + (kRim * grazing2 * grazing2 * grazing * (0.35 + 0.65 * up)) * Vec3{0.93, 0.97, 1.0};
-
+  Vec3 light = Times(albedo, incoming) + KeyHighlight(normal) * kKey.color + Rim(normal) * kRimColor;
   return {Shoulder(light.x), Shoulder(light.y), Shoulder(light.z)};
+}
+
+Vec3 StudioView::Light(Vec3 normal, Vec3 albedo, const LightShare& share) const {
+  const double up = 0.5 + 0.5 * normal.y;
+  const double key = share.shadows ? share.key * DiffuseWithShadow(kKey, normal) : Diffuse(kKey, normal);
+  const Vec3 other = Diffuse(kFill, normal) * kFill.color + Mix(kFloor, kCeiling, up);
+  const double highlight = share.shadows ? share.key * KeyHighlight(normal) : KeyHighlight(normal);
+  const Vec3 light = Times(albedo, key * kKey.color + share.open * other) + highlight * kKey.color +
+                     (share.open * Rim(normal)) * kRimColor;
+  return {Shoulder(light.x), Shoulder(light.y), Shoulder(light.z)};
+}
+
+Vec3 KeyDirection() {
+  return kKey.toward;
+}
+
+double FloorLight(double key_cosine, const LightShare& share) {
+  const double key = kFloorKey * std::max(key_cosine, 0.0);
+  return (key * share.key + kFloorOther * share.open) / (key + kFloorOther);
 }
 
 Vec3 StudioBackground() {

@@ -239,6 +239,10 @@ class Refiner {
         PrepareRefinement(scene_.data(), view_, fine, refinement.frame, grid_, refinement.pixels, options_);
     if (!prepared.ok()) return prepared.error();
     refinement.samples.Resize(grid_.count(), static_cast<int>(refinement.pixels.size()));
+    if (options_.refine->ray_starts) {
+      refinement.samples.uv.resize(refinement.samples.size());
+      refinement.samples.depth_error.resize(refinement.samples.size());
+    }
     *bytes += prepared.value().bytes() + TraceSamples(prepared.value(), fine, &refinement);
     if (options_.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
     return refinement;

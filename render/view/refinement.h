@@ -77,6 +77,8 @@ class PixelPicker {
 struct RefineRequest {
   SampleGrid grid;
   PixelPicker* picker = nullptr;
+  // Fill uv and depth_error of the samples, if the tracer has them: secondary rays start from the samples.
+  bool ray_starts = false;
 };
 
 // The samples of the pixels that were traced again.

@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "render/base/vec.h"
 #include "render/model/model.h"
@@ -62,6 +63,15 @@ struct SecondaryHit {
   double error = 0;                      // bound of the error of the position, mm, if the hit is certified
   bool certified = false;
   std::uint8_t doubt = 0;  // bits of Doubt
+};
+
+// What is asked of a representation that makes rays.
+struct SecondaryRaysRequest {
+  // Indexed by placed face: rays ignore the faces that are set. Empty: no face is ignored.
+  std::vector<bool> leave_out;
+  // The structure that finds candidates, a name of accel/structures.h; empty: the default. Triangles always use
+  // Embree's.
+  std::string structure;
 };
 
 class SecondaryRays {

@@ -133,6 +133,35 @@ Result<void> ParseWith(const OptionRow&, const Json& json, RunOptions& options) 
   return {};
 }
 
+// Parses "N", "N,RADIUS", a number, or an object with rays and radius_mm.
+Result<void> ParseOcclusion(const OptionRow& row, const Json& json, RunOptions& options) {
+  const Error error =
+      BadUsage("ambient_occlusion is " + Quoted(json) + ", but must be N or N,R: 0 to " +
+               std::to_string(kMostOcclusionRays) + " rays per sample, and a radius R above 0 in mm");
+  Json rays = json, radius = 0;
+  if (json.is_string()) {
+    auto numbers = ParseNumbers(json, row.name, 0, row.high);
+    if (!numbers || numbers.value().size() > 2) return error;
+    rays = numbers.value()[0];
+    if (numbers.value().size() == 2) radius = numbers.value()[1];
+    if (numbers.value().size() == 2 && !(numbers.value()[1] > 0)) return error;
+  } else if (json.is_object()) {
+    for (const auto& [key, value] : json.items())
+      if (key != "rays" && key != "radius_mm") return error;
+    rays = json.value("rays", Json());
+    if (json.contains("radius_mm")) {
+      radius = json["radius_mm"];
+      if (!radius.is_number() || !(radius.get<double>() > 0)) return error;
+    }
+  }
+  if (!rays.is_number()) return error;
+  const double count = rays.get<double>();
+  if (!(count >= 0 && count <= kMostOcclusionRays) || count != std::floor(count)) return error;
+  options.light.occlusion_rays = static_cast<int>(count);
+  options.light.occlusion_radius_mm = radius.get<double>();
+  return {};
+}
+
 // Parses "face", "part" or "#rrggbb".
 Result<Coloring> ParseColoring(const Json& json) {
   const std::string text = json.is_string() ? json.get<std::string>() : "";
@@ -227,6 +256,12 @@ OptionBinding ShadeBinding() {
             return StoreInto(ParseShade(json), o.inspection);
           },
           [](const OptionRow&, const RunOptions& o) -> Json { return FormatInspection(o.inspection); }};
+}
+
+OptionBinding OcclusionBinding() {
+  return {ParseOcclusion, [](const OptionRow&, const RunOptions& o) -> Json {
+            return {o.light.occlusion_rays, o.light.occlusion_radius_mm};
+          }};
 }
 
 OptionBinding SectionsBinding() {

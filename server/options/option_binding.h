@@ -85,6 +85,7 @@ OptionBinding UnitBinding();
 OptionBinding AovsBinding();
 OptionBinding WithBinding();
 OptionBinding ShadeBinding();
+OptionBinding OcclusionBinding();
 OptionBinding SectionsBinding();
 OptionBinding ColorBinding();
 OptionBinding TurntableBinding();

@@ -1,6 +1,7 @@
 #include <limits>
 #include <utility>
 
+#include "render/accel/structures.h"
 #include "render/view/camera.h"
 #include "server/options/option_binding.h"
 #include "server/options/option_table.h"
@@ -249,6 +250,53 @@ OptionTable AppearanceRows() {
        .help = "Write NAME.aov.exr with these channels",
        .choices = {"depth", "normal", "face", "uv", "certificate"},
        .binding = AovsBinding()},
+  };
+}
+
+OptionTable LightRows() {
+  const std::string kGroup = "Light";
+  std::vector<std::string> structures;
+  for (const StructureName& structure : StructureNames()) structures.emplace_back(structure.name);
+  return {
+      {.name = "shadows",
+       .kind = OptionKind::kFlag,
+       .group = kGroup,
+       .commands = kShown | kManifest,
+       .value = "",
+       .help = "Cast the shadows of the key light by rays on the surfaces (docs/light.md)",
+       .usual = false,
+       .binding = Bound([](auto& o) -> auto& { return o.light.shadows; })},
+      {.name = "ambient_occlusion",
+       .kind = OptionKind::kJson,
+       .group = kGroup,
+       .commands = kShown | kManifest,
+       .value = "N[,R]",
+       .help = "Darken what other surfaces hide from the surroundings: N rays per sample (0 to 1024), which "
+               "count what lies within R mm (default: a quarter of the model's diagonal); 0 means none",
+       .low = 0,
+       .high = 1e12,
+       .usual = 0,
+       .json_types = {"number", "string", "object"},
+       .binding = OcclusionBinding()},
+      {.name = "ground",
+       .kind = OptionKind::kFlag,
+       .group = kGroup,
+       .commands = kShown | kManifest,
+       .value = "",
+       .help = "Add a plane below the model that catches its shadow and occlusion, and nothing else",
+       .usual = false,
+       .excludes = {"section"},
+       .binding = Bound([](auto& o) -> auto& { return o.light.ground; })},
+      {.name = "structure",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kShown | kManifest,
+       .value = "NAME",
+       .help = "Acceleration structure in which the rays of light on exact surfaces look for candidates; the "
+               "picture does not depend on it",
+       .choices = structures,
+       .usual_words = "the fastest on parts",
+       .binding = Bound([](auto& o) -> auto& { return o.light.structure; })},
   };
 }
 
@@ -623,8 +671,8 @@ OptionTable ImportRows() {
 const OptionTable& AllOptions() {
   static const OptionTable table = [] {
     OptionTable all;
-    for (OptionTable rows : {CameraRows(), AccuracyRows(), AppearanceRows(), PictureRows(), MeshRows(),
-                             TradeRows(), VerdictRows(), ImportRows()})
+    for (OptionTable rows : {CameraRows(), AccuracyRows(), AppearanceRows(), LightRows(), PictureRows(),
+                             MeshRows(), TradeRows(), VerdictRows(), ImportRows()})
       for (OptionRow& row : rows) all.push_back(std::move(row));
     return all;
   }();

@@ -366,6 +366,7 @@ class ViewReport {
     files.Png(candidate.name, candidate.view.image);
     files.Png(baseline ? "difference" : candidate.name + "-difference", candidate.picture.image);
     files.Depth(candidate.name + "-depth", candidate.view.samples);
+    if (candidate.light) files.Png(baseline ? "light" : candidate.name + "-light", candidate.light->picture);
     if (view.reference.samples.size() > kMostPixelData ||
         imported_.model->PlacedFaceCount() > kMostPixelFaces)
       return std::optional<PixelData>();

@@ -15,6 +15,8 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
   view.lines = options.lines;
   view.find_lines = options.svg;
   view.background = options.background;
+  view.light = options.light;
+  view.up = options.picture.up;
   view.inspection = options.inspection;
   view.inspection.orient = options.orient;
   view.coloring = options.picture.coloring;

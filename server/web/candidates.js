@@ -10,11 +10,11 @@ const ownPlanes = ["pixel-deviation", "pixel-status"];
 const withRoles = (candidate, first) => ({
   ...candidate,
   planeOf: (plane) => (first || !ownPlanes.includes(plane) ? plane : `${candidate.name}-${plane}`),
-  roles: [candidate.name, candidate.differenceRole, ...(first ? planeRoles : ownPlanes.map((plane) => `${candidate.name}-${plane}`))],
+  roles: [candidate.name, candidate.differenceRole, candidate.lightRole, ...(first ? planeRoles : ownPlanes.map((plane) => `${candidate.name}-${plane}`))],
 });
 
 // Returns the candidates in the order of the report, the baseline first; empty for a view without a comparison.
 export const candidatesOf = (view) => [
-  ...(view.baseline ? [{ name: "baseline", title: "Baseline", what: "triangle mesh", noun: "mesh", ends: ["mesh nearer", "mesh farther"], differenceRole: "difference", costs: view.baseline, difference: view.difference }] : []),
-  ...(view.candidates || []).map((one) => ({ name: one.name, title: one.title, what: one.name, ends: ["nearer", "farther"], noun: one.title.toLowerCase(), differenceRole: `${one.name}-difference`, costs: one, difference: one.difference })),
+  ...(view.baseline ? [{ name: "baseline", title: "Baseline", what: "triangle mesh", noun: "mesh", ends: ["mesh nearer", "mesh farther"], differenceRole: "difference", lightRole: "light", costs: view.baseline, difference: view.difference }] : []),
+  ...(view.candidates || []).map((one) => ({ name: one.name, title: one.title, what: one.name, ends: ["nearer", "farther"], noun: one.title.toLowerCase(), differenceRole: `${one.name}-difference`, lightRole: `${one.name}-light`, costs: one, difference: one.difference })),
 ].map((candidate, i) => withRoles(candidate, i === 0));

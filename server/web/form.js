@@ -53,6 +53,10 @@ export class Form {
     set("lines", text("lines"), "none");
     const planes = text("section").split(/\s+/).filter(Boolean);
     if (planes.length) options.section = planes;
+    set("shadows", byId("shadows").checked, false);
+    set("ambient_occlusion", Number(text("ambient_occlusion")), 0);
+    // The ground only catches the shadow and the occlusion of the model.
+    set("ground", byId("ground").checked && (byId("shadows").checked || text("ambient_occlusion") !== "0"), false);
     for (const name of ["edges", "axes", "scale_bar", "sheet"]) set(name, byId(name).checked, false);
     set("audit", byId("audit").checked, false);
     if (text("deflection") === "own") {

@@ -4,7 +4,7 @@ import { candidatesOf } from "./candidates.js";
 import { calm, choice, element, given } from "./dom.js";
 import { faceTable } from "./face_table.js";
 import { heatLegend, heatMap, usualRange } from "./heat_map.js";
-import { cameraText, certaintyTable, differenceTables } from "./numbers.js";
+import { cameraText, certaintyTable, differenceTables, lightTable } from "./numbers.js";
 import { inspectionLegend } from "./measures.js";
 import { Pane } from "./pane.js";
 import { Pixels, planeRoles } from "./pixels.js";
@@ -29,8 +29,8 @@ export class ViewBench {
     this.candidate = ViewBench.chosen(this.candidates, address);
     const candidate = this.candidate, own = ["direct", "legend", ...this.candidates.flatMap((one) => one.roles)];
     const others = this.roles.filter((role) => !own.includes(role));
-    this.captions = { direct: ["Direct", "exact surfaces"], ...(candidate && { [candidate.name]: [candidate.title, candidate.what], [candidate.differenceRole]: ["Difference", "deviation, mm"] }) };
-    this.modes = [...(candidate ? ["Slider", "Side by side", "Blink", "Onion skin", "Direct", candidate.title, "Difference"] : ["Direct"]), ...others.map(titleOf)];
+    this.captions = { direct: ["Direct", "exact surfaces"], ...(candidate && { [candidate.name]: [candidate.title, candidate.what], [candidate.differenceRole]: ["Difference", "deviation, mm"] }), ...(candidate && this.roles.includes(candidate.lightRole) && { [candidate.lightRole]: ["Light", `orange: only the surfaces are lit; blue: only the ${candidate.noun}; purple: the ${candidate.noun} shades itself`] }) };
+    this.modes = [...(candidate ? ["Slider", "Side by side", "Blink", "Onion skin", "Direct", candidate.title, "Difference", ...(this.captions[candidate.lightRole] ? ["Light"] : [])] : ["Direct"]), ...others.map(titleOf)];
     this.roleOf = (mode) => Object.keys(this.captions).find((role) => this.captions[role][0] === mode) ?? others.find((role) => titleOf(role) === mode);
     this.split = address.number("split", 0.5); this.onion = address.number("onion", 0.5);
     this.build();
@@ -65,7 +65,7 @@ export class ViewBench {
       element("div", { class: "bar" }, element("h2", { class: this.tabs ? "unseen" : undefined }, view.name), this.tabs, element("span", { class: "facts" }, cameraText(view.camera)), this.candidateChoice?.root, this.modes.length > 1 ? this.modeChoice.root : null),
       element("div", { class: "bench" },
         element("div", { class: "bench-pictures" }, this.stage, element("div", { class: "bar tight" }, this.tools, zooms), this.note), element("div", { class: "bench-side" }, this.readOut.root, inspectionLegend(view, this.source), this.legend?.root, this.faces?.root)),
-      element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference, candidate.noun) : null, certaintyTable(view.direct)));
+      element("div", { class: "tables" }, timing(this.report, view), difference ? differenceTables(difference, candidate.noun) : null, lightTable(view.direct.light, difference?.light), certaintyTable(view.direct)));
     this.viewport.onChange((what) => this.moved(what));
     this.viewport.chosen = (id) => this.choose(id === null ? null : this.faceAt(this.viewport.pointed), true);
     this.restore();
@@ -98,7 +98,7 @@ export class ViewBench {
   async load() {
     try {
       const { candidate } = this, hidden = ["legend", ...this.candidates.flatMap((one) => one.roles)];
-      const wanted = this.roles.filter((role) => !hidden.includes(role) || role === candidate?.name || (role === candidate?.differenceRole && !this.view.pixel_data));
+      const wanted = this.roles.filter((role) => !hidden.includes(role) || role === candidate?.name || role === candidate?.lightRole || (role === candidate?.differenceRole && !this.view.pixel_data));
       await Promise.all(wanted.map(async (role) => {
         this.pictures[role] = await createImageBitmap(await this.source.blob(this.view, role));
         this.redraw();

@@ -15,6 +15,7 @@ inline nlohmann::json AnotherValueOf(const OptionRow& row) {
                                     {"size", "80x60"},
                                     {"section", "x=1"},
                                     {"shade", "zebra"},
+                                    {"ambient_occlusion", "64,2.5"},
                                     {"aov", "uv"},
                                     {"color", "part"},
                                     {"parts", "a"},

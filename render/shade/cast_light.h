@@ -1,0 +1,102 @@
+// The light that reaches the samples of a view, as secondary rays find it: the share of the key light (shadows) and the
+// share of the ambient light (occlusion).
+//
+//     LightOptions options{.shadows = true, .occlusion_rays = 64};
+//     Result<SampleLight> light = CastLight(samples, frame, rays, options, execution);
+//     if (light) film = Shade(samples, frame, colors, {.light = &light.value()});
+//
+//  1. The key light is the studio's (shade.h, law 3): its direction is fixed relative to the camera, and it has no
+//     extent. A sample whose normal faces away from it has no ray and gets none of its light.
+//  2. Occlusion is the share of `occlusion_rays` directions about the normal, on the viewer's side, on which a surface
+//     lies within `occlusion_radius_mm`.
+//  3. The ground is a plane below the model that only catches shadow and occlusion: a ray of the view that misses the
+//     model and meets the plane from above gets the light of that point. It blocks nothing, and a camera below it does
+//     not see it.
+//  4. A sample is certified if its hit is, and if the answers of all its rays are (view/secondary_rays.h, law 3). All
+//     others are counted by the reasons for their doubts.
+//  5. Section planes cut the rays like the view: what they remove blocks nothing, and neither do the caps block a ray
+//     that leaves through them. The ground cannot be combined with sections.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/base/execution.h"
+#include "render/base/result.h"
+#include "render/view/camera.h"
+#include "render/view/doubt.h"
+#include "render/view/refinement.h"
+#include "render/view/samples.h"
+#include "render/view/secondary_rays.h"
+#include "render/view/section.h"
+
+namespace facetless {
+
+inline constexpr int kMostOcclusionRays = 1024;
+
+// A plane that catches shadows.
+struct Ground {
+  Vec3 point;  // mm, model axes
+  Vec3 up;     // unit normal
+};
+
+struct LightOptions {
+  bool shadows = false;
+  int occlusion_rays = 0;          // per sample, 0 … kMostOcclusionRays; 0: no occlusion
+  double occlusion_radius_mm = 0;  // CastLight needs one above 0, which may be infinite
+  bool ground = false;
+  std::string structure;  // that finds candidates on exact surfaces; empty: the default
+
+  // Whether any secondary ray is needed. Without it, `ground` means nothing.
+  bool any() const { return shadows || occlusion_rays > 0; }
+};
+
+struct LightStats {
+  std::uint64_t samples = 0;    // that have light rays: hits and points of the ground
+  std::uint64_t certified = 0;  // of them (law 4)
+  std::uint64_t rays = 0, blocked = 0, certified_rays = 0;
+  std::array<std::uint64_t, kDoubtNames.size()>
+      doubts{};  // samples with each bit of Doubt in their light rays
+
+  void Add(const LightStats& other);
+};
+
+// One entry per sample, in the order of the samples.
+struct SampleLight {
+  std::vector<float> key;   // share of the key light that arrives, 0 or 1; empty without shadows
+  std::vector<float> open;  // share of the ambient light that arrives, 0 … 1; empty without occlusion
+  // 1: the sample missed the model, and its light is that of the ground.
+  std::vector<std::uint8_t> ground;  // empty without a ground
+  LightStats stats;
+  double cast_ms = 0;
+};
+
+// What light is cast with.
+struct LightSetting {
+  const SecondaryRays* rays = nullptr;
+  LightOptions options;
+  Ground plane;                            // used if options.ground
+  std::span<const SectionPlane> sections;  // that cut the view
+  std::uint32_t first_cap = kNoIndex;      // face ids from here on are caps of sections
+};
+
+// Casts the rays of all samples of a view. Samples of exact surfaces need uv and depth_error. Errors: kBadUsage (options,
+// a ground with sections), kCancelled, kLimitExceeded (no memory).
+Result<SampleLight> CastLight(const SampleBuffer& samples, const CameraFrame& frame,
+                              const LightSetting& setting, const Execution& execution);
+// The same for the samples of refined pixels.
+Result<SampleLight> CastLight(const Refinement& refinement, const LightSetting& setting,
+                              const Execution& execution);
+
+// The start of the rays of a hit: sample i, whose ray of the view passes through (x, y). Its normal points to the
+// viewer.
+RayStart StartOfSample(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i, double x,
+                       double y);
+
+// The direction towards the key light of a view, unit vector in model axes.
+Vec3 TowardKeyLight(const CameraFrame& frame);
+
+}  // namespace facetless
