@@ -116,6 +116,11 @@ void WriteHit(const TraceShared& shared, const TileTracer& tile, int k, int colu
   samples->depth[out] = tile.depth[k];
   samples->face[out] = face.placed_face;
   samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
+  if (!samples->uv.empty()) {
+    const TraceShared::LeafSite& site = shown->Site(leaf);
+    samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
+  }
+  if (!samples->depth_error.empty()) samples->depth_error[out] = RoundedUp(tile.error[k]);
 }
 
 // Copies a traced tile into the image, with the normals and parameters of its hits.
@@ -159,12 +164,7 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
       if (tile.leaf[k] == kNoIndex) continue;
 
       WriteHit(shared, tile, k, column, row, &shown, out, samples);
-      if (!samples->uv.empty()) {
-        const TraceShared::LeafSite& site = shown.Site(tile.leaf[k]);
-        samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
-      }
       ++tally->hits;
-      if (!samples->depth_error.empty()) samples->depth_error[out] = RoundedUp(tile.error[k]);
       if (certificate != Certificate::kCertified) continue;
       ++tally->certified_hits;
       tally->depth_error_max = std::max(tally->depth_error_max, tile.error[k]);
@@ -242,6 +242,7 @@ class Refiner {
     if (options_.refine->ray_starts) {
       refinement.samples.uv.resize(refinement.samples.size());
       refinement.samples.depth_error.resize(refinement.samples.size());
+      refinement.samples.certificate.assign(refinement.samples.size(), Certificate::kCertified);
     }
     *bytes += prepared.value().bytes() + TraceSamples(prepared.value(), fine, &refinement);
     if (options_.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
@@ -280,6 +281,8 @@ class Refiner {
         const std::size_t out = rank * static_cast<std::size_t>(grid_.count()) +
                                 static_cast<std::size_t>(row % grid_.y * grid_.x + column % grid_.x);
         WriteHit(shared, tile, k, column, row, &shown, out, &refinement->samples);
+        if (!refinement->samples.certificate.empty())
+          refinement->samples.certificate[out] = CertificateForDoubt(tile.doubt[k]);
       }
     }
   }

@@ -77,7 +77,7 @@ class PixelPicker {
 struct RefineRequest {
   SampleGrid grid;
   PixelPicker* picker = nullptr;
-  // Fill uv and depth_error of the samples, if the tracer has them: secondary rays start from the samples.
+  // Fill uv, depth_error and certificate of the samples, if the tracer has them: secondary rays start from the samples.
   bool ray_starts = false;
 };
 
