@@ -38,8 +38,9 @@ Result<void> CheckOptions(const ViewOptions& options) {
   if (options.execution.threads < 0)
     return Error{ErrorCode::kBadUsage, "the number of threads must not be negative"};
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
-    return Error{ErrorCode::kBadUsage,
-                 "an inspection has no light; leave out --shadows and --ambient-occlusion, or --shade"};
+    return Error{
+        ErrorCode::kBadUsage,
+        "an inspection has no light; leave out --shadows, --ambient-occlusion and --material, or --shade"};
   return {};
 }
 
@@ -220,7 +221,8 @@ class ViewMaker {
     if (options_.light.any()) {
       lighter_.emplace(representation_, subject_.model, options_.light, options_.up, options_.sections,
                        options_.execution);
-      if (auto made = lighter_->Prepare(subject_.transparent); !made.ok()) return made.error();
+      if (auto made = lighter_->Prepare(subject_.transparent, subject_.colors); !made.ok())
+        return made.error();
     }
     if (IsAdaptive())
       picker_.emplace(
@@ -467,7 +469,7 @@ Result<CandidateView> CompareCandidate(const ReferenceView& reference, const Rep
   if (!picture->ok()) return picture->error();
   candidate.difference = std::move(*difference).value();
   candidate.picture = std::move(*picture).value();
-  if (exact.light) {
+  if (exact.light && options.light.casts()) {
     std::optional<Result<LightComparison>> light;
     RunWithThreads(options.execution.threads, [&] {
       light = CompareLight({exact.samples, *exact.light}, {view.samples, *view.light}, exact.frame,

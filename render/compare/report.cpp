@@ -244,11 +244,15 @@ json LightJson(const View& view) {
   json doubts = json::object();
   for (std::size_t bit = 0; bit < kDoubtNames.size(); ++bit)
     doubts[kDoubtNames[bit]] = light.stats.doubts[bit];
+  json materials = json::array();
+  for (const MaterialRule& rule : light.options.materials) materials.push_back(FormatMaterial(rule));
   return {{"shadows", light.options.shadows},
           {"occlusion_rays", light.options.occlusion_rays},
           {"occlusion_radius_mm",
            light.options.occlusion_rays > 0 ? json(light.options.occlusion_radius_mm) : json(nullptr)},
           {"ground", light.options.ground},
+          {"materials", std::move(materials)},
+          {"bounces", light.options.materials.empty() ? json(nullptr) : json(light.options.bounces)},
           {"structure", light.rays->structure()},
           {"lift_mm", light.rays->lift_mm()},
           {"samples", light.stats.samples},

@@ -14,6 +14,7 @@
 #include "render/compare/representation.h"
 #include "render/model/model.h"
 #include "render/shade/cast_light.h"
+#include "render/shade/cast_reflections.h"
 #include "render/view/camera.h"
 #include "render/view/section.h"
 
@@ -37,9 +38,11 @@ class ViewLighter {
   ViewLighter(const Representation& representation, const Model& model, const LightOptions& options,
               UpAxis up, std::span<const SectionPlane> sections, const Execution& execution);
 
-  // Makes the rays. `leave_out`: placed faces that block no light; may be empty. Errors: those of MakeRays.
-  Result<void> Prepare(const std::vector<bool>& leave_out);
-  // Casts the light of samples. Errors: those of CastLight. Require Prepare.
+  // Makes the rays. `transparent`: placed faces that rays ignore; may be empty. `colors`: by placed face; they must outlive
+  // the object. Errors: those of MakeRays and MaterialsOfFaces; kBadUsage (materials for a representation that names no
+  // faces).
+  Result<void> Prepare(const std::vector<bool>& transparent, std::span<const Color> colors);
+  // Casts the light of samples, and their reflections. Errors: those of CastLight and CastReflections. Require Prepare.
   Result<SampleLight> Cast(const SampleBuffer& samples, const CameraFrame& frame);
   Result<SampleLight> Cast(const Refinement& refinement);
 
@@ -48,12 +51,17 @@ class ViewLighter {
   ViewLight Finish(SampleLight centres) const;
 
  private:
-  Result<SampleLight> Count(Result<SampleLight> light);
+  template <typename Samples, typename... Frame>
+  Result<SampleLight> CastAll(const Samples& samples, const Frame&... frame);
 
   const Representation& representation_;
+  const Model& model_;
   const Execution& execution_;
-  std::shared_ptr<const SecondaryRays> rays_;
+  std::shared_ptr<const SecondaryRays> rays_;  // of light: glass blocks none
+  std::shared_ptr<const SecondaryRays> seen_;  // of what is seen in mirrors and through glass
+  std::vector<Material> materials_;            // by placed face; empty if all are matte
   LightSetting setting_;
+  ReflectionSetting reflection_;
   LightStats stats_;
   double build_ms_ = 0, cast_ms_ = 0;
 };

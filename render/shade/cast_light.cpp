@@ -81,6 +81,9 @@ class LightCaster {
     const double x = place.column + 0.5, y = place.row + 0.5;
     if (samples.depth[i] == INFINITY)
       return setting_.options.ground ? OnGround(lit.frame, PixelRay(lit.frame, x, y)) : LightStart();
+    if (samples.face[i] < setting_.materials.size() &&
+        setting_.materials[samples.face[i]].kind != MaterialKind::kMatte)
+      return {};
     LightStart start{true, false, false, StartOfSample(samples, lit.frame, i, x, y)};
     if (start.at.placed_face >= setting_.first_cap) start.at.placed_face = kNoIndex;
     start.certified = !samples.certificate.empty() && samples.certificate[i] == Certificate::kCertified;

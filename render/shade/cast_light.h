@@ -26,6 +26,7 @@
 
 #include "render/base/execution.h"
 #include "render/base/result.h"
+#include "render/shade/material.h"
 #include "render/view/camera.h"
 #include "render/view/doubt.h"
 #include "render/view/refinement.h"
@@ -49,9 +50,13 @@ struct LightOptions {
   double occlusion_radius_mm = 0;  // CastLight needs one above 0, which may be infinite
   bool ground = false;
   std::string structure;  // that finds candidates on exact surfaces; empty: the default
+  std::vector<MaterialRule> materials;
+  int bounces = 6;  // of rays that mirrors, metals and glasses send on (cast_reflections.h)
 
-  // Whether any secondary ray is needed. Without it, `ground` means nothing.
-  bool any() const { return shadows || occlusion_rays > 0; }
+  // Whether light is cast: without it, `ground` means nothing.
+  bool casts() const { return shadows || occlusion_rays > 0; }
+  // Whether any secondary ray is needed.
+  bool any() const { return casts() || !materials.empty(); }
 };
 
 struct LightStats {
@@ -70,8 +75,14 @@ struct SampleLight {
   std::vector<float> open;  // share of the ambient light that arrives, 0 … 1; empty without occlusion
   // 1: the sample missed the model, and its light is that of the ground.
   std::vector<std::uint8_t> ground;  // empty without a ground
+  // Of samples on faces that are not matte (cast_reflections.h): the light that they show, and 1 in `shows`. Empty
+  // without such faces.
+  std::vector<std::array<float, 3>> seen;
+  std::vector<std::uint8_t> shows;
   LightStats stats;
   double cast_ms = 0;
+
+  bool Shows(std::size_t i) const { return !shows.empty() && shows[i] != 0; }
 };
 
 // What light is cast with.
@@ -81,6 +92,8 @@ struct LightSetting {
   Ground plane;                            // used if options.ground
   std::span<const SectionPlane> sections;  // that cut the view
   std::uint32_t first_cap = kNoIndex;      // face ids from here on are caps of sections
+  // By placed face: no light is cast for faces that are not matte. Empty: all faces are matte.
+  std::span<const Material> materials;
 };
 
 // Casts the rays of all samples of a view. Samples of exact surfaces need uv and depth_error. Errors: kBadUsage (options,

@@ -35,7 +35,8 @@ bool Same(const Color& a, const Color& b) {
 Result<void> CheckLight(const SampleBuffer& samples, const ShadeOptions& options) {
   if (options.light == nullptr) return {};
   for (const std::size_t size :
-       {options.light->key.size(), options.light->open.size(), options.light->ground.size()})
+       {options.light->key.size(), options.light->open.size(), options.light->ground.size(),
+        options.light->seen.size(), options.light->shows.size()})
     if (size != 0 && size != samples.size())
       return Error{ErrorCode::kSizeMismatch, "the light does not belong to the samples"};
   return {};
@@ -120,6 +121,11 @@ std::size_t ShadeRun(const Shading& shading, const SampleBuffer& samples, std::s
     const std::uint32_t face = samples.face[i];
     if (!kLit && alike != kNoPixel && samples.normal[alike] == n && samples.face[alike] == face) {
       pixel = pixels[alike - first];
+      continue;
+    }
+    if (kLit && shading.options.light->Shows(i)) {
+      const auto& seen = shading.options.light->seen[i];
+      pixel = {seen[0], seen[1], seen[2], 1.0f};
       continue;
     }
     const Vec2 at = place(i);

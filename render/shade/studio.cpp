@@ -96,6 +96,10 @@ Vec3 KeyDirection() {
   return kKey.toward;
 }
 
+Vec3 StudioTone(Vec3 light) {
+  return {Shoulder(light.x), Shoulder(light.y), Shoulder(light.z)};
+}
+
 double FloorLight(double key_cosine, const LightShare& share) {
   const double key = kFloorKey * std::max(key_cosine, 0.0);
   return (key * share.key + kFloorOther * share.open) / (key + kFloorOther);

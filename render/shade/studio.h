@@ -43,6 +43,9 @@ Vec3 StudioBackground();
 // The direction towards the key light, a unit vector in viewer axes.
 Vec3 KeyDirection();
 
+// The curve by which light becomes what is shown, per channel: 0 … 1, unchanged up to a shoulder.
+Vec3 StudioTone(Vec3 light);
+
 // The share of the light of a horizontal floor that arrives, 0 … 1, if the key light shines on it from above with the
 // cosine `key_cosine` to the floor's normal.
 double FloorLight(double key_cosine, const LightShare& share);

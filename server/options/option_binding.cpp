@@ -264,6 +264,26 @@ OptionBinding OcclusionBinding() {
           }};
 }
 
+OptionBinding MaterialsBinding() {
+  return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
+            auto texts = ParsePatterns(json, row.name);
+            if (!texts) return texts.error();
+            std::vector<MaterialRule> rules;
+            for (const std::string& text : texts.value()) {
+              auto rule = ParseMaterial(text);
+              if (!rule) return rule.error();
+              rules.push_back(std::move(rule).value());
+            }
+            o.light.materials = std::move(rules);
+            return {};
+          },
+          [](const OptionRow&, const RunOptions& o) -> Json {
+            Json rules = Json::array();
+            for (const MaterialRule& rule : o.light.materials) rules.push_back(FormatMaterial(rule));
+            return rules;
+          }};
+}
+
 OptionBinding SectionsBinding() {
   return {[](const OptionRow&, const Json& json, RunOptions& o) {
             return StoreInto(ParseSections(json), o.sections);

@@ -86,6 +86,7 @@ OptionBinding AovsBinding();
 OptionBinding WithBinding();
 OptionBinding ShadeBinding();
 OptionBinding OcclusionBinding();
+OptionBinding MaterialsBinding();
 OptionBinding SectionsBinding();
 OptionBinding ColorBinding();
 OptionBinding TurntableBinding();

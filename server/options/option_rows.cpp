@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "render/accel/structures.h"
+#include "render/shade/cast_reflections.h"
 #include "render/view/camera.h"
 #include "server/options/option_binding.h"
 #include "server/options/option_table.h"
@@ -287,6 +288,28 @@ OptionTable LightRows() {
        .usual = false,
        .excludes = {"section"},
        .binding = Bound([](auto& o) -> auto& { return o.light.ground; })},
+      {.name = "material",
+       .kind = OptionKind::kWords,
+       .group = kGroup,
+       .commands = kShown | kManifest,
+       .value = "NAME=KIND",
+       .help = "Material of the parts and faces whose name contains NAME or matches it as a pattern: matte, "
+               "metal, "
+               "mirror, glass or glass:IOR; repeatable, and the last match counts",
+       .usual_words = "all matte",
+       .excludes = {"section"},
+       .repeatable = true,
+       .binding = MaterialsBinding()},
+      {.name = "bounces",
+       .kind = OptionKind::kInteger,
+       .group = kGroup,
+       .commands = kShown | kManifest,
+       .value = "N",
+       .help = "How many faces that are not matte a ray meets at most, before it shows the surroundings",
+       .low = 0,
+       .high = kMostBounces,
+       .usual = 6,
+       .binding = Bound([](auto& o) -> auto& { return o.light.bounces; })},
       {.name = "structure",
        .kind = OptionKind::kChoice,
        .group = kGroup,

@@ -64,10 +64,11 @@ Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
     for (const std::string& other : row.excludes)
       if (given.contains(row.name) && given.contains(other))
         return BadUsage("give either " + row.name + " or " + other);
-  if (options.light.ground && !options.light.any())
+  if (options.light.ground && !options.light.casts())
     return BadUsage("ground only catches shadow and occlusion; give shadows or ambient_occlusion, too");
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
-    return BadUsage("shade shows values and no light; give either shade, or shadows and ambient_occlusion");
+    return BadUsage(
+        "shade shows values and no light; give either shade, or shadows, ambient_occlusion and material");
   if (options.picture.scale_bar && HasPerspective(options))
     return BadUsage("scale_bar needs an orthographic view: in perspective no length has one size");
   return options;

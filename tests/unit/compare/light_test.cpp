@@ -7,6 +7,8 @@
 #include "render/baseline/mesh_file.h"
 #include "render/compare/compare_view.h"
 #include "render/compare/report.h"
+#include "render/shade/environment.h"
+#include "render/shade/studio.h"
 #include "render/trace/direct.h"
 #include "tests/support/shapes.h"
 
@@ -132,6 +134,109 @@ TEST_F(BallTest, WithoutTheOptionsNothingIsCast) {
   EXPECT_FALSE(view.light);
   EXPECT_TRUE(view.samples.uv.empty());
   EXPECT_TRUE(DirectJson(view)["light"].is_null());
+}
+
+// What a picture shows of linear light.
+std::array<int, 3> Shown(Vec3 light) {
+  const Vec3 tone = StudioTone(light);
+  return {EncodeByte(static_cast<float>(tone.x)), EncodeByte(static_cast<float>(tone.y)),
+          EncodeByte(static_cast<float>(tone.z))};
+}
+
+Vec3 InViewerAxes(const CameraFrame& frame, Vec3 v) {
+  return {Dot(v, frame.right), -Dot(v, frame.down), -Dot(v, frame.forward)};
+}
+
+ViewOptions WithMaterial(const std::string& material, int bounces = 6) {
+  ViewOptions options;
+  options.execution.threads = 2;
+  options.light.materials = {ParseMaterial(material).value()};
+  options.light.bounces = bounces;
+  return options;
+}
+
+TEST_F(BallTest, AMirrorShowsTheSurroundingsInTheReflectedDirection) {
+  const View view = RenderView(exact_, model_, Looking("iso"), WithMaterial("*=mirror")).value();
+  int checked = 0;
+  for (int y = 0; y < view.image.height; ++y)
+    for (int x = 0; x < view.image.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * view.image.width + x;
+      if (view.samples.face[i] == kNoIndex) continue;
+      const auto& n = view.samples.normal[i];
+      const Vec3 normal = Normalized({n[0], n[1], n[2]}), d = view.frame.forward;
+      const Vec3 reflected = d - (2 * Dot(normal, d)) * normal;
+      const auto expected = Shown(0.94 * StudioSurroundings(InViewerAxes(view.frame, reflected)));
+      // The normal of a sample is rounded to single precision.
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(view.image.at(x, y)[c], expected[c], 1);
+      ++checked;
+    }
+  EXPECT_GT(checked, 900);
+  EXPECT_EQ(view.light->stats.certified_rays, view.light->stats.rays);
+}
+
+TEST_F(BallTest, GlassThatDoesNotRefractShowsWhatIsBehindIt) {
+  const View view = RenderView(exact_, model_, Looking("iso"), WithMaterial("*=glass:1")).value();
+  const Vec3 behind = StudioSurroundings({0, 0, -1});
+  const Color color = FaceColors(model_)[0];
+  const auto through = [&](double light, double channel) {
+    const double tint = 0.92 + 0.08 * SrgbToLinear(channel);
+    return light * tint * tint;  // the ray passes two faces
+  };
+  const auto expected =
+      Shown({through(behind.x, color.r), through(behind.y, color.g), through(behind.z, color.b)});
+  int checked = 0;
+  for (int y = 0; y < view.image.height; ++y)
+    for (int x = 0; x < view.image.width; ++x)
+      if (view.samples.face[static_cast<std::size_t>(y) * view.image.width + x] != kNoIndex) {
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(view.image.at(x, y)[c], expected[c], 1);
+        ++checked;
+      }
+  EXPECT_GT(checked, 900);
+}
+
+TEST_F(BallTest, ABallOfGlassTurnsThePictureOfItsSurroundingsUpsideDown) {
+  // Above the middle of the ball, a ray leaves it downwards, and the other way around.
+  const View view = RenderView(exact_, model_, Looking("front", 97), WithMaterial("*=glass:1.5")).value();
+  const View plain = RenderView(exact_, model_, Looking("front", 97), WithMaterial("*=glass:1")).value();
+  EXPECT_NE(view.image.bytes, plain.image.bytes);
+  const auto brightness = [&](int y) {
+    const std::uint8_t* p = view.image.at(48, y);
+    return p[0] + p[1] + p[2];
+  };
+  EXPECT_GT(brightness(48 + 24), brightness(48 - 24)) << "the bright ceiling appears below";
+  // The view is symmetric to the ball's seam, and rays that stay in its plane meet the seam again and again.
+  EXPECT_GT(view.light->stats.certified, view.light->stats.samples * 95 / 100);
+}
+
+TEST_F(BallTest, ReflectionsDoNotDependOnThreadsAndEndAfterTheBounces) {
+  for (const int bounces : {0, 1, 2, 6, kMostBounces}) {
+    ViewOptions options = WithMaterial("*=glass:2.4", bounces);
+    options.execution.threads = 1;
+    const View one = RenderView(exact_, model_, Looking("iso"), options).value();
+    options.execution.threads = 3;
+    const View three = RenderView(exact_, model_, Looking("iso"), options).value();
+    EXPECT_EQ(one.image.bytes, three.image.bytes);
+    EXPECT_LE(one.light->stats.rays, one.light->stats.samples << (bounces + 2));
+  }
+  EXPECT_EQ(
+      RenderView(exact_, model_, Looking("iso"), WithMaterial("*=mirror", kMostBounces + 1)).error().code,
+      ErrorCode::kBadUsage);
+}
+
+TEST_F(BallTest, AMirrorOfTrianglesShowsNearlyTheSame) {
+  const Camera camera = Looking("iso");
+  const Mesh mesh = testing::BallMesh(kRadius, 256);
+  const BaselineScene tree = BaselineScene::Build(mesh, {.threads = 2}).value();
+  const Triangles triangles(tree, model_, {}, 0);
+  const Representation* candidates[] = {&triangles};
+  const Result<ViewComparison> compared =
+      CompareView(exact_, candidates, model_, camera, WithMaterial("*=mirror"));
+  if (triangles.names_faces()) {
+    ASSERT_TRUE(compared.ok());
+    EXPECT_LT(compared.value().candidates[0].difference.color.rms, 0.03);
+  } else {
+    EXPECT_EQ(compared.error().code, ErrorCode::kBadUsage);
+  }
 }
 
 TEST_F(BallTest, AnInspectionHasNoLight) {

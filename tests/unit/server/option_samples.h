@@ -16,6 +16,7 @@ inline nlohmann::json AnotherValueOf(const OptionRow& row) {
                                     {"section", "x=1"},
                                     {"shade", "zebra"},
                                     {"ambient_occlusion", "64,2.5"},
+                                    {"material", "a=mirror"},
                                     {"aov", "uv"},
                                     {"color", "part"},
                                     {"parts", "a"},

@@ -1,0 +1,49 @@
+// What mirrors, metals and glasses show: rays are followed from the samples of a view until they leave the scene or meet
+// a matte face.
+//
+//     if (auto done = CastReflections(samples, frame, setting, execution, &light); !done) return done.error();
+//
+//  1. A ray splits where it meets a glass: one part is reflected, the other refracted (Fresnel's equations). Parts of
+//     less than kLeastShare of the light are left out.
+//  2. After `bounces` meetings with faces that are not matte, a ray shows the surroundings, whatever lies in its way.
+//  3. A matte face that is met has the studio's light, with the shadow of the key light if shadows are cast, and without
+//     occlusion. The ground is not reflected.
+//  4. No random numbers are used. The result does not depend on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "render/base/execution.h"
+#include "render/base/result.h"
+#include "render/image/film.h"
+#include "render/model/model.h"
+#include "render/shade/cast_light.h"
+#include "render/shade/material.h"
+#include "render/view/camera.h"
+#include "render/view/refinement.h"
+#include "render/view/samples.h"
+
+namespace facetless {
+
+inline constexpr int kMostBounces = 32;
+inline constexpr double kLeastShare = 1.0 / 256;
+
+struct ReflectionSetting {
+  const SecondaryRays* rays = nullptr;         // all that is seen
+  const SecondaryRays* shadow_rays = nullptr;  // what blocks the key light; null: no shadows
+  std::span<const Material> materials;         // by placed face
+  std::span<const Color> colors;               // by placed face, sRGB
+  int bounces = 0;                             // 0 … kMostBounces
+};
+
+// Fills `seen` and `shows` of `light` for the samples whose face is not matte, and adds to its stats. Errors: kBadUsage
+// (the number of bounces), kCancelled, kLimitExceeded (no memory).
+Result<void> CastReflections(const SampleBuffer& samples, const CameraFrame& frame,
+                             const ReflectionSetting& setting, const Execution& execution,
+                             SampleLight* light);
+// The same for the samples of refined pixels.
+Result<void> CastReflections(const Refinement& refinement, const ReflectionSetting& setting,
+                             const Execution& execution, SampleLight* light);
+
+}  // namespace facetless
