@@ -246,23 +246,25 @@ json LightJson(const View& view) {
     doubts[kDoubtNames[bit]] = light.stats.doubts[bit];
   json materials = json::array();
   for (const MaterialRule& rule : light.options.materials) materials.push_back(FormatMaterial(rule));
-  return {{"shadows", light.options.shadows},
-          {"occlusion_rays", light.options.occlusion_rays},
-          {"occlusion_radius_mm",
-           light.options.occlusion_rays > 0 ? json(light.options.occlusion_radius_mm) : json(nullptr)},
-          {"ground", light.options.ground},
-          {"materials", std::move(materials)},
-          {"bounces", light.options.materials.empty() ? json(nullptr) : json(light.options.bounces)},
-          {"structure", light.rays->structure()},
-          {"lift_mm", light.rays->lift_mm()},
-          {"samples", light.stats.samples},
-          {"certified", light.stats.certified},
-          {"doubts", std::move(doubts)},
-          {"rays", light.stats.rays},
-          {"rays_blocked", light.stats.blocked},
-          {"rays_certified", light.stats.certified_rays},
-          {"timing_ms", {{"build", light.build_ms}, {"cast", light.cast_ms}}},
-          {"bytes", light.rays->bytes()}};
+  return {
+      {"shadows", light.options.shadows},
+      {"occlusion_rays", light.options.occlusion_rays},
+      {"occlusion_radius_mm",
+       light.options.occlusion_rays > 0 ? json(light.options.occlusion_radius_mm) : json(nullptr)},
+      {"ground", light.options.ground},
+      {"materials", std::move(materials)},
+      {"bounces", light.options.materials.empty() ? json(nullptr) : json(light.options.bounces)},
+      {"environment", light.options.environment.empty() ? json(nullptr) : json(light.options.environment)},
+      {"structure", light.rays->structure()},
+      {"lift_mm", light.rays->lift_mm()},
+      {"samples", light.stats.samples},
+      {"certified", light.stats.certified},
+      {"doubts", std::move(doubts)},
+      {"rays", light.stats.rays},
+      {"rays_blocked", light.stats.blocked},
+      {"rays_certified", light.stats.certified_rays},
+      {"timing_ms", {{"build", light.build_ms}, {"cast", light.cast_ms}}},
+      {"bytes", light.rays->bytes()}};
 }
 
 json LightDifferenceJson(const std::optional<LightComparison>& comparison) {

@@ -9,7 +9,7 @@ namespace facetless {
 ViewLighter::ViewLighter(const Representation& representation, const Model& model,
                          const LightOptions& options, UpAxis up, std::span<const SectionPlane> sections,
                          const Execution& execution)
-    : representation_(representation), model_(model), execution_(execution) {
+    : representation_(representation), model_(model), up_(up), execution_(execution) {
   setting_.options = options;
   if (setting_.options.occlusion_radius_mm == 0)
     setting_.options.occlusion_radius_mm = kOcclusionShare * model.Diagonal();
@@ -53,7 +53,13 @@ Result<void> ViewLighter::Prepare(const std::vector<bool>& transparent, std::spa
     seen_ = rays_;
     if (has_glass)
       if (auto made = make(transparent, &seen_); !made.ok()) return made;
-    reflection_ = {seen_.get(), options.shadows ? rays_.get() : nullptr, materials_, colors, options.bounces};
+    reflection_ = {seen_.get(),
+                   options.shadows ? rays_.get() : nullptr,
+                   materials_,
+                   colors,
+                   options.bounces,
+                   options.panorama,
+                   up_};
   }
   build_ms_ = stopwatch.Milliseconds();
   return {};

@@ -56,6 +56,7 @@ class ViewLighter {
 
   const Representation& representation_;
   const Model& model_;
+  const UpAxis up_;
   const Execution& execution_;
   std::shared_ptr<const SecondaryRays> rays_;  // of light: glass blocks none
   std::shared_ptr<const SecondaryRays> seen_;  // of what is seen in mirrors and through glass

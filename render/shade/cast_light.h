@@ -20,12 +20,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "render/base/execution.h"
 #include "render/base/result.h"
+#include "render/image/radiance_map.h"
 #include "render/shade/material.h"
 #include "render/view/camera.h"
 #include "render/view/doubt.h"
@@ -52,6 +54,9 @@ struct LightOptions {
   std::string structure;  // that finds candidates on exact surfaces; empty: the default
   std::vector<MaterialRule> materials;
   int bounces = 6;  // of rays that mirrors, metals and glasses send on (cast_reflections.h)
+  // The panorama that they show; null: the built-in studio. `environment` is the name of its file.
+  std::shared_ptr<const RadianceMap> panorama;
+  std::string environment;
 
   // Whether light is cast: without it, `ground` means nothing.
   bool casts() const { return shadows || occlusion_rays > 0; }

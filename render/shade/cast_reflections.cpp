@@ -47,7 +47,12 @@ class Block {
  public:
   Block(const ReflectionSetting& setting, std::span<const Vec3> albedo, const CameraFrame& frame,
         LightStats* stats)
-      : setting_(setting), albedo_(albedo), frame_(frame), key_(TowardKeyLight(frame)), stats_(stats) {}
+      : setting_(setting),
+        albedo_(albedo),
+        frame_(frame),
+        key_(TowardKeyLight(frame)),
+        surroundings_(frame, setting.panorama, setting.up),
+        stats_(stats) {}
 
   // Adds a sample, and returns its number within the block.
   std::uint32_t Add(const Meeting& meeting, bool certified) {
@@ -181,7 +186,7 @@ class Block {
 
   void AddSurroundings(const Branch& branch) {
     Item& item = items_[branch.item];
-    item.light = item.light + Times(branch.share, StudioSurroundings(ToViewer(branch.direction)));
+    item.light = item.light + Times(branch.share, surroundings_.Light(branch.direction));
   }
 
   void Count(std::uint32_t item, bool certified, std::uint8_t doubt) {
@@ -211,6 +216,7 @@ class Block {
   const std::span<const Vec3> albedo_;
   const CameraFrame& frame_;
   const Vec3 key_;
+  const Surroundings surroundings_;
   LightStats* stats_;
   std::vector<Item> items_;
   std::vector<Branch> branches_;  // that wait, with their starts

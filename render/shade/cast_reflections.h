@@ -12,11 +12,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/image/film.h"
+#include "render/image/radiance_map.h"
 #include "render/model/model.h"
 #include "render/shade/cast_light.h"
 #include "render/shade/material.h"
@@ -30,11 +32,13 @@ inline constexpr int kMostBounces = 32;
 inline constexpr double kLeastShare = 1.0 / 256;
 
 struct ReflectionSetting {
-  const SecondaryRays* rays = nullptr;         // all that is seen
-  const SecondaryRays* shadow_rays = nullptr;  // what blocks the key light; null: no shadows
-  std::span<const Material> materials;         // by placed face
-  std::span<const Color> colors;               // by placed face, sRGB
-  int bounces = 0;                             // 0 … kMostBounces
+  const SecondaryRays* rays = nullptr;          // all that is seen
+  const SecondaryRays* shadow_rays = nullptr;   // what blocks the key light; null: no shadows
+  std::span<const Material> materials;          // by placed face
+  std::span<const Color> colors;                // by placed face, sRGB
+  int bounces = 0;                              // 0 … kMostBounces
+  std::shared_ptr<const RadianceMap> panorama;  // the surroundings; null: the studio's
+  UpAxis up = UpAxis::kZ;                       // of the panorama
 };
 
 // Fills `seen` and `shows` of `light` for the samples whose face is not matte, and adds to its stats. Errors: kBadUsage

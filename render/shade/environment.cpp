@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
+#include "render/base/trigonometry.h"
 #include "render/shade/studio.h"
 
 namespace facetless {
@@ -52,6 +55,26 @@ Vec3 StudioSurroundings(Vec3 direction) {
     light = (1 - cover) * light + cover * box->light;
   }
   return light;
+}
+
+Surroundings::Surroundings(const CameraFrame& frame, std::shared_ptr<const RadianceMap> map, UpAxis up)
+    : frame_(frame),
+      map_(std::move(map)),
+      up_(RotateToUpAxis(up, {0, 0, 1})),
+      ahead_(RotateToUpAxis(up, {0, 1, 0})),
+      right_(RotateToUpAxis(up, {1, 0, 0})) {}
+
+Vec3 Surroundings::Light(Vec3 direction) const {
+  if (map_ == nullptr)
+    return StudioSurroundings(
+        {Dot(direction, frame_.right), -Dot(direction, frame_.down), -Dot(direction, frame_.forward)});
+  constexpr double kPi = std::numbers::pi;
+  const double x = Dot(direction, right_), y = Dot(direction, ahead_), z = Dot(direction, up_);
+  // The angle to the right of `ahead`, by half angles, which have no case to tell apart but straight behind.
+  const double across = std::sqrt(x * x + y * y);
+  const double turn = y > 0 || x != 0 ? 2 * PolyAtan(x / (across + y)) : kPi;
+  const double height = 2 * PolyAtan(z / (1 + across));  // above the horizon
+  return map_->At(0.5 + turn / (2 * kPi), 0.5 - height / kPi);
 }
 
 }  // namespace facetless

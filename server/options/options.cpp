@@ -66,6 +66,8 @@ Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
         return BadUsage("give either " + row.name + " or " + other);
   if (options.light.ground && !options.light.casts())
     return BadUsage("ground only catches shadow and occlusion; give shadows or ambient_occlusion, too");
+  if (!options.light.environment.empty() && options.light.materials.empty())
+    return BadUsage("environment is only seen in mirrors, metals and glasses; give material, too");
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
     return BadUsage(
         "shade shows values and no light; give either shade, or shadows, ambient_occlusion and material");

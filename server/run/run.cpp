@@ -13,6 +13,7 @@
 #include "render/compare/pixel_data.h"
 #include "render/compare/report.h"
 #include "render/compare/section_report.h"
+#include "render/image/radiance_map.h"
 #include "render/inspect/report.h"
 #include "render/lines/draw_lines.h"
 #include "render/model/model_file.h"
@@ -390,6 +391,15 @@ class ViewReport {
   const BaselineScene* baseline_;
 };
 
+// Reads the panorama, if there is one.
+Result<void> ReadSurroundings(LightOptions& light) {
+  if (light.environment.empty()) return {};
+  auto map = ReadRadianceMap(light.environment);
+  if (!map) return map.error();
+  light.panorama = std::make_shared<const RadianceMap>(std::move(map).value());
+  return {};
+}
+
 // The mesh that a run shows beside the exact surfaces, or the reason why it has none although it should.
 struct RunSubject {
   const char* command;
@@ -443,7 +453,8 @@ Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject
   const std::vector<const Representation*> candidates =
       methods.value().All(triangles ? &*triangles : nullptr);
 
-  const ViewOptions view_options = ToViewOptions(options, sections.value(), run.execution());
+  ViewOptions view_options = ToViewOptions(options, sections.value(), run.execution());
+  if (auto read = ReadSurroundings(view_options.light); !read) return read.error();
   const ViewReport report(imported, options, run.directory(), tree ? &*tree : nullptr);
   ContactSheet sheet(options.picture.sheet,
                      candidates.empty() ? 0 : 1 + 2 * static_cast<int>(candidates.size()));

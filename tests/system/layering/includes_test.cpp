@@ -182,7 +182,7 @@ TEST(Layering, EachLibraryHasOneHome) {
   EXPECT_THAT(IncludersOutside("embree.*", {"render/baseline/", "render/accel/embree_boxes.cpp"}), IsEmpty());
   EXPECT_THAT(IncludersOf("(png|tiffio|ImfOutputFile)\\.h"),
               testing::UnorderedElementsAre("render/image/png_file.cpp", "render/image/depth_file.cpp",
-                                            "render/image/aov_file.cpp"));
+                                            "render/image/exr_file.cpp"));
   EXPECT_THAT(IncludersOf("webp/.*"), testing::UnorderedElementsAre("render/image/webp_file.cpp"));
   EXPECT_THAT(IncludersOutside("OpenImageIO/.*", {"tests/unit/image/"}), IsEmpty())
       << "it loads two hundred libraries when a program starts";

@@ -1,8 +1,9 @@
-// Writes AOVs as EXR files with OpenEXR.
+// EXR files with OpenEXR: AOVs are written, and radiance maps are read.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
+#include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 
 #include <algorithm>
@@ -10,10 +11,12 @@
 #include <exception>
 #include <list>
 #include <new>
+#include <stdexcept>
 
 #include "render/image/atomic_file.h"
 #include "render/image/codec.h"
 #include "render/image/io.h"
+#include "render/image/radiance_map.h"
 
 namespace facetless {
 namespace {
@@ -33,6 +36,27 @@ class MemoryStream : public Imf::OStream {
 
  private:
   std::vector<unsigned char> bytes_;
+  std::size_t position_ = 0;
+};
+
+// Reads from memory. OpenEXR reports a short file by the exceptions that it expects.
+class MemorySource : public Imf::IStream {
+ public:
+  MemorySource(const std::string& name, const std::vector<unsigned char>& bytes)
+      : Imf::IStream(name.c_str()), bytes_(bytes) {}
+  bool read(char data[], int size) override {
+    const auto count = static_cast<std::size_t>(size);
+    if (count > bytes_.size() - std::min(bytes_.size(), position_))
+      throw std::runtime_error("the file ends too early");
+    std::memcpy(data, bytes_.data() + position_, count);
+    position_ += count;
+    return position_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return position_; }
+  void seekg(std::uint64_t position) override { position_ = position; }
+
+ private:
+  const std::vector<unsigned char>& bytes_;
   std::size_t position_ = 0;
 };
 
@@ -124,6 +148,41 @@ Result<void> WriteAovs(const std::string& path, const SampleBuffer& samples, con
     return ImageTooLarge(path);
   } catch (const std::exception& failure) {
     return Error{ErrorCode::kWriteFailed, path + ": " + failure.what()};
+  }
+}
+
+Result<RadianceMap> DecodeExr(const std::string& path, const std::vector<unsigned char>& bytes) {
+  try {
+    MemorySource source(path, bytes);
+    Imf::InputFile file(source);
+    const Imath::Box2i window = file.header().dataWindow();
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1,
+                       height = std::int64_t{window.max.y} - window.min.y + 1;
+    if (width < 1 || height < 1 || width * height > kMostRadiancePixels)
+      return Error{ErrorCode::kLimitExceeded, path + ": " + std::to_string(width) + "×" +
+                                                  std::to_string(height) +
+                                                  " pixels are too many for an environment"};
+    for (const char* name : {"R", "G", "B"})
+      if (file.header().channels().findChannel(name) == nullptr)
+        return Error{ErrorCode::kFormatBroken, path + ": the picture lacks the channel " + name};
+    RadianceMap map{static_cast<int>(width), static_cast<int>(height), {}};
+    map.pixels.resize(static_cast<std::size_t>(width * height));
+    // OpenEXR addresses pixels from the origin of the picture, not from that of the window.
+    constexpr std::size_t kPixel = sizeof map.pixels[0];
+    char* const origin = reinterpret_cast<char*>(map.pixels.data()) -
+                         (window.min.x + window.min.y * width) * static_cast<std::int64_t>(kPixel);
+    Imf::FrameBuffer frame;
+    for (int channel = 0; channel < 3; ++channel)
+      frame.insert(std::string(1, "RGB"[channel]),
+                   Imf::Slice(Imf::FLOAT, origin + static_cast<std::size_t>(channel) * sizeof(float), kPixel,
+                              kPixel * static_cast<std::size_t>(width)));
+    file.setFrameBuffer(frame);
+    file.readPixels(window.min.y, window.max.y);
+    return map;
+  } catch (const std::bad_alloc&) {
+    return ImageTooLarge(path);
+  } catch (const std::exception& failure) {
+    return Error{ErrorCode::kFormatBroken, path + ": " + failure.what()};
   }
 }
 
