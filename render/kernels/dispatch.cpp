@@ -23,20 +23,21 @@ bool SupportsF16c() {
 
 std::vector<Kernels> AvailableKernels() {
   // List the kernels, narrowest first. Each requires all features that Highway's target of that name uses.
-  std::vector<Kernels> available{
-      {"scalar", kernel_scalar::TraceTile, kernel_scalar_float::TraceTile, &kernel_scalar::kNets}};
+  std::vector<Kernels> available{{"scalar", kernel_scalar::TraceTile, kernel_scalar_float::TraceTile,
+                                  &kernel_scalar::kNets, kernel_scalar::VisitRayBlocks}};
 #if defined(__x86_64__)
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                     __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && SupportsF16c();
   if (avx2)
-    available.push_back({"avx2", kernel_avx2::TraceTile, kernel_avx2_float::TraceTile, &kernel_avx2::kNets});
+    available.push_back({"avx2", kernel_avx2::TraceTile, kernel_avx2_float::TraceTile, &kernel_avx2::kNets,
+                         kernel_avx2::VisitRayBlocks});
   if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512cd")) {
-    // A point of a net fills an AVX2 register, so the net operations of AVX2 are used here, too.
-    available.push_back(
-        {"avx512", kernel_avx512::TraceTile, kernel_avx512_float::TraceTile, &kernel_avx2::kNets});
+    // A point of a net fills an AVX2 register, and so does a row of a ray block, so these are used here, too.
+    available.push_back({"avx512", kernel_avx512::TraceTile, kernel_avx512_float::TraceTile,
+                         &kernel_avx2::kNets, kernel_avx2::VisitRayBlocks});
   }
 #endif
   return available;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "render/base/result.h"
+#include "render/kernels/ray_blocks.h"
 #include "render/kernels/tile_kernel.h"
 #include "render/nurbs/net_operations.h"
 
@@ -24,6 +25,7 @@ struct Kernels {
   TileKernel trace_tile = nullptr;        // the kernel in double precision
   TileKernel trace_tile_float = nullptr;  // the kernel in single precision, for leaves with coefficients32
   const NetOperations* nets = nullptr;
+  VisitBlocks visit_blocks = nullptr;
 };
 
 // The kernels of the selected instruction set. Errors: kBadUsage (law 2).

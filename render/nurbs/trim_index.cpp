@@ -385,6 +385,19 @@ bool FaceTrim::OddExcept(Vec2 point, std::uint32_t excluded) const {
   return odd;
 }
 
+bool FaceTrim::PiecesIn(const Rect& rect, double band_scale, int most, std::uint32_t* found,
+                        int* count) const {
+  bool odd = false;
+  TrimPath path = TrimPath::kBoxes;
+  *count = 0;
+  return Walk({rect.u_low, rect.v_low}, rect, band_scale, odd, [&](std::uint32_t i, bool&) {
+    if (pieces_.pieces[i].slit || SideOfRect(i, rect, band_scale, path) != PieceSide::kMeets) return true;
+    if (*count == most) return false;
+    found[(*count)++] = i;
+    return true;
+  });
+}
+
 RectClass FaceTrim::Classify(double u0, double u1, double v0, double v1, double band_scale) const {
   if (!(u0 <= u1 && v0 <= v1 && u1 - u0 < kInfinity && v1 - v0 < kInfinity)) return RectClass::kMixed;
   const Rect rect{u0, u1, v0, v1};

@@ -29,6 +29,7 @@
 // decides the side, or else a root of its curve.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -62,6 +63,13 @@ struct TrimAnswer {
   double other_edge_parameter = 0;
 };
 
+// A line through a rectangle of parameters, in coordinates s, t that run from −1 to 1 over it: the face is where
+// a·s + b·t + c is above w, and is trimmed away where it is below −w. An infinite w says nothing.
+struct TrimLine {
+  double a = 0, b = 0, c = 0, w = INFINITY;
+  static TrimLine Whole() { return {0, 0, 1, 0}; }
+};
+
 class FaceTrim {
  public:
   // Builds the index of a face. Requires a valid model and face < model.faces.size(). A face without loops
@@ -72,6 +80,11 @@ class FaceTrim {
   // Classifies the closed rectangle u0 <= u <= u1, v0 <= v <= v1. The answer is kMixed if the bounds are not
   // finite or not ordered.
   RectClass Classify(double u0, double u1, double v0, double v1, double band_scale = 1) const;
+
+  // Looks for a line that tells what of the rectangle belongs to the face. Proven: all p-curves that meet the rectangle,
+  // with their bands, lie within w of the line. The result is infinite if they are many, or do not divide the rectangle
+  // into an inner and an outer part. Implemented in trim_line.cpp.
+  TrimLine FindLine(double u0, double u1, double v0, double v1, double band_scale) const;
 
   // Decides whether (u,v), which is known to within ±error_u, ±error_v, is inside. Requires errors >= 0. If
   // (u,v) is not finite, the answer is outside and not certain.
@@ -113,6 +126,8 @@ class FaceTrim {
 
   template <typename OpenPiece>
   bool Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd, const OpenPiece& open_piece) const;
+  // Lists the pieces whose curves, with their bands, meet the rectangle. Returns false if they are more than `most`.
+  bool PiecesIn(const Rect& rect, double band_scale, int most, std::uint32_t* found, int* count) const;
   PieceSide SideOfRect(std::uint32_t piece, const Rect& rect, double band_scale, TrimPath& path) const;
   bool CrossesRayTowardsU(std::uint32_t piece, Vec2 point, TrimPath& path) const;
   bool OddExcept(Vec2 point, std::uint32_t excluded) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/base/stopwatch.h"
+#include "render/base/trigonometry.h"
 #include "render/kernels/dispatch.h"
 #include "render/model/walk.h"
 
@@ -11,6 +12,10 @@ namespace facetless {
 namespace {
 
 constexpr double kEpsilon = 0x1p-53;
+// A face is plane if its control points are within this share of its diagonal of a plane: a few roundings.
+constexpr double kFlat = 0x1p-44;
+// A ray that rises from a face by less than this is left to the solver, whatever a cone says.
+constexpr double kLeastRise = 0x1p-12;
 
 Error Cancelled() {
   return {ErrorCode::kCancelled, "stopped while preparing the rays"};
@@ -44,6 +49,17 @@ bool IsUsable(const RayStart& start, const SecondaryRay& ray) {
   const double length = Dot(ray.direction, ray.direction);
   const double position = Dot(start.position, start.position);
   return std::fabs(length - 1) <= 0x1p-48 && std::isfinite(position) && ray.length > 0;
+}
+
+// By how much a patch's parameter differs from one that runs linearly along its native parameter, over a part of a span
+// that is `width` wide, in halves of that part. For an angle, f = tan(φ·α)/tan(α) with φ from −1 to 1 along the span,
+// and α a quarter of its width: |f''| ≤ 2α²/cos²α makes f differ from its chord by at most |f''|·Δφ²/8, and f' is at
+// least α/tan(α).
+double Unevenness(const Span& span, double width) {
+  if (span.map == SpanMap::kLinear) return 0;
+  const double alpha = 0.25 * (span.end - span.begin), tangent = PolyTan(alpha);
+  const double step = 2 * width / (span.end - span.begin);
+  return 0.5 * alpha * (1 + tangent * tangent) * tangent * step * 1.001;
 }
 
 // The answer to whether anything is in between (law 3).
@@ -137,8 +153,13 @@ Result<std::unique_ptr<ExactRays>> ExactRays::Build(const Scene& scene, const Ex
   std::vector<Box3> boxes;
   const Result<void> placed = rays->PlacePieces(shared.shown, options.max_bytes, &boxes);
   if (!placed) return placed.error();
-  Result<AnyStructure> structure = MakeStructure(options.structure, boxes);
+  const bool with_blocks = options.structure == kBlocks;
+  Result<AnyStructure> structure = MakeStructure(with_blocks ? "bvh" : options.structure, boxes);
   if (!structure) return structure.error();
+  if (with_blocks) {
+    rays->visit_blocks_ = kernels.value().visit_blocks;
+    RunWithThreads(execution.threads, [&] { rays->BuildBlocks(boxes); });
+  }
   rays->structure_ = std::move(structure).value();
   if (execution.cancelled()) return Cancelled();
   if (rays->bytes() > options.max_bytes) return OverLimit(options.max_bytes);
@@ -175,8 +196,8 @@ Result<void> ExactRays::PlacePieces(const std::vector<bool>& shown, std::uint64_
 std::uint64_t ExactRays::bytes() const {
   const std::size_t structure =
       WithStructure(structure_, [](const auto& structure) { return structure.bytes(); });
-  return scene_.pieces.bytes() + placed_.capacity() * sizeof(PlacedPiece) + structure +
-         scene_.instance_of_face.capacity() * sizeof(std::uint32_t);
+  return scene_.pieces.bytes() + (blocks_ ? blocks_->bytes() : 0) + placed_.capacity() * sizeof(PlacedPiece) +
+         structure + scene_.instance_of_face.capacity() * sizeof(std::uint32_t);
 }
 
 template <typename Structure, typename Finish>
@@ -202,13 +223,184 @@ void ExactRays::Trace(const Structure& structure, std::span<const RayStart> star
   }
 }
 
+void ExactRays::BuildBlocks(const std::vector<Box3>& boxes) {
+  FindFlatFaces();
+  blocks_ = BlockTree::Build(
+      boxes, [this](std::uint32_t id, Vec3 from, PieceShape* shape) { DescribePiece(id, from, shape); });
+}
+
+void ExactRays::FindFlatFaces() {
+  const Model& model = scene_.model();
+  plane_normals_.assign(model.faces.size(), Vec3{});
+  for (std::size_t f = 0; f < model.faces.size(); ++f) {
+    const Surface& surface = model.surfaces[model.faces[f].surface];
+    if (surface.kind != SurfaceKind::kPlane) continue;
+    // Trust, but measure: all control points must lie in one plane up to rounding.
+    const SurfacePoint point =
+        scene_.surfaces[f].First(0.5 * (scene_.surfaces[f].u_begin() + scene_.surfaces[f].u_end()),
+                                 0.5 * (scene_.surfaces[f].v_begin() + scene_.surfaces[f].v_end()));
+    const Vec3 normal = Normalized(Cross(point.du, point.dv));
+    Box3 box;
+    double off = 0;
+    for (const Vec4& p : PointsOf(model, surface)) {
+      const Vec3 at{p.x / p.w, p.y / p.w, p.z / p.w};
+      box.Add(at);
+      off = std::max(off, std::fabs(Dot(normal, at - point.position)));
+    }
+    if (off <= kFlat * box.diagonal()) plane_normals_[f] = normal;
+  }
+}
+
+void ExactRays::DescribePiece(std::uint32_t id, Vec3 from, PieceShape* shape) const {
+  const PlacedPiece& placed = placed_[id];
+  const SpacePiece& piece = scene_.pieces.all()[placed.piece];
+  const PlacedPart& part = scene_.parts[placed.instance];
+  const Model& model = scene_.model();
+  const Surface& surface = model.surfaces[model.faces[piece.face].surface];
+  const Vec3 origin = scene_.pieces.origin(piece.face);
+  // The origin of the face relative to `from`; then the points relative to that.
+  const Vec3 moved = part.placement().Point(origin) - from;
+  shape->degree_u = surface.degree_u;
+  shape->degree_v = surface.degree_v;
+  shape->points.clear();
+  const int count = (surface.degree_u + 1) * (surface.degree_v + 1);
+  double least = INFINITY, most = 0, size = 0;
+  for (int i = 0; i < count; ++i) {
+    const double* p = piece.net + kNetComponents * i;
+    const double w = p[kW];
+    const Vec3 local{p[kX] / w, p[kY] / w, p[kQ] / w};
+    shape->points.push_back(moved + part.placement().Vector(local));
+    least = std::min(least, w);
+    most = std::max(most, w);
+    size = std::max(size, std::fabs(local.x) + std::fabs(local.y) + std::fabs(local.z));
+  }
+  const auto& m = part.placement().m;
+  double growth = 0, shift = 0;
+  for (int row = 0; row < 3; ++row) {
+    growth = std::max(growth, std::fabs(m[row][0]) + std::fabs(m[row][1]) + std::fabs(m[row][2]));
+    shift = std::max(shift, std::fabs(m[row][3]));
+  }
+  const double weight_error = surface.rational ? piece.error[kW] : 0;
+  const double own = least > weight_error
+                         ? (piece.error[kX] + piece.error[kY] + piece.error[kQ] + size * weight_error) /
+                               (least - weight_error)
+                         : INFINITY;
+  const double far = std::fabs(origin.x) + std::fabs(origin.y) + std::fabs(origin.z);
+  shape->error = growth * own + 16 * kEpsilon * (growth * (far + size) + shift);
+  shape->line = piece.line;
+  shape->steep_only = !piece.whole;
+  const Span& u = model.spans[surface.u_spans.first + piece.place.patch / surface.v_spans.count];
+  const Span& v = model.spans[surface.v_spans.first + piece.place.patch % surface.v_spans.count];
+  shape->uneven_s = (most - least) / least + Unevenness(u, piece.u_high - piece.u_low);
+  shape->uneven_t = (most - least) / least + Unevenness(v, piece.v_high - piece.v_low);
+}
+
+bool ExactRays::IsOwnOnly(const RayStart& start, Vec3 direction, const SpacePiece& piece,
+                          std::uint32_t instance) const {
+  const PlacedPart& part = scene_.parts[instance];
+  const Vec3 local = part.shifted_only() ? direction : part.inverse().Vector(direction);
+  const double length = part.shifted_only() ? 1 : Length(local);
+  const Vec3 normal = plane_normals_[piece.face];
+  if (Dot(normal, normal) > 0) return std::fabs(Dot(normal, local)) > kLeastRise * length;
+  // The start must be in the same patch, which the cone is of.
+  const Model& model = scene_.model();
+  const Surface& surface = model.surfaces[model.faces[piece.face].surface];
+  const Span& u = model.spans[surface.u_spans.first + piece.place.patch / surface.v_spans.count];
+  const Span& v = model.spans[surface.v_spans.first + piece.place.patch % surface.v_spans.count];
+  if (!(start.u >= u.begin && start.u <= u.end && start.v >= v.begin && start.v <= v.end)) return false;
+  const auto leaves = [&](const SpacePiece::Cone& cone, double share) {
+    return piece.HasNear(start.u, start.v, share) &&
+           std::fabs(Dot(cone.axis, local)) > std::max(cone.sine, kLeastRise) * length;
+  };
+  return leaves(piece.close, kCloseShare) || leaves(piece.wide, kWideShare);
+}
+
+bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray,
+                                     Worker& worker, RayPassage* passage) const {
+  const RayStart& start = starts[ray.start];
+  BlockVisit& visit = worker.visit;
+  const RayBlocks blocks = blocks_->blocks();
+  const BlockRay line{{start.position.x, start.position.y, start.position.z},
+                      {ray.direction.x, ray.direction.y, ray.direction.z},
+                      ray.length,
+                      start.error};
+  visit_blocks_(blocks, line, &visit);
+  if (visit.overflow) return false;
+  ++worker.paths.rays;
+  if (visit.blocked) {
+    ++worker.paths.blocked;
+    *passage = {.blocked = true, .certified = true, .doubt = 0};
+    return true;
+  }
+
+  // Solve what is left open, unless it is the start's own surroundings.
+  const Model& model = scene_.model();
+  RayRoots& roots = worker.roots;
+  bool solving = false, own_known = false;
+  for (int i = 0; i < visit.open_count; ++i) {
+    const RayBlock& block = blocks.blocks[visit.open[i].block];
+    for (std::uint32_t lanes = visit.open[i].lanes; lanes != 0; lanes &= lanes - 1) {
+      const PlacedPiece& placed = placed_[block.piece[__builtin_ctz(lanes)]];
+      const SpacePiece& piece = scene_.pieces.all()[placed.piece];
+      const Instance& instance = model.instances[placed.instance];
+      const std::uint32_t id =
+          instance.first_placed_face + piece.face - model.parts[instance.part].faces.first;
+      ++worker.paths.pieces_open;
+      if (id == start.placed_face && IsOwnOnly(start, ray.direction, piece, placed.instance)) {
+        ++worker.paths.pieces_own;
+        own_known = own_known || piece.Holds(start.u, start.v);
+        continue;
+      }
+      if (!solving) roots.Begin(start, worker.prepared == ray.start, ray.direction, ray.length);
+      worker.prepared = ray.start;
+      solving = true;
+      ++worker.paths.pieces_solved;
+      roots.Examine(placed.instance, piece);
+    }
+    if (solving && roots.blocked()) break;
+  }
+  ++(solving ? worker.paths.solved : worker.paths.clear);
+  if (solving && own_known) roots.KnowOwnRoot();
+  *passage = solving ? PassageOf(roots) : RayPassage{.blocked = false, .certified = true, .doubt = 0};
+  return true;
+}
+
 void ExactRays::FindBlocked(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
                             std::span<RayPassage> passages) const {
+  if (blocks_) return BlockedByTree(starts, rays, passages, workers_->local());
+  BlockedByStructure(starts, rays, passages);
+}
+
+void ExactRays::BlockedByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                                   std::span<RayPassage> passages) const {
   WithStructure(structure_, [&](const auto& structure) {
     Trace(structure, starts, rays, /*any=*/true, [&](std::size_t i, const RayRoots* roots) {
       passages[i] = roots != nullptr ? PassageOf(*roots) : RayPassage{.doubt = kDoubtUnresolved};
     });
   });
+}
+
+void ExactRays::BlockedByTree(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                              std::span<RayPassage> passages, Worker& worker) const {
+  worker.prepared = kNoIndex;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayStart& start = starts[rays[i].start];
+    bool answered = false;
+    if (blocks_->Reaches(start.position) && IsUsable(start, rays[i]))
+      answered = PassageThroughBlocks(starts, rays[i], worker, &passages[i]);
+    if (answered) continue;
+    BlockedByStructure(starts, rays.subspan(i, 1), passages.subspan(i, 1));
+    worker.prepared = kNoIndex;
+  }
+}
+
+ExactRays::Paths ExactRays::CountPaths(std::span<const RayStart> starts,
+                                       std::span<const SecondaryRay> rays) const {
+  Worker& worker = workers_->local();
+  worker.paths = {};
+  std::vector<RayPassage> passages(rays.size());
+  FindBlocked(starts, rays, passages);
+  return worker.paths;
 }
 
 void ExactRays::FindNearest(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,

@@ -13,7 +13,12 @@
 //     certified if every candidate is proven empty or trimmed away. The nearest hit is certified if it is proven, and
 //     nothing that is not proven absent lies in front of it or within its error (kDoubtCoincident for another face).
 //     Any other answer is the best one that is known, with the doubts that stand in the way.
-//  4. Queries allocate nothing per ray. They may be called from any number of threads; the answers are the same for any
+//  4. The structure "blocks" answers FindBlocked first in single precision, with bounds that prove most answers
+//     (block_tree.h, kernels/ray_blocks.h), and solves only the pieces that are left open. Pieces of the start's own face
+//     are not met again if the face is plane, or if the start lies in the neighbourhood of a piece whose cone leaves the
+//     direction out (space_pieces.h, law 5); both rely on RayStart's word that the start is on its face. FindNearest, rays
+//     from far outside and rays that leave very many pieces open are answered by "bvh".
+//  5. Queries allocate nothing per ray. They may be called from any number of threads; the answers are the same for any
 //     grouping, any structure, and any instruction set.
 #pragma once
 
@@ -23,13 +28,17 @@
 #include "render/accel/structures.h"
 #include "render/base/execution.h"
 #include "render/base/parallel.h"
+#include "render/rays/block_tree.h"
 #include "render/rays/ray_roots.h"
 #include "render/view/secondary_rays.h"
 
 namespace facetless {
 
+// The structure that is fastest for rays between surfaces (law 4).
+inline constexpr const char* kBlocks = "blocks";
+
 struct ExactRaysOptions {
-  std::string structure = "bvh";  // a name of StructureNames()
+  std::string structure = kBlocks;  // a name of StructureNames(), or kBlocks
   // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored.
   const std::vector<bool>* leave_out = nullptr;
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of the pieces, their boxes and the structure
@@ -51,6 +60,14 @@ class ExactRays final : public SecondaryRays {
   std::uint64_t bytes() const override;
   std::size_t pieces() const { return placed_.size(); }
 
+  // How FindBlocked answers rays with kBlocks, for measurements: rays that the blocks alone decided, and those for which
+  // pieces were solved.
+  struct Paths {
+    std::uint64_t rays = 0, blocked = 0, clear = 0, solved = 0, pieces_open = 0, pieces_own = 0,
+                  pieces_solved = 0;
+  };
+  Paths CountPaths(std::span<const RayStart> starts, std::span<const SecondaryRay> rays) const;
+
  private:
   // A piece of an instance; its box has the same index.
   struct PlacedPiece {
@@ -61,10 +78,26 @@ class ExactRays final : public SecondaryRays {
     Worker(const RayScene& scene, StateSize size) : roots(scene), state(size) {}
     RayRoots roots;
     QueryState state;
+    BlockVisit visit;
+    std::uint32_t prepared = kNoIndex;  // the start of the batch that `roots` knows
+    Paths paths;
   };
 
   ExactRays() = default;
   Result<void> PlacePieces(const std::vector<bool>& shown, std::uint64_t max_bytes, std::vector<Box3>* boxes);
+  void BuildBlocks(const std::vector<Box3>& boxes);
+  void DescribePiece(std::uint32_t id, Vec3 from, PieceShape* shape) const;
+  void FindFlatFaces();
+  void BlockedByTree(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                     std::span<RayPassage> passages, Worker& worker) const;
+  void BlockedByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                          std::span<RayPassage> passages) const;
+  // Returns false if the blocks leave too much open.
+  bool PassageThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray, Worker& worker,
+                            RayPassage* passage) const;
+  // Whether a ray from the start meets the piece only in the start itself.
+  bool IsOwnOnly(const RayStart& start, Vec3 direction, const SpacePiece& piece,
+                 std::uint32_t instance) const;
   // Calls finish(ray, roots) after the visit of each ray.
   template <typename Structure, typename Finish>
   void Trace(const Structure& structure, std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
@@ -73,6 +106,9 @@ class ExactRays final : public SecondaryRays {
   RayScene scene_;
   std::vector<PlacedPiece> placed_;
   AnyStructure structure_;
+  std::optional<BlockTree> blocks_;
+  VisitBlocks visit_blocks_ = nullptr;
+  std::vector<Vec3> plane_normals_;  // of each face, in its part: the unit normal if it is plane, else zero
   std::string structure_name_;
   double build_ms_ = 0;
   mutable std::unique_ptr<PerThread<Worker>> workers_;

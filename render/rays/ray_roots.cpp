@@ -266,6 +266,11 @@ void RayRoots::PairWithNeighbour(RayRoot* root) {
   }
 }
 
+bool RayRoots::complete() const {
+  return !awaiting_own_ || std::none_of(roots_.begin(), roots_.end(),
+                                        [&](const RayRoot& root) { return root.placed_face == start_face_; });
+}
+
 void RayRoots::FindOwnRoot() {
   if (!awaiting_own_) return;
   awaiting_own_ = false;

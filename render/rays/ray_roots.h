@@ -81,8 +81,10 @@ class RayRoots {
   void Examine(std::uint32_t instance, const SpacePiece& piece);
 
   bool blocked() const { return blocked_; }  // a proven root was found
-  // False if the ray starts on a face whose own root is not found (law 2): then the ray has no proven answer.
-  bool complete() const { return !awaiting_own_; }
+  // False if a root of the start's face may be the start's own, because that is not found (law 2).
+  bool complete() const;
+  // Says that the start's own root is known from elsewhere, and that no other piece has it.
+  void KnowOwnRoot() { FindOwnRoot(); }
   // The distance at which a proven root lies at most; the length if there is none.
   double limit() const { return limit_; }
   const std::vector<RayRoot>& roots() const { return roots_; }

@@ -13,10 +13,17 @@
 namespace facetless {
 namespace {
 
-// A piece whose control points lie within this share of its diagonal from a parallelogram turns by a few degrees from
-// end to end, so most rays meet it with a certificate.
-constexpr double kFlatness = 1.0 / 32;
-constexpr int kMostHalvings = 6;  // of one patch in one direction
+// Rays that pass a piece within about its bend, or within the width of its trim line, cannot be decided without solving
+// for a root. A piece is kept if the area of that, bend or width times the square of its diagonal, is at most this share
+// of the square of the model's diagonal.
+constexpr double kOpenShare = 1.0 / (256 * 256);
+// No piece bends by more than this share of its diagonal: most rays meet it with a certificate. None needs to be flatter
+// than the second.
+constexpr double kMostBend = 1.0 / 6, kLeastBend = 1.0 / 512;
+// And none turns much along a side, so that cones are narrow: the bend against twice the side.
+constexpr double kMostTurn = 1.0 / 20;
+// The most halvings of one patch in one direction, for the bend and for the trim line.
+constexpr int kMostHalvings = 6, kMostTrimHalvings = 12;
 
 constexpr double kEpsilon = 0x1p-53;
 
@@ -31,6 +38,7 @@ Vec3 Cartesian(const BezierNet& net, int k, int l) {
 struct Bend {
   double u = 0, v = 0;
   double diagonal = 0;
+  double length_u = 0, length_v = 0;  // of the sides, twice
 };
 
 Bend MeasureBend(const BezierNet& net) {
@@ -50,8 +58,51 @@ Bend MeasureBend(const BezierNet& net) {
   }
   // A twist is halved in both directions alike: take the one whose sides are longer.
   const double twist = 0.25 * Length((c11 - c10) - (c01 - c00));
-  (Length(c10 - c00) + Length(c11 - c01) >= Length(c01 - c00) + Length(c11 - c10) ? bend.u : bend.v) += twist;
+  bend.length_u = Length(c10 - c00) + Length(c11 - c01);
+  bend.length_v = Length(c01 - c00) + Length(c11 - c10);
+  (bend.length_u >= bend.length_v ? bend.u : bend.v) += twist;
   return bend;
+}
+
+// The differences of neighbouring control points in one direction, as they act on a ray through a point q of the net:
+// w·Δp + Δw·(p − q). The first term lies in a ball, and |Δw| is at most `weight`.
+struct Differences {
+  Vec3 center;
+  double radius = 0, weight = 0;
+};
+
+Differences DifferencesAlong(const BezierNet& net, Direction direction) {
+  const int step = direction == Direction::kU ? net.stride() : 1;
+  const int last_k = net.degree_u - (direction == Direction::kU ? 1 : 0);
+  const int last_l = net.degree_v - (direction == Direction::kV ? 1 : 0);
+  const auto difference = [&](int i) {
+    const double w = net.at(i + step, kW), ratio = w / net.at(i, kW);
+    return Vec3{net.at(i + step, kX) - ratio * net.at(i, kX), net.at(i + step, kY) - ratio * net.at(i, kY),
+                net.at(i + step, kQ) - ratio * net.at(i, kQ)};
+  };
+  Box3 box;
+  Differences all;
+  for (int k = 0; k <= last_k; ++k)
+    for (int l = 0; l <= last_l; ++l) box.Add(difference(k * net.stride() + l));
+  all.center = box.center();
+  for (int k = 0; k <= last_k; ++k) {
+    for (int l = 0; l <= last_l; ++l) {
+      const int i = k * net.stride() + l;
+      all.radius = std::max(all.radius, Length(difference(i) - all.center));
+      all.weight = std::max(all.weight, std::fabs(net.at(i + step, kW) - net.at(i, kW)));
+    }
+  }
+  return all;
+}
+
+// The largest distance of two control points of a net across a direction.
+double WidthAcross(const BezierNet& net, Vec3 direction) {
+  const Vec3 along = Normalized(direction), first = Cartesian(net, 0, 0);
+  double most = 0;
+  for (int k = 0; k <= net.degree_u; ++k)
+    for (int l = 0; l <= net.degree_v; ++l)
+      most = std::max(most, Length(Cross(Cartesian(net, k, l) - first, along)));
+  return 2 * most;
 }
 
 }  // namespace
@@ -59,7 +110,8 @@ Bend MeasureBend(const BezierNet& net) {
 // Divides the patches of one face after the other; each thread has its own.
 class SpacePieces::Divider {
  public:
-  Divider(const Scene::Data& scene, const NetOperations& nets) : scene_(scene), nets_(nets) {}
+  Divider(const Scene::Data& scene, const NetOperations& nets)
+      : scene_(scene), nets_(nets), square_(scene.model->Diagonal() * scene.model->Diagonal()) {}
 
   // Appends the pieces of a face.
   void Divide(std::uint32_t face, Vec3 origin, std::vector<SpacePiece>* pieces, CoefficientArena* arena) {
@@ -127,11 +179,21 @@ class SpacePieces::Divider {
       if (trim == RectClass::kOutside) return;
     }
     const Bend bend = MeasureBend(node.net);
-    const double enough = kFlatness * bend.diagonal;
-    const bool along_u = bend.u > enough && node.place.u_halvings < kMostHalvings;
-    const bool along_v = bend.v > enough && node.place.v_halvings < kMostHalvings;
-    if (!along_u && !along_v) return Keep(node, trim);
-    const Direction direction = along_u && (!along_v || bend.u >= bend.v) ? Direction::kU : Direction::kV;
+    const double area = bend.diagonal * bend.diagonal;
+    // The bend that is allowed, as a length.
+    const double enough = std::clamp(kOpenShare * square_ / area, kLeastBend, kMostBend) * bend.diagonal;
+    const double turn_u = kMostTurn * bend.length_u, turn_v = kMostTurn * bend.length_v;
+    const bool along_u = bend.u > std::min(enough, turn_u) && node.place.u_halvings < kMostHalvings;
+    const bool along_v = bend.v > std::min(enough, turn_v) && node.place.v_halvings < kMostHalvings;
+    Direction direction = along_u && (!along_v || bend.u >= bend.v) ? Direction::kU : Direction::kV;
+    if (!along_u && !along_v) {
+      const TrimLine line = trim == RectClass::kMixed ? FindLine(node.place) : TrimLine::Whole();
+      const bool may_u = node.place.u_halvings < kMostTrimHalvings,
+                 may_v = node.place.v_halvings < kMostTrimHalvings;
+      if (std::min(line.w, 1.0) * area <= kOpenShare * square_ || (!may_u && !may_v))
+        return Keep(node, trim, line);
+      direction = may_u && (!may_v || bend.length_u >= bend.length_v) ? Direction::kU : Direction::kV;
+    }
     Node& low = Level(node.level + 1, 0);
     Node& high = Level(node.level + 1, 1);
     for (Node* half : {&low, &high}) {
@@ -157,11 +219,18 @@ class SpacePieces::Divider {
     return face_->trim.Classify(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder));
   }
 
-  void Keep(const Node& node, RectClass trim) {
+  TrimLine FindLine(const LeafPlace& place) const {
+    const ParameterRect rect = RectOf(place, bounds_);
+    return face_->trim.FindLine(u_map_->ToNative(rect.U(-1)), u_map_->ToNative(rect.U(1)),
+                                v_map_->ToNative(rect.V(-1)), v_map_->ToNative(rect.V(1)), kSteepBand);
+  }
+
+  void Keep(const Node& node, RectClass trim, const TrimLine& line) {
     SpacePiece piece;
     piece.face = face_index_;
     piece.place = node.place;
     piece.whole = trim == RectClass::kInside;
+    piece.line = line;
     const std::size_t count = std::size_t{kNetComponents} * node.net.points();
     double* const net = arena_->Allocate(count);
     std::copy_n(node.net.value, count, net);
@@ -169,7 +238,50 @@ class SpacePieces::Divider {
     std::copy_n(node.net.error, int{kNetComponents}, piece.error);
     if (!rational_) piece.error[kW] = 0;  // w is 1, and halving 1 does not round
     piece.box = BoxOf(node.net);
+    const ParameterRect rect = RectOf(node.place, bounds_);
+    piece.u_low = u_map_->ToNative(rect.U(-1));
+    piece.u_high = u_map_->ToNative(rect.U(1));
+    piece.v_low = v_map_->ToNative(rect.V(-1));
+    piece.v_high = v_map_->ToNative(rect.V(1));
+    piece.close = FindCone(node.net, kCloseShare);
+    piece.wide = FindCone(node.net, kWideShare);
     pieces_->push_back(piece);
+  }
+
+  // Finds the cone of a neighbourhood (law 5).
+  SpacePiece::Cone FindCone(const BezierNet& own, double share) {
+    // Native parameters may be angles, of at most a quarter turn in a patch: their rate against the patch's own parameter
+    // varies by up to 1.18 within it.
+    const double more = 1.25 * share;
+    wide_.SetDegrees(own.degree_u, own.degree_v);
+    BezierNet& net = wide_.net;
+    std::copy_n(own.value, std::size_t{kNetComponents} * own.points(), net.value);
+    for (const NetComponent c : {kX, kY, kW, kQ}) {
+      if (c == kW && !rational_) continue;
+      Extend(&net, c, Direction::kU, more, more);
+      Extend(&net, c, Direction::kV, more, more);
+    }
+    Box3 box;
+    for (int k = 0; k <= net.degree_u; ++k) {
+      for (int l = 0; l <= net.degree_v; ++l) {
+        if (!(net.at(k * net.stride() + l, kW) > 0)) return {};
+        box.Add(Cartesian(net, k, l));
+      }
+    }
+    const Differences a = DifferencesAlong(net, Direction::kU), b = DifferencesAlong(net, Direction::kV);
+    const Vec3 normal = Cross(a.center, b.center);
+    const double length = Length(normal), size_a = Length(a.center), size_b = Length(b.center);
+    // The cross product of the two differs from that of the centres by these parts. What the weights add along the other
+    // direction is along the other factor, and drops out.
+    double off = size_a * b.radius + size_b * a.radius + a.radius * b.radius;
+    if (rational_) {
+      const double diagonal = box.diagonal();
+      off += size_a * b.weight * WidthAcross(net, a.center) + size_b * a.weight * WidthAcross(net, b.center) +
+             diagonal * (a.radius * b.weight + b.radius * a.weight) +
+             a.weight * b.weight * diagonal * diagonal;
+    }
+    if (!(off < length)) return {};
+    return {Normalized(normal), off / length + 0x1p-20};  // the rounding of all this is far smaller
   }
 
   // The weights vary little over a piece, so the errors of all control points are alike.
@@ -198,12 +310,14 @@ class SpacePieces::Divider {
 
   const Scene::Data& scene_;
   const NetOperations& nets_;
+  const double square_;  // of the model's diagonal
   const FaceData* face_ = nullptr;
   std::uint32_t face_index_ = 0;
   Vec3 origin_;
   PatchBounds bounds_;
   const SpanParameter *u_map_ = nullptr, *v_map_ = nullptr;
   bool rational_ = false;
+  OwnedNet wide_;  // the net of a neighbourhood
   std::vector<SpacePiece>* pieces_ = nullptr;
   CoefficientArena* arena_ = nullptr;
   std::vector<std::unique_ptr<Node>> levels_;

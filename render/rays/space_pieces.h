@@ -10,11 +10,15 @@
 //  2. A net has the components (x − w·origin.x, y − w·origin.y, w, z − w·origin.z), where `origin` is the middle of
 //     the face's box: a face far from the part's origin loses no precision. SpacePiece::error bounds the distance of
 //     each component from the exact surface.
-//  3. A piece is divided until its control points lie within kFlatness of a parallelogram, as a share of its diagonal,
-//     or until it has been halved kMostHalvings times in one direction. Pieces of any shape give correct answers: the
-//     shape decides only how fast.
+//  3. A piece is divided until it is nearly a parallelogram, and until a line tells what of it the trimming leaves
+//     (TrimLine, with bands for rays as slanted as kSteepBand). How nearly depends on its size against the model's: a
+//     small piece meets few rays. Pieces of any shape give correct answers: the shape decides only how fast.
 //  4. The box holds all control points, their errors included, and so the piece. Weights are positive (model.h, law 5).
-//  5. The pieces depend on the model alone, not on the number of threads or the instruction set.
+//  5. A piece has cones that hold, up to sign, the direction of Sa × Sb for any two tangents Sa along u and Sb along v
+//     of the surface at points of a *neighbourhood*: the patch over the piece and a share of its sides (kCloseShare,
+//     kWideShare) more on each side. A line along d meets the neighbourhood at most once if |d·axis| > sine·|d|: two
+//     points of it differ by a mean tangent along u and one along v, and d is no combination of the two.
+//  6. The pieces depend on the model alone, not on the number of threads or the instruction set.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +34,10 @@
 
 namespace facetless {
 
+inline constexpr double kSteepBand =
+    9;  // a little more than 1/kSteep (block_tree.h), as pieces are not quite plane
+inline constexpr double kCloseShare = 1.0 / 32, kWideShare = 0.5;
+
 struct SpacePiece {
   Box3 box;                     // in the part's coordinates
   const double* net = nullptr;  // as BezierNet::value; law 2
@@ -37,6 +45,21 @@ struct SpacePiece {
   LeafPlace place;
   std::uint32_t face = 0;  // of the model
   bool whole = false;      // proven to lie inside the trimmed face
+  TrimLine line;           // of its native parameters, if it is not whole
+  // Native parameters.
+  double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  struct Cone {
+    Vec3 axis;        // unit vector, in the part's coordinates
+    double sine = 2;  // at least 1: there is no cone
+  };
+  Cone close, wide;  // law 5
+
+  bool Holds(double u, double v) const { return u >= u_low && u <= u_high && v >= v_low && v <= v_high; }
+  // Whether native parameters lie in the neighbourhood of a share of the sides.
+  bool HasNear(double u, double v, double share) const {
+    const double width = share * (u_high - u_low), height = share * (v_high - v_low);
+    return u >= u_low - width && u <= u_high + width && v >= v_low - height && v <= v_high + height;
+  }
 };
 
 class SpacePieces {

@@ -29,7 +29,7 @@ struct Options {
   std::uint64_t seed = 1;
   int size = 1024, close_ups = 24, list = 20;
   std::size_t rays = 0;
-  std::string structure = "bvh";
+  std::string structure = "blocks";
   bool perspective = false;
 };
 

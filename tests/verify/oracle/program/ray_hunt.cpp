@@ -131,7 +131,15 @@ Result<std::uint64_t> HuntRays(const std::string& title, const Scene& scene, con
     }
     blocked.Print(kind);
     nearest.Print(" nearest");
-    std::printf("  %.2f us per %s ray\n", us / std::max<std::size_t>(1, rays.size()), kind);
+    std::printf("  %.3f us per %s ray\n", us / std::max<std::size_t>(1, rays.size()), kind);
+    if (const ExactRays::Paths paths = exact.CountPaths(starts, rays); paths.rays > 0)
+      std::printf(
+          "  blocks decide %.1f %% as blocked and %.1f %% as clear; per ray %.2f pieces open, %.2f of them "
+          "own, "
+          "%.3f solved\n",
+          100.0 * paths.blocked / paths.rays, 100.0 * paths.clear / paths.rays,
+          double(paths.pieces_open) / paths.rays, double(paths.pieces_own) / paths.rays,
+          double(paths.pieces_solved) / paths.rays);
     wrong += blocked.wrong() + nearest.wrong();
   }
   std::fflush(stdout);

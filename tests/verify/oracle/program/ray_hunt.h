@@ -14,7 +14,7 @@ namespace facetless::oracle {
 
 struct RayHuntOptions {
   std::size_t starts = 2000;
-  std::string structure = "bvh";
+  std::string structure = "blocks";
   int list = 20;
 };
 
