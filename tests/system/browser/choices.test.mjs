@@ -81,6 +81,30 @@ test("zebra stripes on a model that is cut open, with its lines and the area of 
   noFaults(page);
 });
 
+test("shadows, occlusion and a ground, and what the mesh does to them", async () => {
+  const server = await Server.start();
+  const page = await newTab({ width: 1600, height: 1000 });
+  await page.goto(server.address);
+  await page.click(".options summary");
+  await page.selectOption("#size", "512x512");
+  await page.selectOption("#deflection", "0.01");
+  await page.check("#shadows");
+  await page.check("#ground");
+  await page.selectOption("#ambient_occlusion", "16");
+  await drop(page, sample("vase.step"));
+  await state(page, "shown");
+  await pixelsRead(page);
+  const numbers = Object.fromEntries(await page.locator('[aria-label="Light"] tr').evaluateAll((rows) => rows.map((row) => [...row.children].map((cell) => cell.textContent))));
+  assert.match(numbers["… proven"], /^(99|100)/);
+  assert.match(numbers["Shades itself falsely"], /^[1-9]/);
+  await page.click('[aria-label=Pictures] >> text="Light"');
+  assert.match(await page.textContent(".stage figcaption"), /the mesh shades itself/);
+  await noViolations(page);
+  await wellLaidOut(page);
+  await shot(page, "light");
+  noFaults(page);
+});
+
 test("speed against accuracy, on the page", async () => {
   const server = await Server.start("--timeout", "60");
   const page = await newTab({ width: 1600, height: 1000 });
