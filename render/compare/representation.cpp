@@ -84,7 +84,7 @@ Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest
 Result<std::unique_ptr<SecondaryRays>> ExactSurfaces::MakeRays(const SecondaryRaysRequest& request,
                                                                const Execution& execution) const {
   ExactRaysOptions options;
-  if (!request.structure.empty()) options.structure = request.structure;
+  options.structure = request.structure;
   if (!request.leave_out.empty()) options.leave_out = &request.leave_out;
   options.max_bytes = options_.accuracy.max_bytes;
   Result<std::unique_ptr<ExactRays>> made = ExactRays::Build(scene_, options, execution);

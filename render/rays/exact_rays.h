@@ -35,7 +35,7 @@
 namespace facetless {
 
 // The structure that is fastest for rays between surfaces (law 4).
-inline constexpr const char* kBlocks = "blocks";
+inline constexpr const char* kBlocks = kUsualStructure;
 
 struct ExactRaysOptions {
   std::string structure = kBlocks;  // a name of StructureNames(), or kBlocks

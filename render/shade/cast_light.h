@@ -51,7 +51,7 @@ struct LightOptions {
   int occlusion_rays = 0;          // per sample, 0 … kMostOcclusionRays; 0: no occlusion
   double occlusion_radius_mm = 0;  // CastLight needs one above 0, which may be infinite
   bool ground = false;
-  std::string structure;  // that finds candidates on exact surfaces; empty: the default
+  std::string structure = kUsualStructure;  // that finds candidates on exact surfaces
   std::vector<MaterialRule> materials;
   int bounces = 6;  // of rays that mirrors, metals and glasses send on (cast_reflections.h)
   // The panorama that they show; null: the built-in studio. `environment` is the name of its file.

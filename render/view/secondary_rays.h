@@ -65,13 +65,15 @@ struct SecondaryHit {
   std::uint8_t doubt = 0;  // bits of Doubt
 };
 
+// The structure of rays on exact surfaces that is fastest for rays between surfaces (rays/exact_rays.h).
+inline constexpr const char* kUsualStructure = "blocks";
+
 // What is asked of a representation that makes rays.
 struct SecondaryRaysRequest {
   // Indexed by placed face: rays ignore the faces that are set. Empty: no face is ignored.
   std::vector<bool> leave_out;
-  // The structure that finds candidates, a name of accel/structures.h; empty: the default. Triangles always use
-  // Embree's.
-  std::string structure;
+  // The structure that finds candidates: kUsualStructure or a name of accel/structures.h. Triangles always use Embree's.
+  std::string structure = kUsualStructure;
 };
 
 class SecondaryRays {

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "render/accel/structures.h"
+#include "render/rays/exact_rays.h"
 #include "render/shade/cast_reflections.h"
 #include "render/view/camera.h"
 #include "server/options/option_binding.h"
@@ -256,7 +257,7 @@ OptionTable AppearanceRows() {
 
 OptionTable LightRows() {
   const std::string kGroup = "Light";
-  std::vector<std::string> structures;
+  std::vector<std::string> structures = {kBlocks};
   for (const StructureName& structure : StructureNames()) structures.emplace_back(structure.name);
   return {
       {.name = "shadows",
@@ -328,7 +329,7 @@ OptionTable LightRows() {
        .help = "Acceleration structure in which the rays of light on exact surfaces look for candidates; the "
                "picture does not depend on it",
        .choices = structures,
-       .usual_words = "the fastest on parts",
+       .usual = kBlocks,
        .binding = Bound([](auto& o) -> auto& { return o.light.structure; })},
   };
 }
