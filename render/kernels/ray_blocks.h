@@ -87,10 +87,12 @@ inline constexpr int kMostOpen = 256;
 inline constexpr int kDeepestBlocks = 32;  // levels of nodes
 
 struct BlockVisit {
+  bool every = false;     // set by the caller: pieces that block the ray are open, too, and `near` is filled
   bool blocked = false;   // by law 2
   bool overflow = false;  // more than kMostOpen blocks are open
   int open_count = 0;
   OpenLanes open[kMostOpen];
+  float near[kMostOpen][kBlockLanes];  // no root of the piece is nearer than this along the ray, mm
 };
 
 // Visits the blocks that the ray meets, until one blocks it for certain.

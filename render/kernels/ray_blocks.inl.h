@@ -177,7 +177,7 @@ inline Bits MeetChildren(const RayNode& node, const BoxRay& ray, float* enter) {
 }
 
 // Tests the pieces of a block; returns the open lanes, and whether one blocks the ray.
-inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool* blocked) {
+inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bool* blocked, float* near) {
   // Move the ray to the point that is nearest to the block's centre.
   double start[3], to_center = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -188,6 +188,7 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool* blocked)
   const Bits used = (1u << block.count) - 1;
   if (!(std::fabs(to_center) <= kFarthest * radius)) {
     // The block is behind the ray or beyond its end, or too small for single precision.
+    if (every) Save(All(0), near);
     return to_center < -2 * radius || to_center > ray.length + 2 * radius ? 0 : used;
   }
   Eight o[3], d[3];
@@ -239,7 +240,14 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool* blocked)
                       Less(All(static_cast<float>(low + own)), tau - k) &
                       Less(tau + k, All(static_cast<float>(high - guard))) &
                       LessOrEqual(Abs(tau), All(static_cast<float>(1.25 * radius)));
-  if ((inside & kept & steep & used) != 0) {
+  if (every) {
+    // The distance of what is nearest in the slab; rounding is below 2^-22 of it.
+    const Eight distance = tau - k + All(static_cast<float>(to_center - guard));
+    Save(distance - Abs(distance) * All(0x1p-21f), near);
+    if (steep != 0xffu)
+      for (int lane = 0; lane < kBlockLanes; ++lane)
+        if ((steep >> lane & 1) == 0) near[lane] = 0;
+  } else if ((inside & kept & steep & used) != 0) {
     *blocked = true;
     return 0;
   }
@@ -259,13 +267,14 @@ void VisitRayBlocks(const RayBlocks& blocks, const BlockRay& ray, BlockVisit* vi
   for (;;) {
     if ((at & kBlockBit) != 0) {
       const std::uint32_t index = at & ~kBlockBit;
-      const Bits open = TestBlock(blocks.blocks[index], ray, &visit->blocked);
+      if (visit->open_count == kMostOpen) {
+        visit->overflow = true;
+        return;
+      }
+      const Bits open =
+          TestBlock(blocks.blocks[index], ray, visit->every, &visit->blocked, visit->near[visit->open_count]);
       if (visit->blocked) return;
       if (open != 0) {
-        if (visit->open_count == kMostOpen) {
-          visit->overflow = true;
-          return;
-        }
         visit->open[visit->open_count++] = {index, open};
       }
     } else {

@@ -388,10 +388,9 @@ bool FaceTrim::OddExcept(Vec2 point, std::uint32_t excluded) const {
 bool FaceTrim::PiecesIn(const Rect& rect, double band_scale, int most, std::uint32_t* found,
                         int* count) const {
   bool odd = false;
-  TrimPath path = TrimPath::kBoxes;
   *count = 0;
   return Walk({rect.u_low, rect.v_low}, rect, band_scale, odd, [&](std::uint32_t i, bool&) {
-    if (pieces_.pieces[i].slit || SideOfRect(i, rect, band_scale, path) != PieceSide::kMeets) return true;
+    if (pieces_.pieces[i].slit) return true;
     if (*count == most) return false;
     found[(*count)++] = i;
     return true;

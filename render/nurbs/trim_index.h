@@ -126,7 +126,7 @@ class FaceTrim {
 
   template <typename OpenPiece>
   bool Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd, const OpenPiece& open_piece) const;
-  // Lists the pieces whose curves, with their bands, meet the rectangle. Returns false if they are more than `most`.
+  // Lists the pieces whose boxes, with their bands, meet the rectangle. Returns false if they are more than `most`.
   bool PiecesIn(const Rect& rect, double band_scale, int most, std::uint32_t* found, int* count) const;
   PieceSide SideOfRect(std::uint32_t piece, const Rect& rect, double band_scale, TrimPath& path) const;
   bool CrossesRayTowardsU(std::uint32_t piece, Vec2 point, TrimPath& path) const;

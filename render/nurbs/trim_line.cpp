@@ -12,7 +12,8 @@
 namespace facetless {
 namespace {
 
-constexpr int kMostPieces = 8;
+// The most pieces with a box that meets the rectangle, and of those that do so themselves.
+constexpr int kMostBoxes = 32, kMostPieces = 8;
 // Rounding of the corners of a polygon, relative to the rectangle, of which they are at most a few sizes away.
 constexpr double kRounding = 0x1p-40;
 
@@ -39,16 +40,17 @@ struct Polygon {
 TrimLine FaceTrim::FindLine(double u0, double u1, double v0, double v1, double band_scale) const {
   const double half_u = 0.5 * (u1 - u0), half_v = 0.5 * (v1 - v0);
   if (!(half_u > 0 && half_v > 0 && half_u < INFINITY && half_v < INFINITY)) return {};
-  std::uint32_t found[kMostPieces];
+  std::uint32_t found[kMostBoxes];
   int count = 0;
   const Rect rect{u0, u1, v0, v1};
-  if (!PiecesIn(rect, band_scale, kMostPieces, found, &count)) return {};
+  if (!PiecesIn(rect, band_scale, kMostBoxes, found, &count)) return {};
 
   // The corners of the polygons that hold the curves, in s and t, and the half widths of the widest band there.
   const Vec2 middle{0.5 * (u0 + u1), 0.5 * (v0 + v1)};
   Vec2 corners[12 * kMostPieces];
   int corner_count = 0;
   Vec2 band{0, 0};
+  int pieces = 0;
   for (int n = 0; n < count; ++n) {
     const TrimPiece& piece = pieces_.pieces[found[n]];
     const Vec2 error = pieces_.curves[found[n]].error;
@@ -65,6 +67,8 @@ TrimLine FaceTrim::FindLine(double u0, double u1, double v0, double v1, double b
     const double base = -Dot(across, piece.low);
     polygon.Cut(across, base - piece.strip_low + slack);
     polygon.Cut({-across.x, -across.y}, piece.strip_high + slack - base);
+    if (polygon.count == 0) continue;
+    if (++pieces > kMostPieces) return {};
     for (int i = 0; i < polygon.count; ++i) {
       const Vec2 p = polygon.corner[i] - middle;
       corners[corner_count++] = {p.x / half_u, p.y / half_v};

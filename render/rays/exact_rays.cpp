@@ -62,6 +62,13 @@ double Unevenness(const Span& span, double width) {
   return 0.5 * alpha * (1 + tangent * tangent) * tangent * step * 1.001;
 }
 
+BlockRay LineOf(const RayStart& start, const SecondaryRay& ray) {
+  return {{start.position.x, start.position.y, start.position.z},
+          {ray.direction.x, ray.direction.y, ray.direction.z},
+          ray.length,
+          start.error};
+}
+
 // The answer to whether anything is in between (law 3).
 RayPassage PassageOf(const RayRoots& roots) {
   RayPassage passage;
@@ -150,30 +157,26 @@ Result<std::unique_ptr<ExactRays>> ExactRays::Build(const Scene& scene, const Ex
   for (const Face& face : model.faces) shared.surfaces.emplace_back(model, face.surface);
   if (execution.cancelled()) return Cancelled();
 
-  std::vector<Box3> boxes;
-  const Result<void> placed = rays->PlacePieces(shared.shown, options.max_bytes, &boxes);
+  const Result<void> placed = rays->PlacePieces(shared.shown, options.max_bytes);
   if (!placed) return placed.error();
-  const bool with_blocks = options.structure == kBlocks;
-  Result<AnyStructure> structure = MakeStructure(with_blocks ? "bvh" : options.structure, boxes);
-  if (!structure) return structure.error();
-  if (with_blocks) {
+  const std::vector<Box3> boxes = rays->MakeBoxes();
+  if (options.structure == kBlocks) {
     rays->visit_blocks_ = kernels.value().visit_blocks;
     RunWithThreads(execution.threads, [&] { rays->BuildBlocks(boxes); });
+  } else {
+    Result<AnyStructure> structure = MakeStructure(options.structure, boxes);
+    if (!structure) return structure.error();
+    rays->SetStructure(std::move(structure).value());
   }
-  rays->structure_ = std::move(structure).value();
   if (execution.cancelled()) return Cancelled();
   if (rays->bytes() > options.max_bytes) return OverLimit(options.max_bytes);
 
-  const StateSize size =
-      WithStructure(rays->structure_, [](const auto& structure) { return structure.state_size(); });
-  rays->workers_ =
-      std::make_unique<PerThread<Worker>>([scene = &rays->scene_, size] { return Worker(*scene, size); });
+  rays->workers_ = std::make_unique<PerThread<Worker>>([scene = &rays->scene_] { return Worker(*scene); });
   rays->build_ms_ = watch.Milliseconds();
   return rays;
 }
 
-Result<void> ExactRays::PlacePieces(const std::vector<bool>& shown, std::uint64_t max_bytes,
-                                    std::vector<Box3>* boxes) {
+Result<void> ExactRays::PlacePieces(const std::vector<bool>& shown, std::uint64_t max_bytes) {
   const Model& model = scene_.model();
   const std::uint64_t own = scene_.pieces.bytes();
   for (std::uint32_t i = 0; i < model.instances.size(); ++i) {
@@ -182,10 +185,7 @@ Result<void> ExactRays::PlacePieces(const std::vector<bool>& shown, std::uint64_
     for (std::uint32_t f = 0; f < faces.count; ++f) {
       if (!shown[instance.first_placed_face + f]) continue;
       const Range range = scene_.pieces.OfFace(faces.first + f);
-      for (std::uint32_t piece = range.first; piece < range.end(); ++piece) {
-        placed_.push_back({i, piece});
-        boxes->push_back(Placed(scene_.pieces.all()[piece].box, scene_.parts[i]));
-      }
+      for (std::uint32_t piece = range.first; piece < range.end(); ++piece) placed_.push_back({i, piece});
       if (own + placed_.size() * (sizeof(PlacedPiece) + sizeof(Box3)) > max_bytes)
         return OverLimit(max_bytes);
     }
@@ -193,17 +193,36 @@ Result<void> ExactRays::PlacePieces(const std::vector<bool>& shown, std::uint64_
   return {};
 }
 
+std::vector<Box3> ExactRays::MakeBoxes() const {
+  std::vector<Box3> boxes;
+  boxes.reserve(placed_.size());
+  for (const PlacedPiece& placed : placed_)
+    boxes.push_back(Placed(scene_.pieces.all()[placed.piece].box, scene_.parts[placed.instance]));
+  return boxes;
+}
+
+void ExactRays::SetStructure(AnyStructure structure) const {
+  structure_ = std::move(structure);
+  structure_bytes_ = WithStructure(structure_, [](const auto& made) { return made.bytes(); });
+}
+
+const AnyStructure& ExactRays::structure_of_boxes() const {
+  if (visit_blocks_ != nullptr)
+    std::call_once(structure_once_,
+                   [&] { SetStructure(std::move(MakeStructure("bvh", MakeBoxes())).value()); });
+  return structure_;
+}
+
 std::uint64_t ExactRays::bytes() const {
-  const std::size_t structure =
-      WithStructure(structure_, [](const auto& structure) { return structure.bytes(); });
   return scene_.pieces.bytes() + (blocks_ ? blocks_->bytes() : 0) + placed_.capacity() * sizeof(PlacedPiece) +
-         structure + scene_.instance_of_face.capacity() * sizeof(std::uint32_t);
+         structure_bytes_ + scene_.instance_of_face.capacity() * sizeof(std::uint32_t);
 }
 
 template <typename Structure, typename Finish>
 void ExactRays::Trace(const Structure& structure, std::span<const RayStart> starts,
                       std::span<const SecondaryRay> rays, bool any, const Finish& finish) const {
   Worker& worker = workers_->local();
+  if (!worker.state) worker.state.emplace(structure.state_size());
   RayRoots& roots = worker.roots;
   std::uint32_t last = kNoIndex;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -215,7 +234,7 @@ void ExactRays::Trace(const Structure& structure, std::span<const RayStart> star
     }
     roots.Begin(start, ray.start == last, ray.direction, ray.length);
     last = ray.start;
-    structure.Visit({start.position, ray.direction, 0, ray.length}, worker.state, [&](std::uint32_t id) {
+    structure.Visit({start.position, ray.direction, 0, ray.length}, *worker.state, [&](std::uint32_t id) {
       roots.Examine(placed_[id].instance, scene_.pieces.all()[placed_[id].piece]);
       return any && roots.blocked() ? kStop : roots.limit();
     });
@@ -319,12 +338,8 @@ bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const Sec
                                      Worker& worker, RayPassage* passage) const {
   const RayStart& start = starts[ray.start];
   BlockVisit& visit = worker.visit;
-  const RayBlocks blocks = blocks_->blocks();
-  const BlockRay line{{start.position.x, start.position.y, start.position.z},
-                      {ray.direction.x, ray.direction.y, ray.direction.z},
-                      ray.length,
-                      start.error};
-  visit_blocks_(blocks, line, &visit);
+  visit.every = false;
+  visit_blocks_(blocks_->blocks(), LineOf(start, ray), &visit);
   if (visit.overflow) return false;
   ++worker.paths.rays;
   if (visit.blocked) {
@@ -333,35 +348,74 @@ bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const Sec
     return true;
   }
 
-  // Solve what is left open, unless it is the start's own surroundings.
-  const Model& model = scene_.model();
+  const bool own_known = ListOpen(start, ray, worker);
+  ++(worker.open.empty() ? worker.paths.clear : worker.paths.solved);
+  if (worker.open.empty()) {
+    *passage = {.blocked = false, .certified = true, .doubt = 0};
+    return true;
+  }
+  // Solve what is left open.
   RayRoots& roots = worker.roots;
-  bool solving = false, own_known = false;
+  roots.Begin(start, worker.prepared == ray.start, ray.direction, ray.length);
+  worker.prepared = ray.start;
+  if (own_known) roots.KnowOwnRoot();
+  for (std::size_t i = 0; i < worker.open.size() && !roots.blocked(); ++i) {
+    const PlacedPiece& placed = placed_[worker.open[i].id];
+    roots.Examine(placed.instance, scene_.pieces.all()[placed.piece]);
+    ++worker.paths.pieces_solved;
+  }
+  *passage = PassageOf(roots);
+  return true;
+}
+
+bool ExactRays::ListOpen(const RayStart& start, const SecondaryRay& ray, Worker& worker) const {
+  const Model& model = scene_.model();
+  const BlockVisit& visit = worker.visit;
+  const RayBlock* const blocks = blocks_->blocks().blocks;
+  bool own_known = false;
+  worker.open.clear();
   for (int i = 0; i < visit.open_count; ++i) {
-    const RayBlock& block = blocks.blocks[visit.open[i].block];
+    const RayBlock& block = blocks[visit.open[i].block];
     for (std::uint32_t lanes = visit.open[i].lanes; lanes != 0; lanes &= lanes - 1) {
-      const PlacedPiece& placed = placed_[block.piece[__builtin_ctz(lanes)]];
+      const int lane = __builtin_ctz(lanes);
+      const std::uint32_t id = block.piece[lane];
+      const PlacedPiece& placed = placed_[id];
       const SpacePiece& piece = scene_.pieces.all()[placed.piece];
       const Instance& instance = model.instances[placed.instance];
-      const std::uint32_t id =
+      const std::uint32_t face =
           instance.first_placed_face + piece.face - model.parts[instance.part].faces.first;
       ++worker.paths.pieces_open;
-      if (id == start.placed_face && IsOwnOnly(start, ray.direction, piece, placed.instance)) {
+      if (face == start.placed_face && IsOwnOnly(start, ray.direction, piece, placed.instance)) {
         ++worker.paths.pieces_own;
         own_known = own_known || piece.Holds(start.u, start.v);
         continue;
       }
-      if (!solving) roots.Begin(start, worker.prepared == ray.start, ray.direction, ray.length);
-      worker.prepared = ray.start;
-      solving = true;
-      ++worker.paths.pieces_solved;
-      roots.Examine(placed.instance, piece);
+      worker.open.push_back({visit.every ? visit.near[i][lane] : 0, id});
     }
-    if (solving && roots.blocked()) break;
   }
-  ++(solving ? worker.paths.solved : worker.paths.clear);
-  if (solving && own_known) roots.KnowOwnRoot();
-  *passage = solving ? PassageOf(roots) : RayPassage{.blocked = false, .certified = true, .doubt = 0};
+  return own_known;
+}
+
+bool ExactRays::NearestThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray,
+                                     Worker& worker, SecondaryHit* hit) const {
+  const RayStart& start = starts[ray.start];
+  worker.visit.every = true;
+  visit_blocks_(blocks_->blocks(), LineOf(start, ray), &worker.visit);
+  if (worker.visit.overflow) return false;
+  const bool own_known = ListOpen(start, ray, worker);
+  std::sort(worker.open.begin(), worker.open.end(), [](const OpenPiece& a, const OpenPiece& b) {
+    return a.near != b.near ? a.near < b.near : a.id < b.id;
+  });
+  RayRoots& roots = worker.roots;
+  roots.Begin(start, worker.prepared == ray.start, ray.direction, ray.length);
+  worker.prepared = ray.start;
+  if (own_known) roots.KnowOwnRoot();
+  for (const OpenPiece& open : worker.open) {
+    if (open.near > roots.limit()) break;
+    const PlacedPiece& placed = placed_[open.id];
+    roots.Examine(placed.instance, scene_.pieces.all()[placed.piece]);
+  }
+  *hit = HitOf(roots, scene_, start, ray);
   return true;
 }
 
@@ -373,7 +427,7 @@ void ExactRays::FindBlocked(std::span<const RayStart> starts, std::span<const Se
 
 void ExactRays::BlockedByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
                                    std::span<RayPassage> passages) const {
-  WithStructure(structure_, [&](const auto& structure) {
+  WithStructure(structure_of_boxes(), [&](const auto& structure) {
     Trace(structure, starts, rays, /*any=*/true, [&](std::size_t i, const RayRoots* roots) {
       passages[i] = roots != nullptr ? PassageOf(*roots) : RayPassage{.doubt = kDoubtUnresolved};
     });
@@ -403,15 +457,30 @@ ExactRays::Paths ExactRays::CountPaths(std::span<const RayStart> starts,
   return worker.paths;
 }
 
-void ExactRays::FindNearest(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
-                            std::span<SecondaryHit> hits) const {
-  WithStructure(structure_, [&](const auto& structure) {
+void ExactRays::NearestByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                                   std::span<SecondaryHit> hits) const {
+  WithStructure(structure_of_boxes(), [&](const auto& structure) {
     Trace(structure, starts, rays, /*any=*/false, [&](std::size_t i, const RayRoots* roots) {
       hits[i] = {};
       hits[i].doubt = kDoubtUnresolved;
       if (roots != nullptr) hits[i] = HitOf(*roots, scene_, starts[rays[i].start], rays[i]);
     });
   });
+}
+
+void ExactRays::FindNearest(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                            std::span<SecondaryHit> hits) const {
+  if (!blocks_) return NearestByStructure(starts, rays, hits);
+  Worker& worker = workers_->local();
+  worker.prepared = kNoIndex;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayStart& start = starts[rays[i].start];
+    if (blocks_->Reaches(start.position) && IsUsable(start, rays[i]) &&
+        NearestThroughBlocks(starts, rays[i], worker, &hits[i]))
+      continue;
+    NearestByStructure(starts, rays.subspan(i, 1), hits.subspan(i, 1));
+    worker.prepared = kNoIndex;
+  }
 }
 
 }  // namespace facetless

@@ -16,14 +16,19 @@
 //  4. The structure "blocks" answers FindBlocked first in single precision, with bounds that prove most answers
 //     (block_tree.h, kernels/ray_blocks.h), and solves only the pieces that are left open. Pieces of the start's own face
 //     are not met again if the face is plane, or if the start lies in the neighbourhood of a piece whose cone leaves the
-//     direction out (space_pieces.h, law 5); both rely on RayStart's word that the start is on its face. FindNearest, rays
-//     from far outside and rays that leave very many pieces open are answered by "bvh".
+//     direction out (space_pieces.h, law 5); both rely on RayStart's word that the start is on its face. FindNearest
+//     solves the pieces that are not proven to be missed, from near to far. Rays from far outside, and rays that leave
+//     very many pieces open, are answered by "bvh", which is built for the first of them.
 //  5. Queries allocate nothing per ray. They may be called from any number of threads; the answers are the same for any
 //     grouping, any structure, and any instruction set.
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "render/accel/structures.h"
 #include "render/base/execution.h"
@@ -73,18 +78,27 @@ class ExactRays final : public SecondaryRays {
   struct PlacedPiece {
     std::uint32_t instance, piece;
   };
+  // A piece on a ray that is not proven to be missed.
+  struct OpenPiece {
+    float near;
+    std::uint32_t id;
+  };
   // What one thread needs for its rays, kept from batch to batch.
   struct Worker {
-    Worker(const RayScene& scene, StateSize size) : roots(scene), state(size) {}
+    explicit Worker(const RayScene& scene) : roots(scene) {}
     RayRoots roots;
-    QueryState state;
+    std::optional<QueryState> state;  // made for the first ray that needs it
     BlockVisit visit;
     std::uint32_t prepared = kNoIndex;  // the start of the batch that `roots` knows
+    std::vector<OpenPiece> open;
     Paths paths;
   };
 
   ExactRays() = default;
-  Result<void> PlacePieces(const std::vector<bool>& shown, std::uint64_t max_bytes, std::vector<Box3>* boxes);
+  Result<void> PlacePieces(const std::vector<bool>& shown, std::uint64_t max_bytes);
+  std::vector<Box3> MakeBoxes() const;
+  void SetStructure(AnyStructure structure) const;
+  const AnyStructure& structure_of_boxes() const;
   void BuildBlocks(const std::vector<Box3>& boxes);
   void DescribePiece(std::uint32_t id, Vec3 from, PieceShape* shape) const;
   void FindFlatFaces();
@@ -95,6 +109,12 @@ class ExactRays final : public SecondaryRays {
   // Returns false if the blocks leave too much open.
   bool PassageThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray, Worker& worker,
                             RayPassage* passage) const;
+  bool NearestThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray, Worker& worker,
+                            SecondaryHit* hit) const;
+  void NearestByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
+                          std::span<SecondaryHit> hits) const;
+  // Lists the open pieces of a visit that are not the start's own surroundings, and says whether those were among them.
+  bool ListOpen(const RayStart& start, const SecondaryRay& ray, Worker& worker) const;
   // Whether a ray from the start meets the piece only in the start itself.
   bool IsOwnOnly(const RayStart& start, Vec3 direction, const SpacePiece& piece,
                  std::uint32_t instance) const;
@@ -105,7 +125,9 @@ class ExactRays final : public SecondaryRays {
 
   RayScene scene_;
   std::vector<PlacedPiece> placed_;
-  AnyStructure structure_;
+  mutable AnyStructure structure_;
+  mutable std::once_flag structure_once_;  // for kBlocks
+  mutable std::atomic<std::uint64_t> structure_bytes_{0};
   std::optional<BlockTree> blocks_;
   VisitBlocks visit_blocks_ = nullptr;
   std::vector<Vec3> plane_normals_;  // of each face, in its part: the unit normal if it is plane, else zero

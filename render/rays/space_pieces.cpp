@@ -119,6 +119,7 @@ class SpacePieces::Divider {
     const Surface& surface = model.surfaces[model.faces[face].surface];
     face_ = &scene_.faces[face];
     face_index_ = face;
+    plane_ = surface.kind == SurfaceKind::kPlane;
     origin_ = origin;
     pieces_ = pieces;
     arena_ = arena;
@@ -243,8 +244,10 @@ class SpacePieces::Divider {
     piece.u_high = u_map_->ToNative(rect.U(1));
     piece.v_low = v_map_->ToNative(rect.V(-1));
     piece.v_high = v_map_->ToNative(rect.V(1));
-    piece.close = FindCone(node.net, kCloseShare);
-    piece.wide = FindCone(node.net, kWideShare);
+    if (!plane_) {
+      piece.close = FindCone(node.net, kCloseShare);
+      piece.wide = FindCone(node.net, kWideShare);
+    }
     pieces_->push_back(piece);
   }
 
@@ -316,7 +319,7 @@ class SpacePieces::Divider {
   Vec3 origin_;
   PatchBounds bounds_;
   const SpanParameter *u_map_ = nullptr, *v_map_ = nullptr;
-  bool rational_ = false;
+  bool rational_ = false, plane_ = false;
   OwnedNet wide_;  // the net of a neighbourhood
   std::vector<SpacePiece>* pieces_ = nullptr;
   CoefficientArena* arena_ = nullptr;

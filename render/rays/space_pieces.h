@@ -17,7 +17,8 @@
 //  5. A piece has cones that hold, up to sign, the direction of Sa × Sb for any two tangents Sa along u and Sb along v
 //     of the surface at points of a *neighbourhood*: the patch over the piece and a share of its sides (kCloseShare,
 //     kWideShare) more on each side. A line along d meets the neighbourhood at most once if |d·axis| > sine·|d|: two
-//     points of it differ by a mean tangent along u and one along v, and d is no combination of the two.
+//     points of it differ by a mean tangent along u and one along v, and d is no combination of the two. Pieces of planes
+//     have no cones: the whole face is one.
 //  6. The pieces depend on the model alone, not on the number of threads or the instruction set.
 #pragma once
 
