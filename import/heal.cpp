@@ -224,7 +224,8 @@ std::optional<std::string> StoreIfSound(const TopoDS_Shape& body, bool pcurves_i
   for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next())
     faces.push_back(TopoDS::Face(face.Current()));
   if (faces.empty()) return "it has no face";
-  // Project what has no p-curve. The faces are independent of each other, and those after a faulty one are skipped.
+  // Project the edges that have no p-curve. The faces are independent of each other. Faces after a faulty one are
+  // skipped.
   std::vector<std::optional<Result<FaceLoops>>> found(faces.size());
   std::atomic<std::size_t> first_fault = faces.size();
   ParallelFor(std::size_t{0}, faces.size(), [&](std::size_t i) {

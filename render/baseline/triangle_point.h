@@ -1,5 +1,14 @@
-// The point at which a ray meets a triangle that Embree found, in double. Private to render/baseline. Everything here is
-// inline, because it is called for each ray.
+// The point at which a ray meets a triangle that Embree found, computed in double. Private to render/baseline. The
+// functions are inline, because they are called for each ray.
+//
+//     const TriangleCorners corners = LoadCorners(data, node, triangle);
+//     const TrianglePoint point = MeetTriangle(corners, origin, direction);
+//
+//  1. The weights of the corners are computed from signed volumes. If the ray misses the triangle, by an error of
+//     float32, the weights are those of a point on its border. If the ray sees the triangle exactly edge-on, they are
+//     those of its middle.
+//  2. The normal is interpolated from the corners. If it points to the other side of the ray than its triangle, it is
+//     rotated until it is perpendicular to the ray (tracer.h, law 3).
 #pragma once
 
 #include <algorithm>
@@ -12,9 +21,9 @@ namespace facetless {
 // A placed triangle.
 struct TriangleCorners {
   Vec3 position[3];  // mm, model axes
-  Vec3 normal[3];    // of the vertices; not unit vectors
+  Vec3 normal[3];    // normals of the corners; not unit vectors
   double side;       // PlacedNode::side
-  // A vector that is perpendicular to the triangle, outward by its orientation.
+  // A vector that is perpendicular to the triangle and points outward by its orientation; not a unit vector.
   Vec3 Facing() const { return side * Cross(position[1] - position[0], position[2] - position[0]); }
 };
 
@@ -43,13 +52,12 @@ inline std::uint32_t PlacedFaceOf(const BaselineScene::Data& data, std::uint32_t
 }
 
 struct TrianglePoint {
-  double weight[3];  // of the corners; their sum is 1
+  double weight[3];  // weights of the corners, 0 … 1; their sum is 1
   Vec3 normal;       // unit vector
 };
 
-// The weights are computed from signed volumes relative to `origin`, a point of the ray near the mesh. If the ray
-// misses the triangle by an error of float32, they are those of its border. The normal is interpolated; one that points
-// to the other side of the ray than its triangle is rotated until it is perpendicular to the ray (tracer.h, law 3).
+// Returns the point of the ray in the triangle (laws 1 and 2). `origin` is a point of the ray near the mesh, mm, model
+// axes; `direction` may have any length above 0.
 inline TrianglePoint MeetTriangle(const TriangleCorners& corners, Vec3 origin, Vec3 direction) {
   const Vec3 q[3] = {corners.position[0] - origin, corners.position[1] - origin,
                      corners.position[2] - origin};

@@ -38,9 +38,9 @@ Result<void> CheckOptions(const ViewOptions& options) {
   if (options.execution.threads < 0)
     return Error{ErrorCode::kBadUsage, "the number of threads must not be negative"};
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
-    return Error{
-        ErrorCode::kBadUsage,
-        "an inspection has no light; leave out --shadows, --ambient-occlusion and --material, or --shade"};
+    return Error{ErrorCode::kBadUsage,
+                 "an inspection has no light; leave out either --shade, or --shadows, --ambient-occlusion "
+                 "and --material"};
   return {};
 }
 
@@ -81,7 +81,7 @@ struct Exposure {
   const std::vector<ViewLine>& lines;
   // What transparent faces hide, for the same rays; null if nothing is transparent.
   const SampleBuffer* behind;
-  // The light of both, if it was cast.
+  // The light of `samples` and of `behind`; null if no light was cast.
   const SampleLight* light = nullptr;
   const SampleLight* light_behind = nullptr;
 };
@@ -157,7 +157,7 @@ struct ReferenceView {
 class ContrastPicker final : public PixelPicker {
  public:
   // `faces`: the faces that the samples borrow; null if they name their own. `also`: null if there is no reference.
-  // `lighter`: casts the light of the centres; null: all light arrives.
+  // `lighter` casts the light of the centres; if it is null, no light is cast, and all light arrives.
   ContrastPicker(const Subject& subject, const ViewOptions& options, const BorrowedFaces* faces,
                  const PixelSet* also, ViewLighter* lighter)
       : subject_(subject), options_(options), faces_(faces), also_(also), lighter_(lighter) {}
@@ -419,9 +419,9 @@ class ViewMaker {
   SampleBuffer color_samples_;            // empty where the pixel-centre pass is the colour pass
   CameraFrame color_frame_;               // of the colour pass
   SampleBuffer behind_;                   // empty where nothing is transparent
-  std::optional<ViewLighter> lighter_;    // if secondary rays are needed
+  std::optional<ViewLighter> lighter_;    // nothing if no secondary rays are needed
   struct {
-    SampleLight centres, color, behind;  // of the pixel centres, the colour's samples, and behind_
+    SampleLight centres, color, behind;  // of the pixel centres, of the colour's samples, and of behind_
   } light_;
 };
 

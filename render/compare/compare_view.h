@@ -17,8 +17,8 @@
 //     Without a reference, such a representation has the colour of most faces of the model.
 //  6. Section planes cut every representation (view/section.h). An audit counts the crossings of the whole
 //     model.
-//  7. Light by secondary rays (ViewOptions::light) is cast for the samples that the colour comes from, and for the pixel
-//     centres. Each representation casts its own rays. Transparent faces block no light.
+//  7. Light by secondary rays (ViewOptions::light) is cast for the samples from which the colour is made, and for the
+//     pixel centres. Each representation casts its own rays. Transparent faces and faces of glass block no light.
 //
 //   const ExactSurfaces exact(scene, {});
 //   const Triangles triangles(baseline, model, {}, max_bytes);
@@ -68,8 +68,8 @@ struct ViewOptions {
   bool audit = false;        // fill odd_rays and reverse_mismatches of View::direct
   // The section planes. The options of exact surfaces and triangles must contain the same planes.
   std::vector<SectionPlane> sections;
-  LightOptions light;      // secondary rays, for the studio's light only
-  UpAxis up = UpAxis::kZ;  // of the model: the ground lies below it
+  LightOptions light;      // secondary rays; they require InspectionKind::kStudio
+  UpAxis up = UpAxis::kZ;  // the axis of the model that points up; the ground is perpendicular to it
   ColorMetricOptions color;
   DifferencePictureOptions picture;
 };
@@ -101,7 +101,7 @@ struct CandidateView {
   View view;
   Difference difference;
   DifferencePicture picture;
-  std::optional<LightComparison> light;  // nothing without secondary rays
+  std::optional<LightComparison> light;  // nothing without shadows and occlusion
   double difference_ms = 0;
 };
 

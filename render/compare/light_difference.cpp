@@ -9,11 +9,11 @@
 namespace facetless {
 namespace {
 
-// From the palette of Okabe and Ito, which the common colour blindnesses keep apart.
+// Colours from the palette of Okabe and Ito, which people with the common forms of colour blindness can tell apart.
 constexpr std::array<double, 3> kOnlyReference = {213, 94, 0}, kOnlyCandidate = {0, 114, 178},
                                 kSelfShadow = {204, 121, 167};
-constexpr double kEnlarged = 4;    // of differences of the open share
-constexpr double kPaleness = 0.7;  // share of white in the base
+constexpr double kEnlarged = 4;    // factor by which differences of the ambient light are enlarged
+constexpr double kPaleness = 0.7;  // share of white in the picture of the reference
 
 enum Mark : std::uint8_t { kNone, kSame, kReferenceLit, kCandidateLit, kFalse };
 
@@ -24,7 +24,7 @@ int Shown(const LitView& view, std::size_t i) {
   return !ground.empty() && ground[i] != 0 ? 2 : 0;
 }
 
-// Marks the pixels whose shadow ray is blocked by the face that it starts from.
+// Marks the falsely self-shadowed pixels among those that are lit only on the reference, and returns their number.
 std::uint64_t MarkFalseShadows(const LitView& candidate, const CameraFrame& frame, std::vector<Mark>* marks) {
   const Vec3 key = TowardKeyLight(frame);
   const auto width = static_cast<std::size_t>(candidate.samples.width);
@@ -62,7 +62,7 @@ void Tint(const std::array<double, 3>& color, double share, std::uint8_t* pixel)
     pixel[c] = static_cast<std::uint8_t>(std::lround((1 - share) * pixel[c] + share * color[c]));
 }
 
-// The picture of the reference, paled, in three channels; what is transparent becomes white.
+// Returns the picture of the reference in pale grey, with three channels. Transparent pixels become white.
 Image8 Paled(const Image8& base) {
   Image8 image{base.width, base.height, 3, {}};
   image.bytes.resize(static_cast<std::size_t>(base.width) * base.height * 3);
@@ -84,7 +84,8 @@ Result<LightComparison> CompareLight(const LitView& reference, const LitView& ca
   const std::size_t size = reference.samples.size();
   if (candidate.samples.size() != size || a.key.size() != b.key.size() || a.open.size() != b.open.size() ||
       base.width != reference.samples.width || base.height != reference.samples.height)
-    return Error{ErrorCode::kSizeMismatch, "the light of the two views does not belong together"};
+    return Error{ErrorCode::kSizeMismatch,
+                 "the two views differ in size, or only one of them has shadows or occlusion"};
   LightComparison comparison;
   LightDifference& difference = comparison.difference;
   difference.shadows = !a.key.empty();

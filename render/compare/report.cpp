@@ -237,7 +237,7 @@ json TraceCountersJson(const DirectStats& stats) {
           {"isa", stats.isa}};
 }
 
-// "light" of a view of any representation; null if no secondary rays were cast.
+// Returns "light" of a view of any representation; null if no secondary rays were cast.
 json LightJson(const View& view) {
   if (!view.light) return nullptr;
   const ViewLight& light = *view.light;

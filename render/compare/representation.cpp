@@ -10,7 +10,7 @@
 namespace facetless {
 namespace {
 
-// The rays of a mesh without its transparent faces, which belongs to this object.
+// The rays of a mesh without the faces that were left out. The object owns that mesh and its scene.
 class RaysOfPart final : public SecondaryRays {
  public:
   RaysOfPart(std::unique_ptr<const Mesh> mesh, BaselineScene scene)
@@ -34,7 +34,7 @@ class RaysOfPart final : public SecondaryRays {
   MeshRays rays_;
 };
 
-// The rays where no face is left: nothing is on any of them.
+// The rays of a mesh of which all faces were left out: no ray meets anything.
 class EmptySpace final : public SecondaryRays {
  public:
   void FindBlocked(std::span<const RayStart>, std::span<const SecondaryRay>,
@@ -55,7 +55,9 @@ class EmptySpace final : public SecondaryRays {
 Result<std::unique_ptr<SecondaryRays>> Representation::MakeRays(const SecondaryRaysRequest&,
                                                                 const Execution&) const {
   return Error{ErrorCode::kBadUsage,
-               title() + " has no rays that start on surfaces; leave out --shadows and --ambient-occlusion"};
+               title() +
+                   " has no rays that start on surfaces; leave out --shadows, --ambient-occlusion and "
+                   "--material"};
 }
 
 Result<TracedView> ExactSurfaces::Trace(const Camera& camera, const TraceRequest& request,

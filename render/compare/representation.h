@@ -86,8 +86,8 @@ class Representation {
   virtual Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                                    const Execution& execution) const = 0;
 
-  // Makes rays that start on the surfaces, for light. They must not outlive the representation. Errors: kLimitExceeded,
-  // kCancelled, and kBadUsage if the representation has no such rays, or no such structure.
+  // Makes the rays of light, which start on the surfaces. The representation must outlive them. Errors: kLimitExceeded,
+  // kCancelled, kBadUsage (the representation has no such rays, or no structure has the name).
   virtual Result<std::unique_ptr<SecondaryRays>> MakeRays(const SecondaryRaysRequest& request,
                                                           const Execution& execution) const;
 };

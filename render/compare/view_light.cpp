@@ -13,7 +13,7 @@ ViewLighter::ViewLighter(const Representation& representation, const Model& mode
   setting_.options = options;
   if (setting_.options.occlusion_radius_mm == 0)
     setting_.options.occlusion_radius_mm = kOcclusionShare * model.Diagonal();
-  // The axis that points up is one of the model's, so the lowest corner of the bounds lies in the plane.
+  // The upward direction is an axis of the model, so the lower corner of the bounds lies in the ground's plane.
   setting_.plane = {model.bounds.low, RotateToUpAxis(up, {0, 0, 1})};
   setting_.sections = sections;
   setting_.first_cap = static_cast<std::uint32_t>(model.PlacedFaceCount());
@@ -38,7 +38,7 @@ Result<void> ViewLighter::Prepare(const std::vector<bool>& transparent, std::spa
     materials_ = std::move(materials).value();
     setting_.materials = materials_;
   }
-  // Light passes through glass, but is not bent by it.
+  // For light, leave out the faces of glass: light passes through them without being bent.
   std::vector<bool> leave_out = transparent;
   bool has_glass = false;
   for (std::size_t face = 0; face < materials_.size(); ++face) {

@@ -1,9 +1,15 @@
-// The secondary rays of one view: makes the rays of a representation, casts the light of its samples, and adds up what
-// was found.
+// The secondary rays of one view: makes the rays of a representation, casts the light of its samples, and adds up the
+// counts and times.
 //
 //     ViewLighter lighter(representation, model, options.light, options.up, options.sections, execution);
-//     if (auto made = lighter.Prepare(transparent); !made) return made.error();
+//     if (auto made = lighter.Prepare(transparent, colors); !made) return made.error();
 //     Result<SampleLight> light = lighter.Cast(samples, frame);
+//     if (light) view.light = lighter.Finish(std::move(light).value());
+//
+//  1. The ground touches the bounds of the model from below.
+//  2. An occlusion with a radius of 0 gets a radius of kOcclusionShare of the model's diagonal.
+//  3. Faces that are transparent in the model are ignored by all rays. Faces of glass block no light, but are seen in
+//     mirrors and through other glass. If there are any, a second SecondaryRays without them is made for light.
 #pragma once
 
 #include <memory>
@@ -20,34 +26,35 @@
 
 namespace facetless {
 
-// What secondary rays found in a view.
+// The results of the secondary rays of a view.
 struct ViewLight {
-  LightOptions options;  // with the radius that was used
-  SampleLight centres;   // parallel to the samples of the pixel centres
-  LightStats stats;      // of all samples, those of the colour included
-  std::shared_ptr<const SecondaryRays> rays;
-  double build_ms = 0, cast_ms = 0;
+  LightOptions options;                       // with the radius that was used (law 2)
+  SampleLight centres;                        // one entry for each sample of the pixel centres
+  LightStats stats;                           // sums over the pixel centres and the samples of the colour
+  std::shared_ptr<const SecondaryRays> rays;  // the rays of light (law 3)
+  double build_ms = 0;                        // time for making all rays
+  double cast_ms = 0;                         // time for casting them
 };
 
 inline constexpr double kOcclusionShare = 0.25;
 
 class ViewLighter {
  public:
-  // An occlusion without a radius gets kOcclusionShare of the model's diagonal. All arguments must outlive the object. `up` is the axis of the model that points up: the ground touches the bounds
-  // of the model from below.
+  // `up` is the axis of the model that points up. All arguments except `options` must outlive the object.
   ViewLighter(const Representation& representation, const Model& model, const LightOptions& options,
               UpAxis up, std::span<const SectionPlane> sections, const Execution& execution);
 
-  // Makes the rays. `transparent`: placed faces that rays ignore; may be empty. `colors`: by placed face; they must outlive
-  // the object. Errors: those of MakeRays and MaterialsOfFaces; kBadUsage (materials for a representation that names no
-  // faces).
+  // Makes the rays. `transparent` is indexed by placed face and marks the faces that rays ignore; it may be empty.
+  // `colors` has the colour of each placed face and must outlive the object. Errors: those of MakeRays and
+  // MaterialsOfFaces; kBadUsage (materials for a representation whose samples do not have the faces of the model).
   Result<void> Prepare(const std::vector<bool>& transparent, std::span<const Color> colors);
-  // Casts the light of samples, and their reflections. Errors: those of CastLight and CastReflections. Require Prepare.
+  // Cast the light of samples, and their reflections. Prepare must have succeeded before. Errors: those of CastLight
+  // and CastReflections.
   Result<SampleLight> Cast(const SampleBuffer& samples, const CameraFrame& frame);
   Result<SampleLight> Cast(const Refinement& refinement);
 
   Vec3 ground_up() const { return setting_.plane.up; }
-  // The sums so far, with the light of the pixel centres.
+  // Returns the sums over all calls of Cast so far, together with the light of the pixel centres.
   ViewLight Finish(SampleLight centres) const;
 
  private:
@@ -58,8 +65,8 @@ class ViewLighter {
   const Model& model_;
   const UpAxis up_;
   const Execution& execution_;
-  std::shared_ptr<const SecondaryRays> rays_;  // of light: glass blocks none
-  std::shared_ptr<const SecondaryRays> seen_;  // of what is seen in mirrors and through glass
+  std::shared_ptr<const SecondaryRays> rays_;  // for light: without faces of glass
+  std::shared_ptr<const SecondaryRays> seen_;  // for reflection and refraction: with faces of glass
   std::vector<Material> materials_;            // by placed face; empty if all are matte
   LightSetting setting_;
   ReflectionSetting reflection_;

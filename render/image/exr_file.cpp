@@ -1,4 +1,4 @@
-// EXR files with OpenEXR: AOVs are written, and radiance maps are read.
+// Writes AOVs as EXR files, and reads radiance maps from EXR files, with OpenEXR.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -39,7 +39,7 @@ class MemoryStream : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
-// Reads from memory. OpenEXR reports a short file by the exceptions that it expects.
+// A stream that reads from memory. It throws an exception if the file ends too early, as OpenEXR requires of streams.
 class MemorySource : public Imf::IStream {
  public:
   MemorySource(const std::string& name, const std::vector<unsigned char>& bytes)
@@ -167,7 +167,7 @@ Result<RadianceMap> DecodeExr(const std::string& path, const std::vector<unsigne
         return Error{ErrorCode::kFormatBroken, path + ": the picture lacks the channel " + name};
     RadianceMap map{static_cast<int>(width), static_cast<int>(height), {}};
     map.pixels.resize(static_cast<std::size_t>(width * height));
-    // OpenEXR addresses pixels from the origin of the picture, not from that of the window.
+    // OpenEXR computes the addresses of pixels from the origin of the picture, not from that of the data window.
     constexpr std::size_t kPixel = sizeof map.pixels[0];
     char* const origin = reinterpret_cast<char*>(map.pixels.data()) -
                          (window.min.x + window.min.y * width) * static_cast<std::int64_t>(kPixel);

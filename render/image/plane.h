@@ -1,10 +1,10 @@
 // One channel of a picture in float32, the separable filters of the metrics, and the region of a picture in which
 // they are evaluated. Private to render/image.
 //
-//  1. A filter computes the pixels of its region and leaves all others 0. Which region contains a pixel does not
-//     affect its value.
-//  2. Two pictures that are equal around a pixel have the same filtered values there. A metric that compares them
-//     therefore needs only the pixels within a filter's radius of a difference.
+//  1. A filter computes the pixels of its region, and sets all others to 0. The value of a pixel in the region does not
+//     depend on which other pixels the region has.
+//  2. Where two pictures are equal within a filter's radius of a pixel, they have the same filtered value at the pixel.
+//     A metric that compares two pictures therefore needs only the pixels within the radius of a difference.
 #pragma once
 
 #include <array>
@@ -27,14 +27,15 @@ struct Plane {
   const float* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
 };
 
-// A set of pixels that consists of whole blocks of kBlock pixels of a row, cut off at the right border.
+// A set of pixels that consists of whole blocks. A block is kBlock consecutive pixels of a row; at the right border it
+// may be shorter.
 class FilterRegion {
  public:
   static constexpr int kBlock = 16;
-  // The blocks that have a pixel in which two pictures of the same size differ.
+  // Makes the set of the blocks that have a pixel in which the pictures differ. Requires pictures of the same size.
   FilterRegion(const Image8& a, const Image8& b);
 
-  // All blocks that have a pixel within the given distances of this region.
+  // Returns the set of all blocks that have a pixel within the given distances, in pixels, of this region.
   FilterRegion Grown(int radius_x, int radius_y) const;
   bool empty() const;
   // Calls visit(y, begin, end) for each run of pixels [begin, end) in rows first ≤ y < last.

@@ -49,7 +49,7 @@ Result<RadianceMap> ReadRadianceMap(const std::string& path) {
   for (const auto& pixel : map.value().pixels)
     for (const float value : pixel)
       if (!(value >= 0 && std::isfinite(value)))
-        return Error{ErrorCode::kNotFinite, path + ": the light of a pixel is negative, or not a number"};
+        return Error{ErrorCode::kNotFinite, path + ": the light of a pixel is negative or not finite"};
   return map;
 }
 

@@ -1,5 +1,6 @@
-// Radiance RGBE files. G. Ward: "Real Pixels", Graphics Gems II (1991): three mantissas with a common exponent, in rows
-// that may be packed by runs.
+// Reads Radiance RGBE files. Source: G. Ward, "Real Pixels", Graphics Gems II (1991). A pixel has three mantissas and a
+// common exponent. A row is either plain, or its four components follow each other, each packed by runs. The older
+// packing, in which a pixel 1, 1, 1, N repeats the pixel before it, is not read.
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -14,7 +15,7 @@ namespace {
 
 using Pixel = std::array<unsigned char, 4>;
 
-// Reads bytes one after the other. After the end, it returns 0 and is not good.
+// Reads bytes one after the other. Beyond the end, Next returns 0, and good() is false from then on.
 class Bytes {
  public:
   explicit Bytes(const std::vector<unsigned char>& bytes) : bytes_(bytes) {}
@@ -24,7 +25,7 @@ class Bytes {
     good_ = false;
     return 0;
   }
-  // The rest of a line, without its end.
+  // Reads the rest of a line, and returns it without the character that ends it.
   std::string Line() {
     std::string line;
     while (at_ < bytes_.size() && bytes_[at_] != '\n') line += static_cast<char>(bytes_[at_++]);
@@ -39,7 +40,7 @@ class Bytes {
   bool good_ = true;
 };
 
-// Parses "-Y HEIGHT +X WIDTH", the usual order of pixels and the only one that is read.
+// Parses "-Y HEIGHT +X WIDTH". This is the usual order of the pixels; files with another order are not read.
 bool ParseSize(std::string_view line, int* width, int* height) {
   const auto take = [&](std::string_view word, int* number) {
     if (!line.starts_with(word)) return false;
@@ -54,7 +55,7 @@ bool ParseSize(std::string_view line, int* width, int* height) {
 
 // Reads a row whose four components follow each other, each packed by runs.
 bool ReadPackedRow(Bytes& bytes, std::vector<Pixel>& row) {
-  constexpr int kRun = 128;  // larger counts are runs of one value
+  constexpr int kRun = 128;  // a count above it starts a run of count − kRun equal values
   for (std::size_t component = 0; component < 4; ++component) {
     for (std::size_t x = 0; x < row.size();) {
       int count = bytes.Next();
@@ -90,7 +91,7 @@ Result<RadianceMap> DecodeRgbe(const std::string& path, const std::vector<unsign
   for (std::string line = reader.Line(); !line.empty() && reader.good(); line = reader.Line()) {
     if (line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe")
       return broken("only the format 32-bit_rle_rgbe can be read");
-    // Several exposures multiply each other.
+    // A file may state several exposures, which are multiplied.
     if (line.starts_with("EXPOSURE=")) exposure *= std::strtod(line.c_str() + 9, nullptr);
   }
   RadianceMap map;
@@ -99,7 +100,7 @@ Result<RadianceMap> DecodeRgbe(const std::string& path, const std::vector<unsign
   if (!(exposure > 0 && std::isfinite(exposure))) return broken("the exposure is not a number above 0");
   if (std::int64_t{map.width} * map.height > kMostRadiancePixels)
     return Error{ErrorCode::kLimitExceeded, path + ": the panorama has too many pixels for an environment"};
-  // A row takes at least a byte.
+  // Each row takes at least one byte.
   if (bytes.size() < static_cast<std::size_t>(map.height)) return broken("the file ends too early");
   try {
     map.pixels.reserve(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));

@@ -241,7 +241,7 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
                       Less(tau + k, All(static_cast<float>(high - guard))) &
                       LessOrEqual(Abs(tau), All(static_cast<float>(1.25 * radius)));
   if (every) {
-    // The distance of what is nearest in the slab; rounding is below 2^-22 of it.
+    // A lower bound of the distance of the points in the slab. Rounding is below 2^-22 of it.
     const Eight distance = tau - k + All(static_cast<float>(to_center - guard));
     Save(distance - Abs(distance) * All(0x1p-21f), near);
     if (steep != 0xffu)

@@ -63,11 +63,12 @@ struct TrimAnswer {
   double other_edge_parameter = 0;
 };
 
-// A line through a rectangle of parameters, in coordinates s, t that run from −1 to 1 over it: the face is where
-// a·s + b·t + c is above w, and is trimmed away where it is below −w. An infinite w says nothing.
+// A line through a rectangle of parameters, in coordinates s and t that run from −1 to 1 over the rectangle. Points
+// with a·s + b·t + c > w are inside the face; points with a·s + b·t + c < −w are trimmed away. If w is infinite, the
+// line decides nothing.
 struct TrimLine {
   double a = 0, b = 0, c = 0, w = INFINITY;
-  static TrimLine Whole() { return {0, 0, 1, 0}; }
+  static TrimLine Whole() { return {0, 0, 1, 0}; }  // the whole rectangle is inside
 };
 
 class FaceTrim {
@@ -81,9 +82,10 @@ class FaceTrim {
   // finite or not ordered.
   RectClass Classify(double u0, double u1, double v0, double v1, double band_scale = 1) const;
 
-  // Looks for a line that tells what of the rectangle belongs to the face. Proven: all p-curves that meet the rectangle,
-  // with their bands, lie within w of the line. The result is infinite if they are many, or do not divide the rectangle
-  // into an inner and an outer part. Implemented in trim_line.cpp.
+  // Returns a line that divides the rectangle into a part inside the face and a part that is trimmed away. All p-curves
+  // that meet the rectangle, with their bands, are proven to lie within w of the line. w is infinite if there are too
+  // many of them, or if they do not divide the rectangle into an inner and an outer part. Implemented in
+  // trim_line.cpp.
   TrimLine FindLine(double u0, double u1, double v0, double v1, double band_scale) const;
 
   // Decides whether (u,v), which is known to within ±error_u, ±error_v, is inside. Requires errors >= 0. If

@@ -12,7 +12,7 @@
 namespace facetless {
 namespace {
 
-// The most pieces with a box that meets the rectangle, and of those that do so themselves.
+// The largest numbers of pieces of p-curves whose boxes meet the rectangle, and whose polygons (below) are not empty.
 constexpr int kMostBoxes = 32, kMostPieces = 8;
 // Rounding of the corners of a polygon, relative to the rectangle, of which they are at most a few sizes away.
 constexpr double kRounding = 0x1p-40;

@@ -14,7 +14,8 @@ namespace {
 constexpr double kEpsilon = 0x1p-53;
 // A face is plane if its control points are within this share of its diagonal of a plane: a few roundings.
 constexpr double kFlat = 0x1p-44;
-// A ray that rises from a face by less than this is left to the solver, whatever a cone says.
+// If the sine of the angle between a ray and a face is below this, the pieces of the face are solved, whatever a cone
+// says.
 constexpr double kLeastRise = 0x1p-12;
 
 Error Cancelled() {
@@ -26,7 +27,7 @@ Error OverLimit(std::uint64_t max_bytes) {
                                          std::to_string(max_bytes >> 20) + " MiB"};
 }
 
-// The box of a placed box. A corner is rounded a few times, relative to the coordinates that take part.
+// Returns the box of a placed box, with a margin for the rounding of its corners.
 Box3 Placed(const Box3& box, const PlacedPart& part) {
   Box3 placed;
   double size = 0;
@@ -51,10 +52,10 @@ bool IsUsable(const RayStart& start, const SecondaryRay& ray) {
   return std::fabs(length - 1) <= 0x1p-48 && std::isfinite(position) && ray.length > 0;
 }
 
-// By how much a patch's parameter differs from one that runs linearly along its native parameter, over a part of a span
-// that is `width` wide, in halves of that part. For an angle, f = tan(φ·α)/tan(α) with φ from −1 to 1 along the span,
-// and α a quarter of its width: |f''| ≤ 2α²/cos²α makes f differ from its chord by at most |f''|·Δφ²/8, and f' is at
-// least α/tan(α).
+// Returns a bound of the difference between a patch's parameter and one that runs linearly along its native parameter,
+// over a part of a span that is `width` wide, in halves of that part. For an angle, f = tan(φ·α)/tan(α) with φ from −1
+// to 1 along the span, and α a quarter of its width. As |f''| ≤ 2α²/cos²α, f differs from its chord by at most
+// |f''|·Δφ²/8, and f' is at least α/tan(α).
 double Unevenness(const Span& span, double width) {
   if (span.map == SpanMap::kLinear) return 0;
   const double alpha = 0.25 * (span.end - span.begin), tangent = PolyTan(alpha);
@@ -69,7 +70,7 @@ BlockRay LineOf(const RayStart& start, const SecondaryRay& ray) {
           start.error};
 }
 
-// The answer to whether anything is in between (law 3).
+// Returns whether anything blocks the ray (law 3).
 RayPassage PassageOf(const RayRoots& roots) {
   RayPassage passage;
   if (roots.blocked()) return {.blocked = true, .certified = true, .doubt = 0};
@@ -84,7 +85,7 @@ RayPassage PassageOf(const RayRoots& roots) {
   return passage;
 }
 
-// The nearest hit (law 3).
+// Returns the nearest hit (law 3).
 SecondaryHit HitOf(const RayRoots& roots, const RayScene& scene, const RayStart& start,
                    const SecondaryRay& ray) {
   SecondaryHit hit;
@@ -254,7 +255,7 @@ void ExactRays::FindFlatFaces() {
   for (std::size_t f = 0; f < model.faces.size(); ++f) {
     const Surface& surface = model.surfaces[model.faces[f].surface];
     if (surface.kind != SurfaceKind::kPlane) continue;
-    // Trust, but measure: all control points must lie in one plane up to rounding.
+    // The surface is called a plane; check that all of its control points lie in one plane, up to rounding.
     const SurfacePoint point =
         scene_.surfaces[f].First(0.5 * (scene_.surfaces[f].u_begin() + scene_.surfaces[f].u_end()),
                                  0.5 * (scene_.surfaces[f].v_begin() + scene_.surfaces[f].v_end()));
@@ -321,7 +322,7 @@ bool ExactRays::IsOwnOnly(const RayStart& start, Vec3 direction, const SpacePiec
   const double length = part.shifted_only() ? 1 : Length(local);
   const Vec3 normal = plane_normals_[piece.face];
   if (Dot(normal, normal) > 0) return std::fabs(Dot(normal, local)) > kLeastRise * length;
-  // The start must be in the same patch, which the cone is of.
+  // The start must lie in the patch of the piece, because the cones hold only for that patch.
   const Model& model = scene_.model();
   const Surface& surface = model.surfaces[model.faces[piece.face].surface];
   const Span& u = model.spans[surface.u_spans.first + piece.place.patch / surface.v_spans.count];
@@ -354,7 +355,7 @@ bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const Sec
     *passage = {.blocked = false, .certified = true, .doubt = 0};
     return true;
   }
-  // Solve what is left open.
+  // Solve the pieces that are left open.
   RayRoots& roots = worker.roots;
   roots.Begin(start, worker.prepared == ray.start, ray.direction, ray.length);
   worker.prepared = ray.start;

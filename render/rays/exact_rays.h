@@ -7,18 +7,21 @@
 //  1. The faces are divided into pieces in space (space_pieces.h), once for each part, and each placed piece has a box.
 //     A structure of render/accel, chosen by name, finds the boxes that a ray meets. A box holds its piece with all
 //     errors, so a piece that is not visited is proven to be empty.
-//  2. Whatever is found in a piece, and when it is proven, is the matter of ray_roots.h: the start's own root is
-//     recognised by its face and parameters, and nothing is lifted off the surface.
+//  2. ray_roots.h finds the roots in a piece and says which are proven. The start's own root is recognised by its face
+//     and parameters, and no start is lifted off the surface.
 //  3. A blocked ray is certified if a proven root lies strictly between the start and the length. A clear ray is
 //     certified if every candidate is proven empty or trimmed away. The nearest hit is certified if it is proven, and
-//     nothing that is not proven absent lies in front of it or within its error (kDoubtCoincident for another face).
-//     Any other answer is the best one that is known, with the doubts that stand in the way.
+//     if everything in front of it and within its error is proven absent (kDoubtCoincident: another face is there).
+//     Any other answer is the best one that is known, with the doubts that prevent a proof. A ray that is not usable
+//     (its direction is not a unit vector, its length is not above 0, or its start is not finite) meets nothing, with
+//     kDoubtUnresolved.
 //  4. The structure "blocks" answers FindBlocked first in single precision, with bounds that prove most answers
-//     (block_tree.h, kernels/ray_blocks.h), and solves only the pieces that are left open. Pieces of the start's own face
-//     are not met again if the face is plane, or if the start lies in the neighbourhood of a piece whose cone leaves the
-//     direction out (space_pieces.h, law 5); both rely on RayStart's word that the start is on its face. FindNearest
-//     solves the pieces that are not proven to be missed, from near to far. Rays from far outside, and rays that leave
-//     very many pieces open, are answered by "bvh", which is built for the first of them.
+//     (block_tree.h, kernels/ray_blocks.h), and solves only the pieces that are left open. A piece of the start's own
+//     face is skipped if it is proven that the ray meets it only in its start: if the face is plane, or if the start
+//     lies in a neighbourhood of the piece whose cone excludes the direction (space_pieces.h, law 5). Both proofs
+//     require that the start lies on its face as RayStart states. FindNearest solves the pieces that are not proven to
+//     be missed, from near to far. Rays that start far outside of the model, and rays that leave very many pieces open,
+//     are answered by "bvh", which is built for the first such ray.
 //  5. Queries allocate nothing per ray. They may be called from any number of threads; the answers are the same for any
 //     grouping, any structure, and any instruction set.
 #pragma once
@@ -65,8 +68,8 @@ class ExactRays final : public SecondaryRays {
   std::uint64_t bytes() const override;
   std::size_t pieces() const { return placed_.size(); }
 
-  // How FindBlocked answers rays with kBlocks, for measurements: rays that the blocks alone decided, and those for which
-  // pieces were solved.
+  // Counts, for measurements, how FindBlocked answers rays with kBlocks: rays for which the blocks alone decided
+  // (`blocked`, `clear`), rays for which pieces were solved, and the pieces that were open, skipped (law 4) or solved.
   struct Paths {
     std::uint64_t rays = 0, blocked = 0, clear = 0, solved = 0, pieces_open = 0, pieces_own = 0,
                   pieces_solved = 0;
@@ -78,18 +81,18 @@ class ExactRays final : public SecondaryRays {
   struct PlacedPiece {
     std::uint32_t instance, piece;
   };
-  // A piece on a ray that is not proven to be missed.
+  // A piece that the ray is not proven to miss.
   struct OpenPiece {
-    float near;
-    std::uint32_t id;
+    float near;        // no root in the piece is nearer, mm
+    std::uint32_t id;  // index into placed_
   };
-  // What one thread needs for its rays, kept from batch to batch.
+  // The memory of one thread for its rays, which is kept between batches.
   struct Worker {
     explicit Worker(const RayScene& scene) : roots(scene) {}
     RayRoots roots;
     std::optional<QueryState> state;  // made for the first ray that needs it
     BlockVisit visit;
-    std::uint32_t prepared = kNoIndex;  // the start of the batch that `roots` knows
+    std::uint32_t prepared = kNoIndex;  // index of the start for which `roots` is prepared
     std::vector<OpenPiece> open;
     Paths paths;
   };
@@ -106,16 +109,18 @@ class ExactRays final : public SecondaryRays {
                      std::span<RayPassage> passages, Worker& worker) const;
   void BlockedByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
                           std::span<RayPassage> passages) const;
-  // Returns false if the blocks leave too much open.
+  // Answers a ray with the blocks. Returns false, without an answer, if they leave too many pieces open.
   bool PassageThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray, Worker& worker,
                             RayPassage* passage) const;
+  // Answers the nearest hit in the same way.
   bool NearestThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray, Worker& worker,
                             SecondaryHit* hit) const;
   void NearestByStructure(std::span<const RayStart> starts, std::span<const SecondaryRay> rays,
                           std::span<SecondaryHit> hits) const;
-  // Lists the open pieces of a visit that are not the start's own surroundings, and says whether those were among them.
+  // Lists the open pieces of worker.visit in worker.open, without those that IsOwnOnly excludes. Returns whether one of
+  // the excluded pieces has the start's own root.
   bool ListOpen(const RayStart& start, const SecondaryRay& ray, Worker& worker) const;
-  // Whether a ray from the start meets the piece only in the start itself.
+  // Whether it is proven that a ray from the start meets the piece at most in the start itself.
   bool IsOwnOnly(const RayStart& start, Vec3 direction, const SpacePiece& piece,
                  std::uint32_t instance) const;
   // Calls finish(ray, roots) after the visit of each ray.
@@ -130,7 +135,7 @@ class ExactRays final : public SecondaryRays {
   mutable std::atomic<std::uint64_t> structure_bytes_{0};
   std::optional<BlockTree> blocks_;
   VisitBlocks visit_blocks_ = nullptr;
-  std::vector<Vec3> plane_normals_;  // of each face, in its part: the unit normal if it is plane, else zero
+  std::vector<Vec3> plane_normals_;  // by face: the unit normal in its part if the face is plane, else zero
   std::string structure_name_;
   double build_ms_ = 0;
   mutable std::unique_ptr<PerThread<Worker>> workers_;

@@ -1,19 +1,21 @@
-// RayProjection: a ray in any direction as two planes through it. The net of a piece (space_pieces.h), projected onto
-// the two planes, becomes a net of two unknowns like that of a view, in which the ray passes through pixel (0, 0).
+// RayProjection: projects pieces (space_pieces.h) along a ray in any direction. The result is a net like that of a
+// view, in which the ray passes through pixel (0, 0): a root of the ray is a point of the net with X = Y = 0.
 //
 //     const RayFrame ray(origin, direction, pixel);
-//     const RayProjection projection(ray, placed);
-//     projection.Project(piece, degree_u, degree_v, rational, pieces.origin(piece.face), &net);
-//     // now net.X/W and net.Y/W are pixels off the ray, and net.Q/W is the distance along it in mm
+//     const RayProjection projection(ray, placed_part);
+//     net.SetDegrees(surface.degree_u, surface.degree_v);
+//     projection.Project(piece, surface.rational, pieces.origin(piece.face), &net.net);
+//     // X/W and Y/W of the net are the distances from the ray in pixels, and Q/W is the distance along the ray in mm.
 //
 //  1. With unit vectors n1 and n2 across the ray from O along d, the components of a homogeneous point (w·P, w) are
 //     X = n1·(P − O)·w/pixel, Y = n2·(P − O)·w/pixel, W = w and Q = d·(P − O)·w. The three axes form a right-handed
-//     frame as those of a camera (view/camera.h), with d as `forward`. A pixel is a power of two of millimetres, chosen
-//     by the size of the scene, so that models of all sizes are solved alike.
+//     frame as those of a camera do (view/camera.h), with d as `forward`. The size of a pixel in mm is a power of two
+//     that depends on the size of the scene, so that models of all sizes are solved alike.
 //  2. The net's errors bound the distance of each component from that of the exact surface and the exact line through
-//     O along d, where O and d are the numbers given, whatever the rounding of the axes.
-//  3. The start is subtracted from control points before anything else, and what is lost in that is added afterwards:
-//     near the start nothing depends on how far the model's origin is.
+//     O along d. O and d are taken as exact; the bounds include the rounding of the axes.
+//  3. The start is subtracted from the control points before anything else is computed, and the rounding error of this
+//     subtraction is added afterwards. Near the start, the precision therefore does not depend on the distance of the
+//     model's origin.
 //  4. d must have a length of 1 within a few units in the last place.
 #pragma once
 
@@ -31,7 +33,7 @@ class PlacedPart {
   const Placement& placement() const { return placement_; }
   const Placement& inverse() const { return inverse_; }  // of the linear part; the translation is zero
   bool shifted_only() const { return shifted_only_; }
-  double outward() const { return outward_; }  // −1 if the placement mirrors
+  double outward() const { return outward_; }  // −1 if the placement contains a reflection, else 1
 
  private:
   Placement placement_, inverse_;
@@ -43,28 +45,30 @@ class PlacedPart {
 struct RayFrame {
   // Requires a direction of length 1 (law 4), and a pixel that is a power of two.
   RayFrame(Vec3 origin, Vec3 direction, double pixel);
-  // As a camera that looks along the ray: orthographic, the ray at pixel (0, 0).
+  // An orthographic camera that looks along the ray, which passes through pixel (0, 0).
   CameraFrame camera;
 };
 
-// The pixel of a scene: about a thousandth of its diagonal.
+// The size of a pixel for a scene, mm: a power of two between 1/2048 and 1/1024 of its diagonal; 1 without a diagonal.
 double PixelOf(double diagonal_mm);
 
 class RayProjection {
  public:
   RayProjection(const RayFrame& ray, const PlacedPart& part);
 
-  // Projects a piece of the part. `face_origin` is that of its face. `net` has the degrees of the piece.
+  // Projects a piece of the part. `face_origin` is SpacePieces::origin of its face. `net` must have the degrees of the
+  // surface. Set `rational` if its weights differ.
   void Project(const SpacePiece& piece, bool rational, Vec3 face_origin, BezierNet* net) const;
 
  private:
   Vec3 right_, down_, forward_;  // in the part's coordinates
-  Vec3 scale_;                   // their lengths
-  Vec3 axes_[3];                 // the ray's own
+  Vec3 scale_;                   // the lengths of these three vectors
+  Vec3 axes_[3];                 // the axes of the ray in model axes, unit vectors
   const PlacedPart* part_;
-  // The start less the translation of the part, in the part's coordinates, and what was lost in computing it.
+  // The start minus the translation of the part: in the part's coordinates, and the rounding error of the subtraction.
   Vec3 start_, lost_;
-  Vec3 rest_;  // of the linear part: what the placement of start_ differs from the start by, model axes
+  // The linear part applied to start_, minus the start relative to the translation; model axes, mm.
+  Vec3 rest_;
   double placed_error_ = 0;  // of rest_, mm
   double pixels_per_mm_ = 1;
 };

@@ -20,7 +20,8 @@ constexpr double kMostReach = kEnlarged - 1;
 constexpr double kPointUnits = 64;
 // Rounding of native parameters and their way to a piece's own, in units of roundoff.
 constexpr double kParameterUnits = 16;
-// The square of the direction's length is 1 within 32 units of roundoff (ExactRays sees to that); the rest is arithmetic.
+// The square of the direction's length is 1 within 32 units of roundoff (ExactRays checks this); the rest is for
+// arithmetic.
 constexpr double kDistanceUnits = 64;
 
 double Size(Vec3 v) {
@@ -148,8 +149,7 @@ void RayRoots::Examine(std::uint32_t instance, const SpacePiece& piece) {
 
   found_.clear();
   const std::uint8_t doubt = solver_.Solve(leaf, site.rect, 0, 0, limit_, &work_, &found_, /*whole=*/true);
-  // A ray that runs along the start's own plane does not meet it again, as far as anyone can see; that it is not
-  // proven is said all the same.
+  // The piece is not decided, for example because the ray runs along the plane of its own start. This is a doubt.
   if (doubt != 0) questions_.push_back({std::max(range.near, 0.0), doubt});
   for (const FallbackRoot& root : found_) AddRoot(site, root);
 }
@@ -185,7 +185,7 @@ void RayRoots::AddRoot(const Site& site, const FallbackRoot& found) {
     root.inside = root.inside && root.distance < length_;
   }
   if (!found.proven) root.doubt |= geometry.singular ? kDoubtPole : kDoubtSilhouette;
-  // Without a proof, a root as near as the start's error explains is better taken for the start than for a shadow.
+  // Without a proof, the best answer for a root within the error of the start is that it is the start's own.
   const bool unclear = root.doubt != 0 || awaiting_own_;
   if (unclear && root.placed_face == start_face_ && root.distance * geometry.cosine <= 2 * start_error_)
     root.inside = false;
@@ -202,7 +202,7 @@ RayRoots::Own RayRoots::IsOwnRoot(const Site& site, const FallbackRoot& root) co
                                 double middle, double half, double* rounding) {
     const double width = span.end - span.begin, center = 0.5 * (span.begin + span.end);
     if (period > 0) native -= period * std::floor((native - center) / period + 0.5);
-    // Outside of the span, and what a piece of it reaches beyond, the map means nothing.
+    // The map is not valid farther outside of the span than a piece of it may reach.
     if (!(std::fabs(native - center) <= 0.75 * width)) return double(INFINITY);
     *rounding = kParameterUnits * kEpsilon * (std::fabs(span.begin) + std::fabs(span.end) + period + width) /
                 (width * half);
@@ -215,7 +215,7 @@ RayRoots::Own RayRoots::IsOwnRoot(const Site& site, const FallbackRoot& root) co
                                  site.rect.v_half, &rounding_t);
   const double off_s = std::fabs(root.hit.s - s), off_t = std::fabs(root.hit.t - t);
   if (!root.proven) {
-    // The start may be the tangency itself. It is not nearer to anything than the piece is large.
+    // The start may be the point at which the ray is tangent to the surface.
     const bool near = off_s <= 2 * root.error_s + rounding_s && off_t <= 2 * root.error_t + rounding_t;
     return near ? Own::kUnknown : Own::kNo;
   }
@@ -257,7 +257,7 @@ void RayRoots::PairWithNeighbour(RayRoot* root) {
         !other.inside || !root->inside || other.orientation * root->orientation <= 0 ||
         std::fabs(other.distance - root->distance) > other.error + root->error)
       continue;
-    // Exactly one of the two has the ray, and both are at the same place.
+    // Exactly one of the two patches contains the root, and both roots are at the same place.
     other.border = root->border = false;
     other.error += root->error;
     Settle(other);

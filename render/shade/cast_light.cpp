@@ -13,10 +13,10 @@
 namespace facetless {
 namespace {
 
-// The number of rays that are handed over at once, about. Their answers stay in the cache.
+// About the number of rays in one call of FindBlocked, so few that their answers stay in the cache.
 constexpr std::size_t kBatchRays = 2048;
 constexpr std::size_t kMostBatchSamples = 256;
-// A point that is computed from a ray and a depth is off by at most this share of its coordinates: four roundings.
+// The rounding error of a point that is computed from a ray and a depth, as a share of its coordinates: four roundings.
 constexpr double kPointRounding = 0x1p-50;
 
 // The samples of a view, or of refined pixels, and the ray of each.
@@ -27,10 +27,11 @@ struct LitSamples {
   PlaceOf place;  // place(i): column and row of sample i
 };
 
-// The start of a sample's rays, on the side of the viewer. Nothing is cast from a sample without a start.
+// The start of a sample's rays, on the side of the viewer. If `exists` is false, the sample has no rays.
 struct LightStart {
-  bool exists = false, ground = false;
-  bool certified = false;  // the hit of the view is
+  bool exists = false;
+  bool ground = false;     // the start is a point of the ground
+  bool certified = false;  // the hit of the view is certified; points of the ground always are
   RayStart at;
 };
 
@@ -59,13 +60,14 @@ class LightCaster {
   }
 
  private:
-  // What is cast from one sample: a shadow ray, if it faces the light, and then occlusion rays. A ray that a section
-  // plane ends at once is free, and not cast.
+  // The rays of one sample: a shadow ray if its normal faces the light, and then occlusion rays. A ray that a section
+  // plane cuts off at its start is not cast, because nothing can block it; it is counted in `free`.
   struct Item {
     bool exists = false, certified = false;
-    bool shadow = false;
-    float key = 0;  // without a shadow ray
-    int occlusion = 0, free = 0;
+    bool shadow = false;  // a shadow ray is cast
+    float key = 0;        // the share of the key light if no shadow ray is cast
+    int occlusion = 0;    // number of occlusion rays that are cast
+    int free = 0;         // number of occlusion rays that are not cast
   };
   struct Batch {
     std::vector<Item> items;
@@ -129,8 +131,8 @@ class LightCaster {
     batch->items.push_back(item);
   }
 
-  // Adds a ray that ends at `length`, and where it leaves the kept side of a section plane. Returns false if that is
-  // at once.
+  // Adds a ray that ends at `length`, or earlier where it leaves the kept side of a section plane. Returns false, and
+  // adds nothing, if the ray would end at its start.
   bool Add(std::uint32_t index, const LightStart& start, Vec3 direction, double length, Batch* batch) const {
     for (const SectionPlane& plane : setting_.sections) {
       const double rate = Dot(plane.normal, direction);

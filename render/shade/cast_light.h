@@ -1,21 +1,23 @@
 // The light that reaches the samples of a view, as secondary rays find it: the share of the key light (shadows) and the
 // share of the ambient light (occlusion).
 //
-//     LightOptions options{.shadows = true, .occlusion_rays = 64};
-//     Result<SampleLight> light = CastLight(samples, frame, rays, options, execution);
+//     LightSetting setting{.rays = rays.get()};
+//     setting.options = {.shadows = true, .occlusion_rays = 64, .occlusion_radius_mm = 20};
+//     Result<SampleLight> light = CastLight(samples, frame, setting, execution);
 //     if (light) film = Shade(samples, frame, colors, {.light = &light.value()});
 //
 //  1. The key light is the studio's (shade.h, law 3): its direction is fixed relative to the camera, and it has no
-//     extent. A sample whose normal faces away from it has no ray and gets none of its light.
-//  2. Occlusion is the share of `occlusion_rays` directions about the normal, on the viewer's side, on which a surface
-//     lies within `occlusion_radius_mm`.
+//     extent. If the normal of a sample faces away from the key light, no shadow ray is cast for the sample, and none
+//     of the key light arrives there.
+//  2. For occlusion, `occlusion_rays` rays are cast per sample, in directions around its normal on the viewer's side.
+//     The occlusion is the share of these rays that meet a surface within `occlusion_radius_mm`.
 //  3. The ground is a plane below the model that only catches shadow and occlusion: a ray of the view that misses the
 //     model and meets the plane from above gets the light of that point. It blocks nothing, and a camera below it does
 //     not see it.
-//  4. A sample is certified if its hit is, and if the answers of all its rays are (view/secondary_rays.h, law 3). All
-//     others are counted by the reasons for their doubts.
-//  5. Section planes cut the rays like the view: what they remove blocks nothing, and neither do the caps block a ray
-//     that leaves through them. The ground cannot be combined with sections.
+//  4. A sample is certified if its hit is certified, and if the answers of all its rays are (view/secondary_rays.h,
+//     law 3). LightStats::doubts counts samples by the doubts of their rays; the doubts of their hits are not in it.
+//  5. Section planes cut the rays as they cut the view: the removed parts of the model block no ray, and a ray may
+//     leave through a cap. The ground cannot be combined with sections.
 #pragma once
 
 #include <array>
@@ -48,28 +50,30 @@ struct Ground {
 
 struct LightOptions {
   bool shadows = false;
-  int occlusion_rays = 0;          // per sample, 0 … kMostOcclusionRays; 0: no occlusion
-  double occlusion_radius_mm = 0;  // CastLight needs one above 0, which may be infinite
-  bool ground = false;
-  std::string structure = kUsualStructure;  // that finds candidates on exact surfaces
+  int occlusion_rays = 0;                   // per sample, 0 … kMostOcclusionRays; 0: no occlusion
+  double occlusion_radius_mm = 0;           // above 0 or infinite if CastLight casts occlusion rays
+  bool ground = false;                      // law 3
+  std::string structure = kUsualStructure;  // the structure that finds candidates on exact surfaces
   std::vector<MaterialRule> materials;
-  int bounces = 6;  // of rays that mirrors, metals and glasses send on (cast_reflections.h)
-  // The panorama that they show; null: the built-in studio. `environment` is the name of its file.
+  int bounces = 6;  // cast_reflections.h, law 2
+  // The panorama that mirrors, metals and glasses show; null: the built-in studio. `environment` is the name of its
+  // file.
   std::shared_ptr<const RadianceMap> panorama;
   std::string environment;
 
-  // Whether light is cast: without it, `ground` means nothing.
+  // Whether shadows or occlusion are cast. If not, `ground` has no effect.
   bool casts() const { return shadows || occlusion_rays > 0; }
   // Whether any secondary ray is needed.
   bool any() const { return casts() || !materials.empty(); }
 };
 
 struct LightStats {
-  std::uint64_t samples = 0;    // that have light rays: hits and points of the ground
-  std::uint64_t certified = 0;  // of them (law 4)
+  std::uint64_t samples = 0;    // hits and points of the ground, also those that need no ray
+  std::uint64_t certified = 0;  // certified samples (law 4)
+  // Rays; those of them that ask what blocks the light and are blocked; those whose answer is certified.
   std::uint64_t rays = 0, blocked = 0, certified_rays = 0;
-  std::array<std::uint64_t, kDoubtNames.size()>
-      doubts{};  // samples with each bit of Doubt in their light rays
+  // For each bit of Doubt, the number of samples with a ray that has it.
+  std::array<std::uint64_t, kDoubtNames.size()> doubts{};
 
   void Add(const LightStats& other);
 };
@@ -80,8 +84,8 @@ struct SampleLight {
   std::vector<float> open;  // share of the ambient light that arrives, 0 … 1; empty without occlusion
   // 1: the sample missed the model, and its light is that of the ground.
   std::vector<std::uint8_t> ground;  // empty without a ground
-  // Of samples on faces that are not matte (cast_reflections.h): the light that they show, and 1 in `shows`. Empty
-  // without such faces.
+  // For samples on faces that are not matte (cast_reflections.h): `seen` has the linear light that the face shows, red,
+  // green and blue, and `shows` is 1. Both are empty unless CastReflections filled them.
   std::vector<std::array<float, 3>> seen;
   std::vector<std::uint8_t> shows;
   LightStats stats;
@@ -90,27 +94,27 @@ struct SampleLight {
   bool Shows(std::size_t i) const { return !shows.empty() && shows[i] != 0; }
 };
 
-// What light is cast with.
+// The input of CastLight, apart from the samples.
 struct LightSetting {
   const SecondaryRays* rays = nullptr;
   LightOptions options;
   Ground plane;                            // used if options.ground
-  std::span<const SectionPlane> sections;  // that cut the view
+  std::span<const SectionPlane> sections;  // the planes that cut the view
   std::uint32_t first_cap = kNoIndex;      // face ids from here on are caps of sections
   // By placed face: no light is cast for faces that are not matte. Empty: all faces are matte.
   std::span<const Material> materials;
 };
 
-// Casts the rays of all samples of a view. Samples of exact surfaces need uv and depth_error. Errors: kBadUsage (options,
-// a ground with sections), kCancelled, kLimitExceeded (no memory).
+// Casts the rays of all samples of a view. Samples of exact surfaces need uv and depth_error. Errors: kBadUsage (the
+// number of rays, the radius, a ground with sections), kCancelled, kLimitExceeded (no memory).
 Result<SampleLight> CastLight(const SampleBuffer& samples, const CameraFrame& frame,
                               const LightSetting& setting, const Execution& execution);
 // The same for the samples of refined pixels.
 Result<SampleLight> CastLight(const Refinement& refinement, const LightSetting& setting,
                               const Execution& execution);
 
-// The start of the rays of a hit: sample i, whose ray of the view passes through (x, y). Its normal points to the
-// viewer.
+// The start of the rays of sample i, which must be a hit; the view's ray through (x, y) found it. The normal of the
+// start points to the viewer.
 RayStart StartOfSample(const SampleBuffer& samples, const CameraFrame& frame, std::size_t i, double x,
                        double y);
 

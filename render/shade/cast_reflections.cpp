@@ -15,8 +15,9 @@ namespace facetless {
 namespace {
 
 constexpr std::size_t kBlock = 256;    // samples whose rays are followed together
-constexpr double kMirrorShare = 0.94;  // of the light that a mirror reflects
-// A glass keeps this share of the light at each face, and takes the rest of it in the colour of the face.
+constexpr double kMirrorShare = 0.94;  // share of the light that a mirror reflects
+// At each face of a glass, this share of the refracted light keeps its colour. The rest is multiplied by the colour of
+// the face.
 constexpr double kClear = 0.92;
 
 Vec3 Times(Vec3 a, Vec3 b) {
@@ -29,16 +30,16 @@ Vec3 Linear(const Color& color) {
   return {SrgbToLinear(color.r), SrgbToLinear(color.g), SrgbToLinear(color.b)};
 }
 
-// A part of the light of one sample, on its way backwards.
+// A ray that is followed from a sample, against the direction of the light.
 struct Branch {
-  std::uint32_t item;  // among the samples of the block
-  Vec3 share;          // of the sample's light, by channel
+  std::uint32_t item;  // index of the sample within the block
+  Vec3 share;          // the share of the sample's light that the ray carries, by channel
   Vec3 direction;      // unit vector
 };
 
 // A point at which a ray meets a face.
 struct Meeting {
-  RayStart at;     // its normal is outward by the face's orientation
+  RayStart at;     // the point; its normal is outward by the face's orientation
   Vec3 direction;  // of the ray that arrives, unit vector
 };
 
@@ -62,7 +63,7 @@ class Block {
     return item;
   }
 
-  // Follows all rays. Afterwards, Light is known.
+  // Follows all rays. Light may be called afterwards.
   void Follow() {
     for (int bounce = 0; !branches_.empty(); ++bounce) {
       std::vector<Branch> branches = std::move(branches_);
@@ -150,7 +151,7 @@ class Block {
     }
   }
 
-  // Continues a ray behind a face that is not matte.
+  // Adds the rays into which a face that is not matte turns the ray that meets it.
   void Scatter(std::uint32_t item, Vec3 share, const Meeting& meeting) {
     const Material& material = setting_.materials[meeting.at.placed_face];
     const Vec3 d = meeting.direction, n = Facing(meeting.at.normal, d);
@@ -219,8 +220,8 @@ class Block {
   const Surroundings surroundings_;
   LightStats* stats_;
   std::vector<Item> items_;
-  std::vector<Branch> branches_;  // that wait, with their starts
-  std::vector<RayStart> starts_;
+  std::vector<Branch> branches_;  // rays that are not followed yet
+  std::vector<RayStart> starts_;  // the start of each of them
 };
 
 // Follows the rays of the samples [first, last).
@@ -238,7 +239,7 @@ void FollowSamples(const SampleBuffer& samples, const CameraFrame& frame, const 
     const SamplePlace at = place(i);
     const double x = at.column + 0.5, y = at.row + 0.5;
     Meeting meeting{StartOfSample(samples, frame, i, x, y), Normalized(PixelRay(frame, x, y).direction)};
-    // StartOfSample turns the normal to the viewer; here, its own side matters.
+    // StartOfSample turns the normal to the viewer. A glass needs the outward normal, so set it again.
     meeting.at.normal = Normalized({samples.normal[i][0], samples.normal[i][1], samples.normal[i][2]});
     const bool certified = !samples.certificate.empty() && samples.certificate[i] == Certificate::kCertified;
     block.Add(meeting, certified);

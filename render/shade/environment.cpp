@@ -12,7 +12,8 @@ namespace facetless {
 namespace {
 
 constexpr Vec3 kCeiling = {0.62, 0.64, 0.67}, kFloor = {0.20, 0.19, 0.18};
-// The backdrop is seen where a direction points away from the viewer by more than kBackdropBegins.
+// The backdrop begins where the component of a direction away from the viewer is kBackdropBegins, and covers the room
+// where it is kBackdropFull.
 constexpr double kBackdropBegins = -0.15, kBackdropFull = 0.45;
 constexpr double kSoftEdge = 0.06;  // width of the border of a soft box, as a cosine
 
@@ -70,7 +71,7 @@ Vec3 Surroundings::Light(Vec3 direction) const {
         {Dot(direction, frame_.right), -Dot(direction, frame_.down), -Dot(direction, frame_.forward)});
   constexpr double kPi = std::numbers::pi;
   const double x = Dot(direction, right_), y = Dot(direction, ahead_), z = Dot(direction, up_);
-  // The angle to the right of `ahead`, by half angles, which have no case to tell apart but straight behind.
+  // The angle to the right of `ahead`, by the half-angle formula, whose only special case is straight behind.
   const double across = std::sqrt(x * x + y * y);
   const double turn = y > 0 || x != 0 ? 2 * PolyAtan(x / (across + y)) : kPi;
   const double height = 2 * PolyAtan(z / (1 + across));  // above the horizon

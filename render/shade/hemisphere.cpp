@@ -9,10 +9,11 @@ namespace {
 // Cosine and sine of the golden angle, π·(3 − √5), and of a sixteenth of a turn.
 constexpr Vec2 kGoldenTurn = {-0.73736887807831985, 0.67549029426152362};
 constexpr Vec2 kSixteenth = {0.92387953251128674, 0.38268343236508977};
-// The order in which a 4 × 4 block takes the sixteen sets, so that neighbours are far apart: Bayer's matrix.
+// Bayer's matrix: the order of the sixteen sets within a block of 4 × 4 samples, chosen so that the sets of neighbours
+// differ much.
 constexpr int kOrder[Hemisphere::kSets] = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
 
-// Turns a unit vector, which stays one.
+// Turns a unit vector, and normalises the result.
 Vec2 Turned(Vec2 v, Vec2 turn) {
   const Vec2 turned{v.x * turn.x - v.y * turn.y, v.x * turn.y + v.y * turn.x};
   return 1 / Length(turned) * turned;

@@ -14,14 +14,15 @@ constexpr std::array<const char*, 4> kNames = {"matte", "metal", "mirror", "glas
 constexpr std::size_t kListedNames = 12;
 
 Error NotUnderstood(const std::string& text) {
-  return {ErrorCode::kBadUsage,
-          "material is \"" + text +
-              "\", but must be PATTERN=KIND: the name of a part or a face, or a pattern, and matte, metal, "
-              "mirror, glass or glass:IOR with an index of refraction from 1 to 4"};
+  return {
+      ErrorCode::kBadUsage,
+      "material is \"" + text +
+          "\", but must be NAME=KIND: NAME is a part of the name of a part or a face, or a pattern; KIND is "
+          "matte, metal, mirror, glass, or glass:IOR with an index of refraction from 1 to 4"};
 }
 
 Error NothingMatches(const Model& model, const std::string& pattern) {
-  std::string message = "material: no part and no face is called \"" + pattern + "\"; the parts are";
+  std::string message = "material: no name of a part or a face matches \"" + pattern + "\"; the parts are";
   for (std::uint32_t i = 0; i < model.instances.size() && i < kListedNames; ++i)
     message += (i > 0 ? ", \"" : " \"") + OccurrenceName(model, i) + "\"";
   if (model.instances.size() > kListedNames)
@@ -79,8 +80,8 @@ Result<std::vector<Material>> MaterialsOfFaces(const Model& model, std::span<con
         if (rule.material.kind == MaterialKind::kGlass && solids.ClosedSolidOfFace(placed) == kNoIndex)
           return Error{ErrorCode::kBadUsage,
                        "material: " + model.PlacedFaceName(placed) +
-                           " belongs to no closed solid, and light needs one to pass through "
-                           "glass; use mirror, metal or matte"};
+                           " belongs to no closed solid, but glass must enclose a solid; use mirror, metal "
+                           "or matte"};
       }
     }
     if (!matches) return NothingMatches(model, rule.pattern);

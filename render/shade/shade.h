@@ -3,9 +3,9 @@
 //     Result<Film> film = Shade(result.samples, result.frame, colors, {.edges = true});
 //     if (!film) return film.error();
 //
-//  1. The colour of a pixel depends only on its normal, its view direction, the colour of its face, and the light that
-//     reaches it (ShadeOptions::light), which is all of it unless secondary rays were cast. There are no random
-//     numbers. Two tracers whose samples are equal give pictures with equal bytes.
+//  1. The colour of a pixel depends only on its normal, its view direction, the colour of its face, and the share of
+//     the light that reaches it (ShadeOptions::light; all of the light if no secondary rays were cast). There are no
+//     random numbers. Two tracers whose samples are equal give pictures with equal bytes.
 //  2. Normals are flipped towards the viewer, so open shells look the same from both sides.
 //  3. The lights are fixed relative to the camera: a warm key light from above left, a cool fill light from
 //     below right, and a rim light.
@@ -14,8 +14,8 @@
 //     explain), and where the normals on both sides of a face border differ by more than edge_angle_deg. They
 //     are about one pixel wide, which is samples_x × samples_y samples.
 //  6. Caps of section planes have the colour of their solid and are hatched (hatch.h).
-//  7. A ground darkens the background where its light is blocked; on a transparent background it is black with the
-//     missing share of the light as alpha.
+//  7. Where the light of the ground is blocked, the background is darker. On a transparent background, the ground is
+//     black, and its alpha is the share of its light that is missing.
 #pragma once
 
 #include <array>
@@ -44,22 +44,22 @@ struct ShadeOptions {
   // Face ids from first_cap on are caps. The caps of each plane are consecutive, ordered by solid
   // (view/section.h).
   std::uint32_t first_cap = kNoIndex, cap_stride = 1;
-  // The light that reaches the samples (cast_light.h), parallel to them. Null: all of it does.
+  // The light that reaches the samples (cast_light.h), one entry for each sample. Null: all light reaches them.
   const SampleLight* light = nullptr;
   Vec3 ground_up;       // normal of the ground, if `light` has one
   Execution execution;  // shading takes little time and is not cancelled
 };
 
 // Shades samples. `colors` is indexed by placed-face id (sRGB); `frame` is the frame with which the samples
-// were traced. Errors: kSizeMismatch (the buffers have different lengths), kNotFinite (the depth or the
+// were traced. Errors: kSizeMismatch (the buffers or the light have different lengths), kNotFinite (the depth or the
 // normal of a hit is not a number; names the pixel), kBadUsage (options).
 Result<Film> Shade(const SampleBuffer& samples, const CameraFrame& frame, std::span<const Color> colors,
                    const ShadeOptions& options);
 
 // Shades the samples of refined pixels, and replaces those pixels of `film`, which was shaded from the pixel
 // centres of the same view: each becomes the mean of its samples, exactly as if Resolve had made it from all
-// samples. `options` are those of Shade; edges are not drawn. Errors: kSizeMismatch (the film has another size),
-// kNotFinite (as Shade).
+// samples. `options` are those of Shade; edges are not drawn. Errors: kSizeMismatch (the film or the light has another
+// size), kNotFinite (as Shade).
 Result<void> ShadeRefinement(const Refinement& refinement, std::span<const Color> colors,
                              const ShadeOptions& options, Film* film);
 

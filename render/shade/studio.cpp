@@ -36,12 +36,12 @@ constexpr double kFloorKey = 0.85, kFloorOther = 0.75;
 constexpr double kShoulder = 0.60;
 
 double Diffuse(const Light& light, Vec3 normal) {
-  // Wrapped Lambert, squared, so that the terminator is soft and ends with slope zero.
+  // Wrapped Lambert, mixed with its square, so that the terminator is soft.
   const double wrapped = std::max((Dot(normal, light.toward) + light.wrap) * light.scale, 0.0);
   return wrapped * (0.45 + 0.55 * wrapped);
 }
 
-// Unwrapped and squared as above: its light and the slope of its light end at the terminator.
+// As Diffuse, but without the wrap, so that the light ends where the surface turns away from it.
 double DiffuseWithShadow(const Light& light, Vec3 normal) {
   const double cosine = std::max(Dot(normal, light.toward), 0.0);
   return cosine * (0.45 + 0.55 * cosine);

@@ -11,9 +11,9 @@ namespace facetless {
 
 // The share of the light that arrives at a point.
 struct LightShare {
-  bool shadows = false;  // `key` is known
-  double key = 1;        // of the key light, 0 … 1
-  double open = 1;       // of all other light, 0 … 1
+  bool shadows = false;  // whether shadows are cast; if not, all of the key light arrives
+  double key = 1;        // share of the key light, 0 … 1
+  double open = 1;       // share of all other light, 0 … 1
 };
 
 // The lighting for one view direction. In an orthographic view, all pixels have the same direction.
@@ -26,8 +26,8 @@ class StudioView {
   // Reflected light, linear, 0 … 1 per channel. `normal` is a unit vector with normal · toward >= 0; `albedo`
   // is linear.
   Vec3 Light(Vec3 normal, Vec3 albedo) const;
-  // The same where only a part of the light arrives. A key light that casts shadows ends at the terminator: it is not
-  // wrapped around the surface.
+  // The same where only a share of the light arrives. If shadows are cast, the key light lights only surfaces that face
+  // it; without shadows, it also reaches a little around the surface.
   Vec3 Light(Vec3 normal, Vec3 albedo, const LightShare& share) const;
 
  private:
@@ -43,11 +43,12 @@ Vec3 StudioBackground();
 // The direction towards the key light, a unit vector in viewer axes.
 Vec3 KeyDirection();
 
-// The curve by which light becomes what is shown, per channel: 0 … 1, unchanged up to a shoulder.
+// The tone curve, per channel: maps linear light, which may exceed 1, to 0 … 1. Values below a shoulder do not change.
 Vec3 StudioTone(Vec3 light);
 
-// The share of the light of a horizontal floor that arrives, 0 … 1, if the key light shines on it from above with the
-// cosine `key_cosine` to the floor's normal.
+// The light that arrives at the floor, as a share of its light without any shadow and occlusion, 0 … 1. `key_cosine`
+// is the cosine of the angle between the floor's normal and the direction towards the key light; below 0, the floor
+// gets no key light.
 double FloorLight(double key_cosine, const LightShare& share);
 
 }  // namespace facetless

@@ -114,7 +114,7 @@ struct DirectResult {
   CameraFrame frame;
   SampleBuffer samples;
   DirectStats stats;                     // of the pixel centres
-  std::optional<Refinement> refinement;  // if one was requested; its samples have no certificates
+  std::optional<Refinement> refinement;  // if one was requested; see RefineRequest::ray_starts
 };
 
 class Scene {
@@ -132,8 +132,8 @@ class Scene {
   std::unique_ptr<Data> data_;
 };
 
-// Traces a view. Errors: kBadUsage (camera, sections, a refinement with sections), kLimitExceeded (the leaves exceed the memory limit),
-// kCancelled.
+// Traces a view. Errors: kBadUsage (camera, sections, a refinement with sections), kLimitExceeded (the leaves exceed
+// the memory limit), kCancelled.
 Result<DirectResult> TraceDirect(const Scene& scene, const Camera& camera, const DirectOptions& options);
 
 // The instruction set of the kernels. FACETLESS_ISA=scalar|avx2|avx512 forces one. Error: kBadUsage (the

@@ -64,8 +64,9 @@ class FallbackSolver {
   ~FallbackSolver();
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
   // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `rect` is the leaf's
-  // of its patch, `work` the ray's. `whole`: the whole leaf may have a certificate, so that is tried first, and may be seen
-  // edge-on otherwise.
+  // of its patch, `work` the ray's. Set `whole` if the leaf was not certified before: a certificate of the whole leaf
+  // is then tried first. Without one, a leaf that is seen edge-on is empty if the ray passes beside it, else
+  // unresolved.
   std::uint8_t Solve(const HardLeaf& leaf, const ParameterRect& rect, double x, double y, double limit,
                      RayWork* work, std::vector<FallbackRoot>* roots, bool whole = false);
 

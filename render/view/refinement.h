@@ -77,7 +77,7 @@ class PixelPicker {
 struct RefineRequest {
   SampleGrid grid;
   PixelPicker* picker = nullptr;
-  // Fill uv, depth_error and certificate of the samples, if the tracer has them: secondary rays start from the samples.
+  // If true, secondary rays start from the samples: the tracer fills uv, depth_error and certificate, if it has them.
   bool ray_starts = false;
 };
 

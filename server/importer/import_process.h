@@ -66,7 +66,7 @@ struct ImportRequest {
   double unit_mm = 0;                       // if above 0, the unit of the file, whatever the file states
   ImportLimits limits;
   std::string temp_parent;            // parent directory of the files; empty: $TMPDIR or /tmp
-  Execution execution;                // threads of the importer, too
+  Execution execution;                // its number of threads also limits the importer's
   ForkServer* fork_server = nullptr;  // made with ImporterForkServer; null: the program is started
   // `stage` is read, transfer, convert, mesh or intersect; fraction 0 … 1. Called on the caller's thread.
   std::function<void(const std::string& stage, double fraction)> progress;

@@ -265,7 +265,7 @@ OptionTable LightRows() {
        .group = kGroup,
        .commands = kShown | kManifest,
        .value = "",
-       .help = "Cast the shadows of the key light by rays on the surfaces (docs/light.md)",
+       .help = "Cast the shadows of the key light, with rays that start on the surfaces (docs/light.md)",
        .usual = false,
        .binding = Bound([](auto& o) -> auto& { return o.light.shadows; })},
       {.name = "ambient_occlusion",
@@ -273,8 +273,8 @@ OptionTable LightRows() {
        .group = kGroup,
        .commands = kShown | kManifest,
        .value = "N[,R]",
-       .help = "Darken what other surfaces hide from the surroundings: N rays per sample (0 to 1024), which "
-               "count what lies within R mm (default: a quarter of the model's diagonal); 0 means none",
+       .help = "Darken points from which other surfaces hide the surroundings: N rays per sample (0 to 1024) "
+               "count the surfaces within R mm (default: a quarter of the model's diagonal); 0 means none",
        .low = 0,
        .high = 1e12,
        .usual = 0,
@@ -285,7 +285,7 @@ OptionTable LightRows() {
        .group = kGroup,
        .commands = kShown | kManifest,
        .value = "",
-       .help = "Add a plane below the model that catches its shadow and occlusion, and nothing else",
+       .help = "Add a plane below the model that shows only the model's shadow and occlusion",
        .usual = false,
        .excludes = {"section"},
        .binding = Bound([](auto& o) -> auto& { return o.light.ground; })},
@@ -295,8 +295,7 @@ OptionTable LightRows() {
        .commands = kShown | kManifest,
        .value = "NAME=KIND",
        .help = "Material of the parts and faces whose name contains NAME or matches it as a pattern: matte, "
-               "metal, "
-               "mirror, glass or glass:IOR; repeatable, and the last match counts",
+               "metal, mirror, glass or glass:IOR; repeatable, and the last match counts",
        .usual_words = "all matte",
        .excludes = {"section"},
        .repeatable = true,
@@ -306,7 +305,9 @@ OptionTable LightRows() {
        .group = kGroup,
        .commands = kShown | kManifest,
        .value = "N",
-       .help = "How many faces that are not matte a ray meets at most, before it shows the surroundings",
+       .help =
+           "Number of further faces that are not matte past which a ray is followed, after the one in the "
+           "picture; the next such face shows only the surroundings",
        .low = 0,
        .high = kMostBounces,
        .usual = 6,
@@ -326,8 +327,8 @@ OptionTable LightRows() {
        .group = kGroup,
        .commands = kShown | kManifest,
        .value = "NAME",
-       .help = "Acceleration structure in which the rays of light on exact surfaces look for candidates; the "
-               "picture does not depend on it",
+       .help = "Acceleration structure in which the rays of light find exact surfaces; the picture does not "
+               "depend on it",
        .choices = structures,
        .usual = kBlocks,
        .binding = Bound([](auto& o) -> auto& { return o.light.structure; })},

@@ -65,12 +65,12 @@ Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
       if (given.contains(row.name) && given.contains(other))
         return BadUsage("give either " + row.name + " or " + other);
   if (options.light.ground && !options.light.casts())
-    return BadUsage("ground only catches shadow and occlusion; give shadows or ambient_occlusion, too");
+    return BadUsage("ground shows only shadows and occlusion; give shadows or ambient_occlusion, too");
   if (!options.light.environment.empty() && options.light.materials.empty())
-    return BadUsage("environment is only seen in mirrors, metals and glasses; give material, too");
+    return BadUsage("environment is visible only in mirrors, metals and glasses; give material, too");
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
     return BadUsage(
-        "shade shows values and no light; give either shade, or shadows, ambient_occlusion and material");
+        "shade shows values without light; give either shade, or shadows, ambient_occlusion and material");
   if (options.picture.scale_bar && HasPerspective(options))
     return BadUsage("scale_bar needs an orthographic view: in perspective no length has one size");
   return options;

@@ -67,7 +67,7 @@ struct RunOptions {
   Background background = Background::kStudio;
   Inspection inspection;
   Orient orient = Orient::kFile;  // copied to the inspection when a view is made
-  LightOptions light;             // a radius of 0: a share of the model's diagonal
+  LightOptions light;             // a radius of 0 means a quarter of the model's diagonal
   LineMode lines = LineMode::kNone;
   bool svg = false;
   std::vector<SectionRequest> sections;

@@ -16,12 +16,12 @@ export const differenceTables = (d, noun = "mesh") => {
   ];
 };
 
-// What the secondary rays found: `light` of the exact surfaces, and of the difference.
+// A table of the results of the secondary rays: of `light` of the exact surfaces, and of that of the difference.
 export const lightTable = (light, difference) =>
   !light ? null : element("section", {}, element("h3", {}, "Light"),
-    table("Light", null, [["Rays", number(light.rays)], ["Lit samples", number(light.samples)], ["… proven", share(light.samples > 0 ? light.certified / light.samples : 1)],
+    table("Light", null, [["Rays", number(light.rays)], ["Samples with light", number(light.samples)], ["… proven", share(light.samples > 0 ? light.certified / light.samples : 1)],
       ...(difference?.shadow ? [["Lit on one, dark on the other", share(difference.shadow.share)], given(difference.shadow.false_self_shadow) && ["Shades itself falsely", `${number(difference.shadow.false_self_shadow)} px`]] : []),
-      ...(difference?.occlusion ? [["Occlusion, mean difference", share(difference.occlusion.mean_abs)]] : [])].filter(Boolean)));
+      ...(difference?.occlusion ? [["Occlusion, mean |difference|", share(difference.occlusion.mean_abs)]] : [])].filter(Boolean)));
 
 export const certaintyTable = (direct) =>
   element("section", {}, element("h3", {}, "Certificates of the direct image"),

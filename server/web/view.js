@@ -29,7 +29,7 @@ export class ViewBench {
     this.candidate = ViewBench.chosen(this.candidates, address);
     const candidate = this.candidate, own = ["direct", "legend", ...this.candidates.flatMap((one) => one.roles)];
     const others = this.roles.filter((role) => !own.includes(role));
-    this.captions = { direct: ["Direct", "exact surfaces"], ...(candidate && { [candidate.name]: [candidate.title, candidate.what], [candidate.differenceRole]: ["Difference", "deviation, mm"] }), ...(candidate && this.roles.includes(candidate.lightRole) && { [candidate.lightRole]: ["Light", `orange: only the surfaces are lit; blue: only the ${candidate.noun}; purple: the ${candidate.noun} shades itself`] }) };
+    this.captions = { direct: ["Direct", "exact surfaces"], ...(candidate && { [candidate.name]: [candidate.title, candidate.what], [candidate.differenceRole]: ["Difference", "deviation, mm"] }), ...(candidate && this.roles.includes(candidate.lightRole) && { [candidate.lightRole]: ["Light", `orange: lit only on the surfaces; blue: lit only on the ${candidate.noun}; purple: the ${candidate.noun} shades itself`] }) };
     this.modes = [...(candidate ? ["Slider", "Side by side", "Blink", "Onion skin", "Direct", candidate.title, "Difference", ...(this.captions[candidate.lightRole] ? ["Light"] : [])] : ["Direct"]), ...others.map(titleOf)];
     this.roleOf = (mode) => Object.keys(this.captions).find((role) => this.captions[role][0] === mode) ?? others.find((role) => titleOf(role) === mode);
     this.split = address.number("split", 0.5); this.onion = address.number("onion", 0.5);
