@@ -1,6 +1,7 @@
 #include "render/nurbs/monotone_curve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -27,6 +28,42 @@ T Bernstein(int degree, double t, const Coefficient& point) {
     sum = s * (sum + power * binomial * point(i));
   }
   return sum + power * t * point(degree);
+}
+
+// The binomials of the degrees up to this one are looked up.
+constexpr int kMostTabulated = 15;
+
+constexpr auto kBinomials = [] {
+  std::array<std::array<double, kMostTabulated + 1>, kMostTabulated + 1> table{};
+  for (int n = 0; n <= kMostTabulated; ++n) {
+    table[n][0] = table[n][n] = 1;
+    for (int i = 1; i < n; ++i) table[n][i] = table[n - 1][i - 1] + table[n - 1][i];
+  }
+  return table;
+}();
+
+// The same as Bernstein, to the bit, for a degree that is known to the compiler if kDegree > 0, and otherwise for
+// one up to kMostTabulated. Binomials of these degrees are integers without rounding.
+template <int kDegree>
+inline Vec3 TabulatedBernstein(const PlaneCurve& curve, double t) {
+  const int degree = kDegree > 0 ? kDegree : curve.degree;
+  const double s = 1 - t;
+  double power = 1;
+  Vec3 sum = s * curve.points[0];
+  for (int i = 1; i < degree; ++i) {
+    power *= t;
+    sum = s * (sum + power * kBinomials[degree][i] * curve.points[i]);
+  }
+  return sum + power * t * curve.points[degree];
+}
+
+// The homogeneous point of a curve.
+inline Vec3 HomogeneousPoint(const PlaneCurve& curve, double t) {
+  if (curve.degree == 1) return TabulatedBernstein<1>(curve, t);
+  if (curve.degree == 2) return TabulatedBernstein<2>(curve, t);
+  if (curve.degree == 3) return TabulatedBernstein<3>(curve, t);
+  if (curve.degree <= kMostTabulated) return TabulatedBernstein<-1>(curve, t);
+  return Bernstein<Vec3>(curve.degree, t, [&](int i) { return curve.points[i]; });
 }
 
 // A polynomial in Bernstein form with coefficients within ±noise of the true ones.
@@ -152,12 +189,12 @@ Polynomial DerivativeNumerator(const PlaneCurve& curve, int axis) {
 }  // namespace
 
 Vec2 PointOn(const PlaneCurve& curve, double t) {
-  const Vec3 h = Bernstein<Vec3>(curve.degree, t, [&](int i) { return curve.points[i]; });
+  const Vec3 h = HomogeneousPoint(curve, t);
   return {h.x / h.z, h.y / h.z};
 }
 
 Vec2 TangentOn(const PlaneCurve& curve, double t) {
-  const Vec3 h = Bernstein<Vec3>(curve.degree, t, [&](int i) { return curve.points[i]; });
+  const Vec3 h = HomogeneousPoint(curve, t);
   const Vec3 d = Bernstein<Vec3>(curve.degree - 1, t, [&](int i) {
     return double(curve.degree) * (curve.points[i + 1] - curve.points[i]);
   });
@@ -193,7 +230,23 @@ void StretchHull(const PlaneCurve& curve, double t0, double t1, std::vector<Vec2
   for (const Vec3& h : p) hull.push_back({h.x / h.z, h.y / h.z});
 }
 
+namespace {
+
+// Every so many steps, the bracket of SideOf is halved, however the curve is shaped.
+constexpr int kStepsToBisection = 4;
+
+// The factor for the value at the end that stays, when the value at the other end changes from `before` to `now`.
+double Reduction(double now, double before) {
+  const double factor = 1 - now / before;
+  return factor > 0 ? factor : 0.5;
+}
+
+}  // namespace
+
 CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
+  // A piece along an axis, such as a border of the patch: every point of its box is closer than the error.
+  if (std::fabs(piece.high.x - piece.low.x) <= piece.error.x || piece.high.y - piece.low.y <= piece.error.y)
+    return CurveSide::kOn;
   // Mirror u if the piece falls, so that both coordinates increase from a to b.
   const double mirror = piece.high.x >= piece.low.x ? 1 : -1;
   const Vec2 span = piece.high - piece.low;
@@ -204,9 +257,12 @@ CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
   double fb = mirror * (piece.high.x - q.x) * scale_u + (piece.high.y - q.y) * scale_v;
 
   // Along the piece, f = Δu/|span u| + Δv/|span v|, relative to q, increases. At its root, the curve passes q
-  // on one side.
+  // on one side. The root is found by the method of Anderson and Björck: where an end of the bracket stays
+  // for a second time, its value is reduced by as much as the other one has changed.
+  int kept = 0;  // +1 or −1: the last step left b or a in place
   for (int step = 0; step < kMostBracketSteps; ++step) {
-    double t = step % 3 == 2 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
+    double t =
+        step % kStepsToBisection == kStepsToBisection - 1 ? 0.5 * (a + b) : a + (b - a) * (fa / (fa - fb));
     if (!((t > a && t < b) || (t < a && t > b))) t = 0.5 * (a + b);
     if (t == a || t == b) break;
     const Vec2 c = PointOn(piece.curve, t);
@@ -218,13 +274,15 @@ CurveSide SideOf(const MonotonePiece& piece, Vec2 q) {
     if (std::fabs(x) <= piece.error.x && std::fabs(y) <= piece.error.y) break;
     const double f = x * scale_u + y * scale_v;
     if (f < 0) {
+      if (kept > 0) fb *= Reduction(f, fa);
       a = t;
       fa = f;
-      fb *= 0.5;
+      kept = 1;
     } else {
+      if (kept < 0) fa *= Reduction(f, fb);
       b = t;
       fb = f;
-      fa *= 0.5;
+      kept = -1;
     }
   }
   return CurveSide::kOn;

@@ -48,7 +48,8 @@ struct MonotonePiece {
 enum class CurveSide : std::int8_t { kRight = -1, kOn = 0, kLeft = 1 };
 
 // The side of the piece on which `q` lies, looking from low to high. Requires q in the box of the two ends.
-// The function takes about five evaluations of the curve, and never more than 200.
+// The function takes about five evaluations of the curve, and never more than 200. A piece along an axis, such as
+// a border of the patch, takes none.
 CurveSide SideOf(const MonotonePiece& piece, Vec2 q);
 
 // The parameter t between t_low and t_high of the point nearest to q in the metric (scale.x·du)² +
