@@ -185,7 +185,7 @@ class Comparison {
     std::size_t ray = 0;
     for (const int tile : chosen_) {
       const int column = tile % tiles_->tiles_x() * kTileSize, row = tile / tiles_->tiles_x() * kTileSize;
-      bitmaps.Build(*tiles_, tile, column, row);
+      bitmaps.Build(*tiles_, tile);
       const auto list = tiles_->Tile(tile);
       for (int i = row; i < std::min(row + kTileSize, camera_.height_px); ++i)
         for (int j = column; j < std::min(column + kTileSize, camera_.width_px); ++j, ++ray) {
@@ -198,10 +198,10 @@ class Comparison {
   }
 
   void WalkBitmaps(const std::uint64_t* row, const std::uint64_t* column, int words,
-                   std::span<const std::uint32_t> list, Query& query) const {
+                   std::span<const TileLeaf> list, Query& query) const {
     for (int word = 0; word < words; ++word)
       for (std::uint64_t bits = row[word] & column[word]; bits != 0; bits &= bits - 1) {
-        const std::uint32_t index = list[static_cast<std::size_t>(64 * word + __builtin_ctzll(bits))];
+        const std::uint32_t index = list[static_cast<std::size_t>(64 * word + __builtin_ctzll(bits))].leaf;
         if (leaves()[index].near_depth > query.nearest.depth) return;
         query.TestLeaf(index);
       }

@@ -98,10 +98,16 @@ TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int row
     for (auto& counts : next) listed += std::exchange(counts[tile], listed);
   }
   begin_[tiles] = listed;
-  indices_.resize(listed);
+  listed_.resize(listed);
+  const LeafSpans view = leaves();
   ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
-    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i)
-      ForEachTile(keys[i].leaf, [&](int tile) { indices_[next[share][tile]++] = keys[i].leaf; });
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
+      const std::uint32_t leaf = keys[i].leaf;
+      ForEachTile(leaf, [&](int tile) {
+        listed_[next[share][tile]++] =
+            TileLeaf::Of(view.Header(leaf), leaf, tile % tiles_x_ * kTileSize, tile / tiles_x_ * kTileSize);
+      });
+    }
   });
 }
 
@@ -136,11 +142,10 @@ std::size_t TileLeaves::leaf_bytes() const {
 }
 
 std::size_t TileLeaves::bytes() const {
-  return leaf_bytes() + begin_.capacity() * sizeof(std::size_t) + indices_.capacity() * sizeof(std::uint32_t);
+  return leaf_bytes() + begin_.capacity() * sizeof(std::size_t) + listed_.capacity() * sizeof(TileLeaf);
 }
 
-void TileBitmaps::Build(const TileLeaves& tiles, int tile, int column, int row) {
-  const LeafSpans leaves = tiles.leaves();
+void TileBitmaps::Build(const TileLeaves& tiles, int tile) {
   const auto list = tiles.Tile(tile);
   words_ = static_cast<int>((list.size() + 63) / 64);
   bits_.resize(std::size_t(2 * kTileSize) * words_);
@@ -150,12 +155,12 @@ void TileBitmaps::Build(const TileLeaves& tiles, int tile, int column, int row) 
     std::uint64_t row_changes[kTileSize + 1] = {}, column_changes[kTileSize + 1] = {};
     const std::size_t first = std::size_t(64) * word, end = std::min(first + 64, list.size());
     for (std::size_t k = first; k < end; ++k) {
-      const SampleBox box = leaves.Header(list[k]).box;
+      const TileLeaf& leaf = list[k];
       const std::uint64_t bit = std::uint64_t{1} << (k - first);
-      row_changes[std::max(box.row_begin() - row, 0)] ^= bit;
-      row_changes[std::min(box.row_end() - row, kTileSize)] ^= bit;
-      column_changes[std::max(box.col_begin() - column, 0)] ^= bit;
-      column_changes[std::min(box.col_end() - column, kTileSize)] ^= bit;
+      row_changes[leaf.first_row] ^= bit;
+      row_changes[leaf.last_row + 1] ^= bit;
+      column_changes[leaf.first_column] ^= bit;
+      column_changes[leaf.last_column + 1] ^= bit;
     }
     std::uint64_t in_row = 0, in_column = 0;
     std::uint64_t* out = bits_.data() + word;

@@ -4,7 +4,7 @@
 //
 //     const TileLeaves tiles({leaves}, columns, rows);
 //     TileBitmaps bitmaps;
-//     bitmaps.Build(tiles, tile, column, row);
+//     bitmaps.Build(tiles, tile);
 //     for (int w = 0; w < bitmaps.words(); ++w)
 //       Visit(tiles.Tile(tile), w, bitmaps.Row(i)[w] & bitmaps.Column(j)[w]);
 //
@@ -21,12 +21,11 @@
 #include <span>
 #include <vector>
 
+#include "render/accel/tile_leaf.h"
 #include "render/base/large_pages.h"
 #include "render/nurbs/leaf.h"
 
 namespace facetless {
-
-inline constexpr int kTileSize = 32;  // samples along each side of a tile
 
 // The order of tiles' lists (Law 2), of leaves `a` and `b` of a view.
 bool FrontToBack(const LeafSpans& leaves, std::uint32_t a, std::uint32_t b);
@@ -43,12 +42,10 @@ class TileLeaves {
   // Those of each kind front to back.
   LeafSpans leaves() const { return {certified_, places_, hard_, seams_}; }
   // The leaves whose boxes meet the tile, front to back.
-  std::span<const std::uint32_t> Tile(int tile) const {
-    return {indices_.data() + begin_[tile], begin_[tile + 1] - begin_[tile]};
+  std::span<const TileLeaf> Tile(int tile) const {
+    return {listed_.data() + begin_[tile], begin_[tile + 1] - begin_[tile]};
   }
-  std::uint64_t bits() const {
-    return indices_.size() * 2 * kTileSize;
-  }  // total size of all bitmaps, in bits
+  std::uint64_t bits() const { return listed_.size() * 2 * kTileSize; }  // total size of all bitmaps, in bits
   std::size_t bytes() const;
   std::size_t leaf_bytes() const;  // those of the leaves alone
 
@@ -67,14 +64,13 @@ class TileLeaves {
   Array<HardLeaf> hard_;
   Array<SeamLeaf> seams_;
   std::vector<std::size_t> begin_;
-  std::vector<std::uint32_t> indices_;
+  Array<TileLeaf> listed_;  // tile by tile
 };
 
 // The row and column bitmaps of one tile. An object is reused for many tiles; its storage only grows.
 class TileBitmaps {
  public:
-  // Builds the bitmaps of `tile`, whose first sample is (column, row).
-  void Build(const TileLeaves& tiles, int tile, int column, int row);
+  void Build(const TileLeaves& tiles, int tile);
 
   int words() const { return words_; }
   const std::uint64_t* Row(int i) const { return bits_.data() + std::size_t(i) * words_; }  // R

@@ -144,6 +144,10 @@ inline Wide Greater(Wide a, Wide b) {
 inline double Greatest(Wide a) {
   return a.raw;
 }
+// Stores the last 32 bits of integers below 2^51.
+inline void StoreInteger(Wide v, std::uint32_t* p) {
+  *p = static_cast<std::uint32_t>(static_cast<std::int64_t>(v.raw));
+}
 
 #else
 #if HWY_STATIC_TARGET == HWY_AVX2
@@ -289,6 +293,13 @@ HWY_INLINE Wide Greater(Wide a, Wide b) {
 }
 HWY_INLINE double Greatest(Wide a) {
   return hn::GetLane(hn::MaxOfLanes(WideTag(), a.raw));
+}
+HWY_INLINE void StoreInteger(Wide v, std::uint32_t* p) {
+  // The sum with 3·2^51 has the integer in its last bits.
+  const hn::RebindToUnsigned<WideTag> bits;
+  const hn::Rebind<std::uint32_t, WideTag> half;
+  const auto sum = hn::Add(v.raw, hn::Set(WideTag(), 0x1.8p52));
+  hn::StoreU(hn::TruncateTo(half, hn::BitCast(bits, sum)), half, p);
 }
 
 #if !defined(FACETLESS_FLOAT_KERNEL)

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "render/kernels/leaf_normal.inl.h"
@@ -93,25 +94,26 @@ class Packet {
       for (int i = 0; i < kPacketHeight; ++i) in_rows |= rows[i * words + k];
       for (int j = 0; j < kPacketWidth; ++j) in_columns |= columns[j * words + k];
       for (std::uint64_t candidates = in_rows & in_columns; candidates; candidates &= candidates - 1) {
-        const std::uint32_t index = job_.list[k * 64 + __builtin_ctzll(candidates)];
-        const LeafHeader& header = job_.leaves.Header(index);
+        const TileLeaf& leaf = job_.list[k * 64 + __builtin_ctzll(candidates)];
         if (!begun_) Begin();
-        if (nearest_only_ && header.near_depth > farthest_) return;
-        TestLeaf(header, index);
+        if (nearest_only_ && leaf.near_depth > farthest_) return;
+        const unsigned lanes = LanesIn(leaf);
+        if (lanes != 0) TestLeaf(leaf.leaf, lanes);
       }
     }
   }
 
   void Write() const {
-    for (int i = 0; i < kPacketHeight; ++i) {
-      const int from = i * kPacketWidth, to = LaneSample(from);
-      for (int j = 0; j < kPacketWidth; ++j) {
-        job_.depth[to + j] = depth_[from + j];
-        job_.error[to + j] = error_[from + j];
-        job_.s[to + j] = s_[from + j];
-        job_.t[to + j] = t_[from + j];
-        job_.leaf[to + j] = leaf_[from + j] == kMiss ? kNoLeaf : static_cast<std::uint32_t>(leaf_[from + j]);
-      }
+    std::uint32_t names[kPacketLanes];
+    static_assert(static_cast<std::uint32_t>(static_cast<std::int64_t>(kMiss)) == kNoLeaf);
+    for (int i = 0; i < kPacketLanes; i += kWideLanes) StoreInteger(Load(leaf_ + i), names + i);
+    for (int from = 0; from < kPacketLanes; from += kPacketWidth) {
+      const int to = LaneSample(from);
+      CopyRow(depth_ + from, job_.depth + to);
+      CopyRow(error_ + from, job_.error + to);
+      CopyRow(s_ + from, job_.s + to);
+      CopyRow(t_ + from, job_.t + to);
+      CopyRow(names + from, job_.leaf + to);
       for (int j = 0; several_ && j < kPacketWidth; ++j)
         job_.error[to + j] = std::fmax(error_[from + j], depth_[from + j] - least_[from + j]);
       for (int j = 0; doubtful_ && j < kPacketWidth; ++j)
@@ -121,8 +123,14 @@ class Packet {
     if (job_.normal) WriteNormals();
   }
 
+  // Copies what the lanes of a row of the packet have.
+  template <typename T>
+  static void CopyRow(const T* from, T* to) {
+    std::memcpy(to, from, kPacketWidth * sizeof(T));
+  }
+
   int LaneSample(int lane) const {
-    return (row_ + lane / kPacketWidth) * job_.tile_size + column_ + lane % kPacketWidth;
+    return (row_ + lane / kPacketWidth) * kTileSize + column_ + lane % kPacketWidth;
   }
 
   // The depth beyond which hits do not affect the lane.
@@ -144,10 +152,9 @@ class Packet {
 
   // The lanes whose sample lies in the box of the leaf and for which the leaf may still contain a relevant
   // hit.
-  unsigned LanesIn(const LeafHeader& leaf) const {
-    const SampleBox box = leaf.box;
-    const unsigned rows = Covered(box.row_begin(), box.row_end(), job_.row + row_, kPacketHeight);
-    const unsigned columns = Covered(box.col_begin(), box.col_end(), job_.column + column_, kPacketWidth);
+  unsigned LanesIn(const TileLeaf& leaf) const {
+    const unsigned rows = Covered(leaf.first_row, leaf.last_row + 1, row_, kPacketHeight);
+    const unsigned columns = Covered(leaf.first_column, leaf.last_column + 1, column_, kPacketWidth);
     unsigned mask = 0;
     for (int i = 0; i < kPacketHeight; ++i) mask |= (rows >> i & 1 ? columns : 0) << i * kPacketWidth;
     mask &= valid_;
@@ -158,12 +165,11 @@ class Packet {
     return mask & reached;
   }
 
-  void TestLeaf(const LeafHeader& header, std::uint32_t index) {
-    const unsigned lanes = LanesIn(header);
-    if (lanes == 0) return;
+  // Tests a leaf in the lanes that LanesIn names.
+  void TestLeaf(std::uint32_t index, unsigned lanes) {
     ++job_.counters->candidates;
     if (KindOf(index) != LeafKind::kCertified) {
-      TestUncertified(header, index, lanes);
+      TestUncertified(job_.leaves.Header(index), index, lanes);
       return;
     }
     const CertifiedLeaf& leaf = job_.leaves.certified[index];

@@ -23,6 +23,7 @@
 #include <array>
 #include <cstdint>
 
+#include "render/accel/tile_leaf.h"
 #include "render/base/vec.h"
 #include "render/nurbs/leaf.h"
 #include "render/view/doubt.h"
@@ -78,7 +79,7 @@ class HitResolver {
   // that belong to no root.
   virtual std::uint8_t SolveUncertified(std::uint32_t leaf, double x, double y, double limit,
                                         RootSink* roots) = 0;
-  // Receives a hit of sample row·tile_size + column of the tile. Called only if TileJob::every_hit is set.
+  // Receives a hit of sample row·kTileSize + column of the tile. Called only if TileJob::every_hit is set.
   virtual void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) = 0;
 
  protected:
@@ -86,14 +87,14 @@ class HitResolver {
 };
 
 struct TileJob {
-  // The view's leaves, the kernel that they were made for, the names of the tile's, front to back, and its
-  // bitmaps (accel/bmssm.h).
+  // The view's leaves, the kernel that they were made for, those of the tile, front to back, and its bitmaps
+  // (accel/bmssm.h).
   LeafSpans leaves;
   KernelArithmetic arithmetic;
-  const std::uint32_t* list = nullptr;
+  const TileLeaf* list = nullptr;
   const std::uint64_t* row_bits = nullptr;
   const std::uint64_t* column_bits = nullptr;
-  int words = 0, tile_size = 0;
+  int words = 0;
   int column = 0, row = 0;    // first sample
   int columns = 0, rows = 0;  // samples inside the image
   // By row of the tile: bit j is set if sample j of the row is traced. Null: all samples are. The results of
@@ -106,7 +107,7 @@ struct TileJob {
   HitResolver* resolver = nullptr;
   bool every_hit = false;  // report every hit to HitResolver::RecordHit, instead of keeping the nearest
 
-  // The results: tile_size² entries each, row by row. Entries outside the image are not set. For a miss,
+  // The results: kTileSize² entries each, row by row. Entries outside the image are not set. For a miss,
   // `leaf` is kNoIndex, depth is +inf, doubt is set, and the other entries are not.
   double* depth = nullptr;
   double* error = nullptr;  // bound of the depth error; no other face is nearer by more than this, either

@@ -9,10 +9,10 @@
 namespace facetless::FACETLESS_KERNEL_NAMESPACE {
 
 void TraceTile(const TileJob& job) {
-  const std::size_t count = std::size_t(job.tile_size) * job.tile_size;
-  std::fill_n(job.depth, count, kInfinity);
-  std::fill_n(job.leaf, count, kNoLeaf);
-  std::fill_n(job.doubt, count, std::uint8_t{0});
+  constexpr std::size_t kCount = std::size_t(kTileSize) * kTileSize;
+  std::fill_n(job.depth, kCount, kInfinity);
+  std::fill_n(job.leaf, kCount, kNoLeaf);
+  std::fill_n(job.doubt, kCount, std::uint8_t{0});
   if (job.words == 0) return;
   Packet packet(job);
   for (int row = 0; row < job.rows; row += kPacketHeight)

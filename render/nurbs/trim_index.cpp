@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kPieceBit = 0x80000000u;
 // The tree has at most 32 levels for 2^32 pieces, because nodes are split by halving, and at most seven
 // siblings wait on the stack at each level.
 constexpr int kStackSize = 7 * 32 + 1;
@@ -38,11 +37,6 @@ Lanes2 Two(const double* lanes, int pair) {
   std::memcpy(&two, lanes + 2 * pair, sizeof two);
   return two;
 }
-// The lane of child i in a node. Children i and i + 4 share a pair of lanes.
-std::uint32_t ChildLane(std::uint32_t i) {
-  return 2 * (i % 4) + i / 4;
-}
-
 // 1 in the lanes where the comparison holds, and 0 elsewhere.
 Bits2 One(Bits2 comparison) {
   return comparison ? Bits2{1, 1} : Bits2{0, 0};
@@ -446,15 +440,12 @@ struct FaceTrim::Contacts {
   }
 };
 
-TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, double band_scale) const {
+// Answers for `point`, known to within ±error, which is `rect`. walk(open_piece, odd) calls open_piece for all pieces that
+// may meet the rectangle, and counts the crossings of the others.
+template <typename WalkPieces>
+TrimAnswer FaceTrim::Answer(Vec2 point, Vec2 error, const Rect& rect, double band_scale,
+                            const WalkPieces& walk) const {
   TrimAnswer answer;
-  const Vec2 point{u, v};
-  const Rect rect{u - error_u, u + error_u, v - error_v, v + error_v};
-  if (!(rect.u_low <= u && u <= rect.u_high && rect.v_low <= v && v <= rect.v_high &&
-        rect.u_high - rect.u_low < kInfinity && rect.v_high - rect.v_low < kInfinity)) {
-    answer.certain = false;
-    return answer;
-  }
   Contacts contacts;
   const auto open_piece = [&](std::uint32_t i, bool& count) {
     const TrimPiece& piece = pieces_.pieces[i];
@@ -465,7 +456,7 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
     // Out of the band the piece counts by its side.
     const PieceSide side = SideOfRect(i, rect, band_scale, answer.path);
     if (side != PieceSide::kMeets) {
-      count ^= side == PieceSide::kLeft && Spans(piece, v);
+      count ^= side == PieceSide::kLeft && Spans(piece, point.y);
       return true;
     }
     count ^= CrossesRayTowardsU(i, point, answer.path);
@@ -484,7 +475,7 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
                   curve.edge_begin + t * (curve.edge_end - curve.edge_begin)});
     return true;
   };
-  Walk(point, rect, band_scale, answer.inside, open_piece);
+  walk(open_piece, answer.inside);
   if (contacts.count == 0) return answer;
 
   const Contacts::Contact& nearest = contacts.entries[0];
@@ -504,8 +495,8 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
   if (neighbour == kNoIndex || neighbour == nearest.coedge) return answer;
   const TrimPiece& piece = pieces_.pieces[nearest.piece];
   const Vec2 away = point - (at_end ? ends.end_point : ends.begin_point);
-  const bool corner_is_near = std::fabs(away.x) <= kCornerReach * (error_u + band_scale * piece.band_u) &&
-                              std::fabs(away.y) <= kCornerReach * (error_v + band_scale * piece.band_v);
+  const bool corner_is_near = std::fabs(away.x) <= kCornerReach * (error.x + band_scale * piece.band_u) &&
+                              std::fabs(away.y) <= kCornerReach * (error.y + band_scale * piece.band_v);
   if (contact == nullptr && !corner_is_near) return answer;
   const Ends& other = ends_[neighbour - first_coedge_];
   answer.other_coedge = neighbour;
@@ -515,6 +506,32 @@ TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, d
                                                    : other.end;
   answer.other_material_left = other.material_left;
   return answer;
+}
+
+TrimAnswer FaceTrim::Query(double u, double v, double error_u, double error_v, double band_scale) const {
+  const Vec2 point{u, v};
+  const Rect rect{u - error_u, u + error_u, v - error_v, v + error_v};
+  if (!(rect.u_low <= u && u <= rect.u_high && rect.v_low <= v && v <= rect.v_high &&
+        rect.u_high - rect.u_low < kInfinity && rect.v_high - rect.v_low < kInfinity)) {
+    TrimAnswer answer;
+    answer.certain = false;
+    return answer;
+  }
+  return Answer(point, {error_u, error_v}, rect, band_scale,
+                [&](const auto& open_piece, bool& odd) { Walk(point, rect, band_scale, odd, open_piece); });
+}
+
+TrimAnswer FaceTrim::Query(const TrimWindow& window, double u, double v, double error_u, double error_v,
+                           double band_scale) const {
+  const Vec2 point{u, v};
+  const Rect rect{u - error_u, u + error_u, v - error_v, v + error_v};
+  if (!window.Holds(rect.u_low, rect.u_high, rect.v_low, rect.v_high, band_scale))
+    return Query(u, v, error_u, error_v, band_scale);
+  return Answer(point, {error_u, error_v}, rect, band_scale, [&](const auto& open_piece, bool& odd) {
+    odd = window.odd;
+    for (int i = 0; i < window.end_count; ++i) odd ^= window.ends[i] <= v;
+    for (int i = 0; i < window.piece_count; ++i) open_piece(window.pieces[i], odd);
+  });
 }
 
 }  // namespace facetless

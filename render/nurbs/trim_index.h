@@ -36,6 +36,7 @@
 
 #include "render/model/model.h"
 #include "render/nurbs/trim_pieces.h"
+#include "render/nurbs/trim_window.h"
 
 namespace facetless {
 
@@ -92,6 +93,13 @@ class FaceTrim {
   // (u,v) is not finite, the answer is outside and not certain.
   TrimAnswer Query(double u, double v, double error_u, double error_v, double band_scale = 1) const;
 
+  // The window of all queries in u0 <= u <= u1, v0 <= v <= v1, errors included, with bands of up to `band_scale`. It
+  // holds no query if too many pieces lie in the rectangle.
+  TrimWindow WindowOf(double u0, double u1, double v0, double v1, double band_scale) const;
+  // The same as Query without a window. Requires a window of this index.
+  TrimAnswer Query(const TrimWindow& window, double u, double v, double error_u, double error_v,
+                   double band_scale) const;
+
   // Returns whether the loops are the border of the patch grid. If so, every point inside the grid and
   // outside the bands is inside the face.
   bool whole() const { return whole_; }
@@ -101,6 +109,7 @@ class FaceTrim {
 
  private:
   static constexpr int kWidth = 8;
+  static constexpr std::uint32_t kPieceBit = 0x80000000u;
 
   // Up to eight runs of consecutive pieces. Unused lanes have an empty box.
   struct alignas(64) Node {
@@ -110,6 +119,8 @@ class FaceTrim {
     float band_u = 0, band_v = 0;  // widest band of all pieces below
     std::uint32_t count = 0;
   };
+  // The lane of child i in a node. Children i and i + 4 share a pair of lanes.
+  static std::uint32_t ChildLane(std::uint32_t i) { return 2 * (i % 4) + i / 4; }
   struct Ends {  // the ends of a coedge in its loop
     std::uint32_t
         previous = kNoIndex,
@@ -130,6 +141,11 @@ class FaceTrim {
   bool Walk(Vec2 point, const Rect& rect, double band_scale, bool& odd, const OpenPiece& open_piece) const;
   // Lists the pieces whose boxes, with their bands, meet the rectangle. Returns false if they are more than `most`.
   bool PiecesIn(const Rect& rect, double band_scale, int most, std::uint32_t* found, int* count) const;
+  template <typename WalkPieces>
+  TrimAnswer Answer(Vec2 point, Vec2 error, const Rect& rect, double band_scale,
+                    const WalkPieces& walk) const;
+  // Adds the runs below node `index`. Returns false if there is no room.
+  bool AddToWindow(std::uint32_t index, TrimWindow* window) const;
   PieceSide SideOfRect(std::uint32_t piece, const Rect& rect, double band_scale, TrimPath& path) const;
   bool CrossesRayTowardsU(std::uint32_t piece, Vec2 point, TrimPath& path) const;
   bool OddExcept(Vec2 point, std::uint32_t excluded) const;

@@ -35,14 +35,17 @@ class ShownLeaf {
     float outward = 1;
   };
   const Face& FaceOfPlacedFace(std::uint32_t leaf) {
-    if (leaf == of_) return face_;
-    of_ = leaf;
-    const std::uint32_t placed_face = leaves_.Header(leaf).placed_face;
-    if (placed_face != face_.placed_face) face_ = {placed_face, float(shared_.Placed(placed_face).outward)};
+    if (leaf != of_) LookUp(leaf);
     return face_;
   }
 
  private:
+  [[gnu::noinline]] void LookUp(std::uint32_t leaf) {
+    of_ = leaf;
+    const std::uint32_t placed_face = leaves_.Header(leaf).placed_face;
+    if (placed_face != face_.placed_face) face_ = {placed_face, float(shared_.Placed(placed_face).outward)};
+  }
+
   const TraceShared& shared_;
   const LeafSpans leaves_;
   TraceShared::LeafSite site_;
@@ -100,32 +103,89 @@ void CheckRays(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
   }
 }
 
+// The normal of the hit `k` of a traced tile, for which the kernel has none.
+[[gnu::noinline]] std::array<float, 3> NormalAlone(const TraceShared& shared, const TileTracer& tile, int k,
+                                                   int column, int row) {
+  const double x = column + 0.5 - 0.5 * shared.camera.width_px, y = row + 0.5 - 0.5 * shared.camera.height_px;
+  const Vec3 normal = shared.HitAt(tile.leaf[k], tile.s[k], tile.t[k], x, y).normal;
+  return {float(normal.x), float(normal.y), float(normal.z)};
+}
+
 // Copies the hit `k` of a traced tile, of the sample (column, row) of the view, to entry `out` of the samples.
-void WriteHit(const TraceShared& shared, const TileTracer& tile, int k, int column, int row, ShownLeaf* shown,
-              std::size_t out, SampleBuffer* samples) {
+inline void WriteHit(const TraceShared& shared, const TileTracer& tile, int k, int column, int row,
+                     ShownLeaf* shown, std::size_t out, SampleBuffer* samples) {
   const std::uint32_t leaf = tile.leaf[k];
   const ShownLeaf::Face& face = shown->FaceOfPlacedFace(leaf);
   std::array<float, 3> normal = tile.normal[k];
-  if (normal == std::array<float, 3>{0, 0, 0}) {
-    const double x = column + 0.5 - 0.5 * shared.camera.width_px,
-                 y = row + 0.5 - 0.5 * shared.camera.height_px;
-    const Vec3 alone = shared.HitAt(leaf, tile.s[k], tile.t[k], x, y).normal;
-    normal = {float(alone.x), float(alone.y), float(alone.z)};
-  }
+  if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal = NormalAlone(shared, tile, k, column, row);
   const float outward = face.outward;
   samples->depth[out] = tile.depth[k];
   samples->face[out] = face.placed_face;
   samples->normal[out] = {outward * normal[0], outward * normal[1], outward * normal[2]};
-  if (!samples->uv.empty()) {
-    const TraceShared::LeafSite& site = shown->Site(leaf);
-    samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
-  }
-  if (!samples->depth_error.empty()) samples->depth_error[out] = RoundedUp(tile.error[k]);
 }
 
-// Copies a traced tile into the image, with the normals and parameters of its hits.
-void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
-  // Initialise all samples as misses first, because most tiles consist of hits only or of misses only.
+// Copies what was requested of the sample `k` of a traced tile beyond that: of a hit, or the values of a miss.
+void WriteRequested(const TileTracer& tile, int k, ShownLeaf* shown, std::size_t out, SampleBuffer* samples) {
+  const bool hit = tile.leaf[k] != kNoIndex;
+  if (!samples->uv.empty()) {
+    samples->uv[out] = {0, 0};
+    if (hit) {
+      const TraceShared::LeafSite& site = shown->Site(tile.leaf[k]);
+      samples->uv[out] = {site.u_map->ToNative(site.U(tile.s[k])), site.v_map->ToNative(site.V(tile.t[k]))};
+    }
+  }
+  if (!samples->depth_error.empty()) samples->depth_error[out] = hit ? RoundedUp(tile.error[k]) : 0;
+}
+
+// Copies row `i` of a traced tile into the image, with the normals and parameters of its hits.
+void WriteRow(const TraceShared& shared, const TileTracer& tile, int i, ShownLeaf* shown,
+              SampleBuffer* samples, Tally* tally) {
+  const int count = tile.columns(), row = tile.row() + i, k0 = i * kTileSize;
+  const std::size_t out0 = std::size_t(row) * samples->width + tile.column();
+
+  // Copy what each sample has. The depth of a miss is infinite already.
+  std::array<std::uint8_t, kTileSize> doubts;
+  std::copy_n(tile.doubt.data() + k0, kTileSize, doubts.data());
+  if (shared.check) {
+    for (int j = 0; j < count; ++j)
+      doubts[j] |= CheckSample(shared, tile, k0 + j, tile.column() + j, row, shown, &tally->check);
+  }
+  std::copy_n(tile.depth.data() + k0, count, samples->depth.data() + out0);
+  std::copy_n(doubts.data(), count, samples->doubt.data() + out0);
+  int certified = 0;
+  for (int j = 0; j < count; ++j) {
+    samples->certificate[out0 + j] = CertificateForDoubt(doubts[j]);
+    certified += doubts[j] == 0;
+  }
+  tally->certified += certified;
+  for (int j = 0; certified < count && j < count; ++j) tally->AddDoubts(doubts[j]);
+
+  // Find the face and the normal of each hit.
+  std::uint64_t hits = 0, certified_hits = 0;
+  double greatest_error = tally->depth_error_max;
+  for (int j = 0; j < count; ++j) {
+    const int k = k0 + j;
+    if (tile.leaf[k] == kNoIndex) {
+      samples->face[out0 + j] = kNoIndex;
+      samples->normal[out0 + j] = {0, 0, 0};
+      continue;
+    }
+    WriteHit(shared, tile, k, tile.column() + j, row, shown, out0 + j, samples);
+    ++hits;
+    if (doubts[j] != 0) continue;
+    ++certified_hits;
+    greatest_error = std::max(greatest_error, tile.error[k]);
+  }
+  tally->hits += hits;
+  tally->certified_hits += certified_hits;
+  tally->depth_error_max = greatest_error;
+
+  if (samples->uv.empty() && samples->depth_error.empty()) return;
+  for (int j = 0; j < count; ++j) WriteRequested(tile, k0 + j, shown, out0 + j, samples);
+}
+
+// Writes the rows of a tile that no leaf meets.
+void WriteEmptyTile(const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
   for (int i = 0; i < tile.rows(); ++i) {
     const std::size_t first = std::size_t(tile.row() + i) * samples->width + tile.column();
     std::fill_n(samples->depth.begin() + first, tile.columns(), INFINITY);
@@ -138,38 +198,18 @@ void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* 
     if (!samples->uv.empty())
       std::fill_n(samples->uv.begin() + first, tile.columns(), std::array<double, 2>{0, 0});
   }
-  if (tile.empty()) {
-    tally->certified += std::uint64_t(tile.rows()) * tile.columns();
-    CheckRays(shared, tile, samples,
-              tally);  // the statement that no leaf is visible here must be verified, too
-    return;
-  }
-  ShownLeaf shown(shared);
-  for (int i = 0; i < tile.rows(); ++i) {
-    const int row = tile.row() + i;
-    for (int j = 0; j < tile.columns(); ++j) {
-      const int k = i * kTileSize + j;
-      const int column = tile.column() + j;
-      const std::size_t out = std::size_t(row) * samples->width + column;
-      const std::uint8_t doubt =
-          tile.doubt[k] | CheckSample(shared, tile, k, column, row, &shown, &tally->check);
-      const Certificate certificate = CertificateForDoubt(doubt);
-      if (doubt != 0) {
-        samples->certificate[out] = certificate;
-        samples->doubt[out] = doubt;
-        tally->AddDoubts(doubt);
-      } else {
-        ++tally->certified;
-      }
-      if (tile.leaf[k] == kNoIndex) continue;
+  tally->certified += std::uint64_t(tile.rows()) * tile.columns();
+}
 
-      WriteHit(shared, tile, k, column, row, &shown, out, samples);
-      ++tally->hits;
-      if (certificate != Certificate::kCertified) continue;
-      ++tally->certified_hits;
-      tally->depth_error_max = std::max(tally->depth_error_max, tile.error[k]);
-    }
+// Copies a traced tile into the image.
+void WriteTile(const TraceShared& shared, const TileTracer& tile, SampleBuffer* samples, Tally* tally) {
+  if (tile.empty()) {
+    WriteEmptyTile(tile, samples, tally);
+  } else {
+    ShownLeaf shown(shared);
+    for (int i = 0; i < tile.rows(); ++i) WriteRow(shared, tile, i, &shown, samples, tally);
   }
+  // That no leaf is visible somewhere must be verified, too.
   CheckRays(shared, tile, samples, tally);
 }
 
@@ -281,6 +321,7 @@ class Refiner {
         const std::size_t out = rank * static_cast<std::size_t>(grid_.count()) +
                                 static_cast<std::size_t>(row % grid_.y * grid_.x + column % grid_.x);
         WriteHit(shared, tile, k, column, row, &shown, out, &refinement->samples);
+        WriteRequested(tile, k, &shown, out, &refinement->samples);
         if (!refinement->samples.certificate.empty())
           refinement->samples.certificate[out] = CertificateForDoubt(tile.doubt[k]);
       }

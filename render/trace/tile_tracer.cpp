@@ -9,6 +9,8 @@ namespace {
 // The largest band_scale. A gap seen at grazing incidence covers gap/cosine of the surface; with a larger
 // factor, the band would cover the whole face.
 constexpr double kMaxBandScale = 64;
+// The window of a leaf's trim index covers |s|, |t| up to this: most roots in its overlap, with their errors.
+constexpr double kWindow = 1 + 0x1p-10;
 
 // A border of a patch in one of its parameters.
 struct PatchBorder {
@@ -35,7 +37,6 @@ TileTracer::TileTracer(const TraceShared& shared, TileKernel kernel, bool certif
   job_.coincidences = certify;
   job_.leaves = shared.view.tiles->leaves();
   job_.arithmetic = shared.view.arithmetic;
-  job_.tile_size = kTileSize;
   job_.half_width = 0.5 * shared.camera.width_px;
   job_.half_height = 0.5 * shared.camera.height_px;
   job_.near_depth = shared.frame.projection == Projection::kPerspective ? shared.frame.near_mm : -INFINITY;
@@ -49,7 +50,7 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings, const std::u
   job_.row = index / tiles.tiles_x() * kTileSize;
   job_.columns = std::min(kTileSize, shared_.camera.width_px - job_.column);
   job_.rows = std::min(kTileSize, shared_.camera.height_px - job_.row);
-  bitmaps_.Build(tiles, index, job_.column, job_.row);
+  bitmaps_.Build(tiles, index);
   job_.list = tiles.Tile(index).data();
   job_.words = bitmaps_.words();
   job_.row_bits = bitmaps_.Row(0);
@@ -71,14 +72,23 @@ void TileTracer::Trace(int index, std::vector<Crossing>* crossings, const std::u
   kernel_(job_);
 }
 
-const TileTracer::LeafSite& TileTracer::SiteOf(std::uint32_t id) {
-  if (site_.leaf != id) site_ = shared_.SiteOf(id);
-  return site_;
+const TileTracer::KeptSite& TileTracer::KeptSiteOf(std::uint32_t id) {
+  KeptSite& kept = kept_sites_[id % kKeptSites];
+  if (kept.site.leaf == id) return kept;
+  kept.site = shared_.SiteOf(id);
+  if (KindOf(id) != LeafKind::kCertified || !IsTrimmed(id)) return kept;
+  const LeafSite& site = kept.site;
+  kept.window = shared_.scene.faces[site.placed.face].trim.WindowOf(
+      site.u_map->ToNative(site.U(-kWindow)), site.u_map->ToNative(site.U(kWindow)),
+      site.v_map->ToNative(site.V(-kWindow)), site.v_map->ToNative(site.V(kWindow)), kMaxBandScale);
+  return kept;
 }
 
 bool TileTracer::IsInsideFace(std::uint32_t id, double hit_s, double hit_t, double x, double y,
                               std::uint8_t* hit_doubt) {
-  return IsInsideFace(SiteOf(id), MakeRoot(job_.leaves.certified[id], hit_s, hit_t), x, y, hit_doubt);
+  const KeptSite& kept = KeptSiteOf(id);
+  return IsInsideFace(kept.site, &kept.window, MakeRoot(job_.leaves.certified[id], hit_s, hit_t), x, y,
+                      hit_doubt);
 }
 
 bool TileTracer::OwnsBorderRoot(std::uint32_t id, double x, double y, TileHit* hit, std::uint8_t* hit_doubt) {
@@ -108,22 +118,27 @@ TileTracer::Root TileTracer::MakeRoot(const FallbackRoot& root) {
   return {root.hit.s, root.hit.t, root.error_s, root.error_t, root.proven ? root.jacobian_sign : 0};
 }
 
-TrimAnswer TileTracer::QueryTrim(const LeafSite& site, const Root& root, double cosine) const {
+TrimAnswer TileTracer::QueryTrim(const LeafSite& site, const TrimWindow* window, const Root& root,
+                                 double cosine) const {
   // Map the hit to native parameters. The curve is never mapped.
   const double u = site.U(root.s), v = site.V(root.t);
-  return shared_.scene.faces[site.placed.face].trim.Query(
-      site.u_map->ToNative(u), site.v_map->ToNative(v), root.error_s * site.rect.u_half / site.u_map->Rate(u),
-      root.error_t * site.rect.v_half / site.v_map->Rate(v), std::min(kMaxBandScale, 1 / cosine));
+  const double native_u = site.u_map->ToNative(u), native_v = site.v_map->ToNative(v);
+  const double error_u = root.error_s * site.rect.u_half / site.u_map->Rate(u),
+               error_v = root.error_t * site.rect.v_half / site.v_map->Rate(v);
+  const double band_scale = std::min(kMaxBandScale, 1 / cosine);
+  const FaceTrim& trim = shared_.scene.faces[site.placed.face].trim;
+  return window != nullptr ? trim.Query(*window, native_u, native_v, error_u, error_v, band_scale)
+                           : trim.Query(native_u, native_v, error_u, error_v, band_scale);
 }
 
-bool TileTracer::IsInsideFace(const LeafSite& site, const Root& root, double x, double y,
-                              std::uint8_t* hit_doubt) {
+bool TileTracer::IsInsideFace(const LeafSite& site, const TrimWindow* window, const Root& root, double x,
+                              double y, std::uint8_t* hit_doubt) {
   // Most hits lie farther from every edge than the widest band.
-  const TrimAnswer far = QueryTrim(site, root, 1 / kMaxBandScale);
+  const TrimAnswer far = QueryTrim(site, window, root, 1 / kMaxBandScale);
   if (far.certain && far.coedge == kNoIndex) return far.inside;
   const TraceShared::PlacedFace& placed = site.placed;
   const HitGeometry geometry = shared_.HitAt(site.leaf, root.s, root.t, x, y);
-  const TrimAnswer answer = QueryTrim(site, root, geometry.cosine);
+  const TrimAnswer answer = QueryTrim(site, window, root, geometry.cosine);
 
   // In the band of an edge, the edge itself decides for both faces.
   if (answer.coedge != kNoIndex && root.jacobian_sign != 0) {
@@ -157,7 +172,7 @@ bool TileTracer::ForEachRoot(std::uint32_t placed_face, double x, double y, cons
   work.Spend(job_.words);
   for (int word = 0; word < job_.words; ++word) {
     for (std::uint64_t bits = rows[word] & columns[word]; bits != 0; bits &= bits - 1) {
-      const std::uint32_t id = job_.list[64 * word + __builtin_ctzll(bits)];
+      const std::uint32_t id = job_.list[64 * word + __builtin_ctzll(bits)].leaf;
       const LeafHeader& candidate = job_.leaves.Header(id);
       work.Spend(1);
       if (candidate.placed_face != placed_face || KindOf(id) == LeafKind::kSeam) continue;
@@ -253,7 +268,7 @@ bool TileTracer::OnSeam(const LeafSite& own, const Root& root, const TrimAnswer&
     if (again || other.jacobian_sign * root.jacobian_sign <= 0) return;
     if (std::fabs(hit.depth - depth) > hit.error + own_error) return;
     const HitGeometry geometry = shared_.HitAt(id, other.s, other.t, x, y);
-    const TrimAnswer there = QueryTrim(shared_.SiteOf(id), other, geometry.cosine);
+    const TrimAnswer there = QueryTrim(shared_.SiteOf(id), nullptr, other, geometry.cosine);
     again = there.coedge != kNoIndex && there.coedge != answer.coedge &&
             model.coedges[there.coedge].edge == model.coedges[answer.coedge].edge;
   });
@@ -289,7 +304,7 @@ std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, Roo
       ForEachRoot(seam.placed_face, x, y, [&](std::uint32_t id, const Root& root, const TileHit& hit) {
         std::uint8_t ignored = 0;
         if (!(hit.depth > job_.near_depth)) return;
-        if (IsTrimmed(id) && !IsInsideFace(shared_.SiteOf(id), root, x, y, &ignored)) return;
+        if (IsTrimmed(id) && !IsInsideFace(shared_.SiteOf(id), nullptr, root, x, y, &ignored)) return;
         seam_roots_.emplace_back(shared_.view, id, hit);
       });
   if (!complete) return kDoubtLimit;
@@ -324,7 +339,7 @@ std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, 
     bool kept = true;
     if (IsTrimmed(id)) {
       ++counters.trim_tests;
-      kept = IsInsideFace(site, at, x, y, &root_doubt);
+      kept = IsInsideFace(site, nullptr, at, x, y, &root_doubt);
     }
     roots->Add(hit, root_doubt, kept);
   }

@@ -65,8 +65,8 @@ class TileTracer final : private HitResolver {
   Root MakeRoot(const CertifiedLeaf& leaf, double s, double t) const;
   static Root MakeRoot(const FallbackRoot& root);
   using LeafSite = TraceShared::LeafSite;
-  // Queries the trim index at the root, with the errors of the root converted to native parameters.
-  TrimAnswer QueryTrim(const LeafSite& site, const Root& root, double cosine) const;
+  // Queries the trim index at the root, with the errors of the root converted to native parameters. `window` may be null.
+  TrimAnswer QueryTrim(const LeafSite& site, const TrimWindow* window, const Root& root, double cosine) const;
   // The index, in the arrays of the tile, of the ray through (x, y), relative to the image centre.
   int SampleAt(double x, double y) const;
   // Calls found(leaf, root, hit) for every root of the untrimmed placed face on the ray. Returns false if the
@@ -88,7 +88,8 @@ class TileTracer final : private HitResolver {
   // Returns whether the face has the same root again on the other side of the seam that `answer` reports.
   bool OnSeam(const LeafSite& site, const Root& root, const TrimAnswer& answer, double depth, double x,
               double y);
-  bool IsInsideFace(const LeafSite& site, const Root& root, double x, double y, std::uint8_t* doubt);
+  bool IsInsideFace(const LeafSite& site, const TrimWindow* window, const Root& root, double x, double y,
+                    std::uint8_t* doubt);
   bool IsTrimmed(std::uint32_t leaf) const;
   // Adds the crossing of a seam leaf if the number of the face's other crossings has the wrong parity
   // (seams.h).
@@ -101,9 +102,14 @@ class TileTracer final : private HitResolver {
                                 RootSink* roots) override;
   void RecordHit(int sample, std::uint32_t leaf, const TileHit& hit, std::uint8_t doubt) override;
 
-  // Returns the site of a leaf that the kernel asks about. The last one is cached, because the kernel asks
-  // many times about one leaf before the next.
-  const LeafSite& SiteOf(std::uint32_t leaf);
+  // The site of a leaf that the kernel asks about, and the window of its trim index. Both are kept until another leaf
+  // takes their place, because the kernel returns to a leaf in several packets.
+  struct KeptSite {
+    LeafSite site;
+    TrimWindow window;  // of a certified leaf with kLeafTrimmed
+  };
+  const KeptSite& KeptSiteOf(std::uint32_t leaf);
+  const LeafSite& SiteOf(std::uint32_t leaf) { return KeptSiteOf(leaf).site; }
   std::uint8_t DoubtForRoot(std::uint32_t leaf, const FallbackRoot& root, double x, double y) const;
 
   const TraceShared& shared_;
@@ -115,7 +121,8 @@ class TileTracer final : private HitResolver {
   std::vector<FallbackRoot> roots_;
   std::vector<RootTwin> seam_roots_;
   std::vector<Crossing>* crossings_ = nullptr;
-  LeafSite site_;  // the cached site of SiteOf
+  static constexpr std::uint32_t kKeptSites = 32;  // the trimmed leaves of a row of packets
+  std::array<KeptSite, kKeptSites> kept_sites_;    // by the last bits of the leaf
 };
 
 }  // namespace facetless

@@ -59,7 +59,7 @@ TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
   TileBitmaps bitmaps;
   for (int tile = 0; tile < tiles.tiles_x() * tiles.tiles_y(); ++tile) {
     const int column = tile % tiles.tiles_x() * kTileSize, row = tile / tiles.tiles_x() * kTileSize;
-    bitmaps.Build(tiles, tile, column, row);
+    bitmaps.Build(tiles, tile);
     const auto list = tiles.Tile(tile);
     for (int i = 0; i < kTileSize && row + i < rows; ++i) {
       for (int j = 0; j < kTileSize && column + j < columns; ++j) {
@@ -67,7 +67,7 @@ TEST(Bmssm, RowAndColumnBitsMeetExactlyInTheBoxesThatHoldTheSample) {
         for (std::size_t k = 0; k < list.size(); ++k) {
           const bool bit =
               bitmaps.Row(i)[k / 64] & bitmaps.Column(j)[k / 64] & (std::uint64_t{1} << (k % 64));
-          const bool holds = tiles.leaves().Header(list[k]).box.Holds(column + j, row + i);
+          const bool holds = tiles.leaves().Header(list[k].leaf).box.Holds(column + j, row + i);
           ASSERT_EQ(bit, holds);
           next += holds;
         }
@@ -112,8 +112,9 @@ TEST(Bmssm, BitsGoFrontToBack) {
   for (int tile = 0; tile < tiles.tiles_x() * tiles.tiles_y(); ++tile) {
     const auto list = tiles.Tile(tile);
     for (std::size_t k = 1; k < list.size(); ++k) {
-      EXPECT_TRUE(FrontToBack(tiles.leaves(), list[k - 1], list[k]));
-      EXPECT_LE(tiles.leaves().Header(list[k - 1]).near_depth, tiles.leaves().Header(list[k]).near_depth);
+      EXPECT_TRUE(FrontToBack(tiles.leaves(), list[k - 1].leaf, list[k].leaf));
+      EXPECT_LE(list[k - 1].near_depth, list[k].near_depth);
+      EXPECT_EQ(tiles.leaves().Header(list[k].leaf).near_depth, list[k].near_depth);
     }
   }
 }
