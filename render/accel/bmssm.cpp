@@ -14,10 +14,11 @@ namespace {
 constexpr std::size_t kLeavesPerShare = 4096;
 constexpr std::size_t kMostShares = 16;
 
-// The sort key of a leaf. Keys are sorted instead of leaves, which are ten times as large.
+// A leaf while the leaves are sorted, which are ten times as large.
 struct Key {
   double near_depth;
   std::uint32_t part, leaf;
+  SampleBox box;
 };
 
 // The order of leaves that begin at the same depth. Leaves of one patch have one rectangle as their root: whichever
@@ -31,12 +32,6 @@ bool ComesFirst(const LeafSpans& leaves_a, std::uint32_t a, const LeafSpans& lea
   return std::tie(rect_a.u_mid, rect_a.v_mid, rect_a.u_half, rect_a.v_half) <
          std::tie(rect_b.u_mid, rect_b.v_mid, rect_b.u_half, rect_b.v_half);
 }
-
-// The number of leaves of each kind.
-struct Counts {
-  std::array<std::size_t, 3> of_kind{};
-  std::size_t& operator[](std::uint32_t leaf) { return of_kind[static_cast<std::size_t>(KindOf(leaf))]; }
-};
 
 }  // namespace
 
@@ -54,7 +49,7 @@ TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int row
   for (std::uint32_t p = 0; p < parts.size(); ++p) {
     const auto add = [&](LeafKind kind, const auto& leaves) {
       for (std::size_t i = 0; i < leaves.size(); ++i)
-        keys.push_back({leaves[i].near_depth, p, LeafId(kind, i)});
+        keys.push_back({leaves[i].near_depth, p, LeafId(kind, i), leaves[i].box});
     };
     add(LeafKind::kCertified, parts[p].certified);
     add(LeafKind::kHard, parts[p].hard);
@@ -65,30 +60,20 @@ TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int row
     return ComesFirst(parts[a.part], a.leaf, parts[b.part], b.leaf);
   });
 
-  // Gather and count the leaves share by share, then fill the lists. Leaves are processed in order, so the
-  // list of each tile is sorted.
+  // Count the leaves by kind and tile, share by share: those that a tile lists, and those that it is the home of.
   const std::size_t shares = std::clamp<std::size_t>(count / kLeavesPerShare, 1, kMostShares);
   const auto first_of = [&](std::size_t share) { return count * share / shares; };
-  std::vector<Counts> first_in(shares);  // of each kind, before the share
-  Counts total;
-  for (std::size_t share = 0; share < shares; ++share) {
-    first_in[share] = total;
-    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) ++total[keys[i].leaf];
-  }
-  certified_.resize(total.of_kind[0]);
-  places_.resize(total.of_kind[0]);
-  hard_.resize(total.of_kind[1]);
-  seams_.resize(total.of_kind[2]);
-
-  // Gather and count them, then fill: leaves come in order, so each tile's list is sorted. Keys now name the
-  // leaves of the view.
   const std::size_t tiles = std::size_t(tiles_x_) * tiles_y_;
-  std::vector<std::vector<std::size_t>> next(shares);
+  const auto home_of = [&](const Key& key) {
+    return static_cast<std::size_t>(KindOf(key.leaf)) * tiles + std::size_t(HomeOf(key.box));
+  };
+  std::vector<std::vector<std::size_t>> next(shares), next_at_home(shares);
   ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
     next[share].assign(tiles, 0);
+    next_at_home[share].assign(kLeafKinds * tiles, 0);
     for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
-      keys[i].leaf = Gather(parts[keys[i].part], keys[i].leaf, first_in[share][keys[i].leaf]++);
-      ForEachTile(keys[i].leaf, [&](int tile) { ++next[share][tile]; });
+      ++next_at_home[share][home_of(keys[i])];
+      ForEachTile(keys[i].box, [&](int tile) { ++next[share][tile]; });
     }
   });
   begin_.resize(tiles + 1);
@@ -98,39 +83,56 @@ TileLeaves::TileLeaves(const std::vector<LeafSpans>& parts, int columns, int row
     for (auto& counts : next) listed += std::exchange(counts[tile], listed);
   }
   begin_[tiles] = listed;
+  std::array<std::vector<Source>, kLeafKinds> sources;
+  for (std::size_t kind = 0; kind < kLeafKinds; ++kind) {
+    std::size_t placed = 0;
+    for (std::size_t tile = 0; tile < tiles; ++tile)
+      for (auto& counts : next_at_home) placed += std::exchange(counts[kind * tiles + tile], placed);
+    sources[kind].resize(placed);
+  }
+
+  // Give each leaf its place and list it. Leaves are processed in order, so the list of each tile is sorted.
   listed_.resize(listed);
-  const LeafSpans view = leaves();
   ParallelFor(std::size_t{0}, shares, [&](std::size_t share) {
     for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
-      const std::uint32_t leaf = keys[i].leaf;
-      ForEachTile(leaf, [&](int tile) {
-        listed_[next[share][tile]++] =
-            TileLeaf::Of(view.Header(leaf), leaf, tile % tiles_x_ * kTileSize, tile / tiles_x_ * kTileSize);
+      const Key& key = keys[i];
+      const std::size_t to = next_at_home[share][home_of(key)]++;
+      sources[static_cast<std::size_t>(KindOf(key.leaf))][to] = {key.part, IndexWithin(key.leaf)};
+      const std::uint32_t leaf = LeafId(KindOf(key.leaf), to);
+      ForEachTile(key.box, [&](int tile) {
+        listed_[next[share][tile]++] = TileLeaf::Of(key.near_depth, key.box, leaf,
+                                                    tile % tiles_x_ * kTileSize, tile / tiles_x_ * kTileSize);
       });
     }
   });
+  Gather(parts, sources);
 }
 
-std::uint32_t TileLeaves::Gather(const LeafSpans& part, std::uint32_t leaf, std::size_t to) {
-  const std::uint32_t from = IndexWithin(leaf);
-  switch (KindOf(leaf)) {
-    case LeafKind::kCertified:
-      certified_[to] = part.certified[from];
-      places_[to] = part.places[from];
-      break;
-    case LeafKind::kHard:
-      hard_[to] = part.hard[from];
-      break;
-    case LeafKind::kSeam:
-      seams_[to] = part.seams[from];
-      break;
-  }
-  return LeafId(KindOf(leaf), to);
+void TileLeaves::Gather(const std::vector<LeafSpans>& parts,
+                        const std::array<std::vector<Source>, kLeafKinds>& sources) {
+  const auto gather = [](const std::vector<Source>& from, const auto& copy) {
+    ParallelForBlocks(0, from.size(), kLeavesPerShare, [&](std::size_t first, std::size_t last) {
+      for (std::size_t to = first; to < last; ++to) copy(from[to], to);
+    });
+  };
+  certified_.resize(sources[0].size());
+  places_.resize(sources[0].size());
+  hard_.resize(sources[1].size());
+  seams_.resize(sources[2].size());
+  gather(sources[0], [&](Source from, std::size_t to) {
+    certified_[to] = parts[from.part].certified[from.index];
+    places_[to] = parts[from.part].places[from.index];
+  });
+  gather(sources[1], [&](Source from, std::size_t to) { hard_[to] = parts[from.part].hard[from.index]; });
+  gather(sources[2], [&](Source from, std::size_t to) { seams_[to] = parts[from.part].seams[from.index]; });
+}
+
+int TileLeaves::HomeOf(const SampleBox& box) const {
+  return box.first_row / kTileSize * tiles_x_ + box.first_col / kTileSize;
 }
 
 template <typename Visit>
-void TileLeaves::ForEachTile(std::uint32_t leaf, const Visit& visit) const {
-  const SampleBox box = leaves().Header(leaf).box;
+void TileLeaves::ForEachTile(const SampleBox& box, const Visit& visit) const {
   for (int y = box.first_row / kTileSize; y <= box.last_row / kTileSize; ++y) {
     for (int x = box.first_col / kTileSize; x <= box.last_col / kTileSize; ++x) visit(y * tiles_x_ + x);
   }

@@ -17,6 +17,7 @@
 //     listed only if its box contains a sample centre, so a placed face without leaves is not visible.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,7 +40,7 @@ class TileLeaves {
 
   int tiles_x() const { return tiles_x_; }
   int tiles_y() const { return tiles_y_; }
-  // Those of each kind front to back.
+  // Leaves that begin in the same tile lie side by side in memory, those of each kind front to back.
   LeafSpans leaves() const { return {certified_, places_, hard_, seams_}; }
   // The leaves whose boxes meet the tile, front to back.
   std::span<const TileLeaf> Tile(int tile) const {
@@ -50,11 +51,19 @@ class TileLeaves {
   std::size_t leaf_bytes() const;  // those of the leaves alone
 
  private:
-  // Copies a leaf of `part` to index `to` of its kind, and returns its name there.
-  std::uint32_t Gather(const LeafSpans& part, std::uint32_t leaf, std::size_t to);
+  static constexpr std::size_t kLeafKinds = 3;
+  // A leaf among those of its kind in a part.
+  struct Source {
+    std::uint32_t part, index;
+  };
+  // Copies the leaves of each kind.
+  void Gather(const std::vector<LeafSpans>& parts,
+              const std::array<std::vector<Source>, kLeafKinds>& sources);
+  // The tile in which a leaf's box begins.
+  int HomeOf(const SampleBox& box) const;
   // Calls visit(tile) for the tiles that a leaf's box meets.
   template <typename Visit>
-  void ForEachTile(std::uint32_t leaf, const Visit& visit) const;
+  void ForEachTile(const SampleBox& box, const Visit& visit) const;
 
   int tiles_x_, tiles_y_;
   template <typename T>

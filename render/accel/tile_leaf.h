@@ -18,12 +18,11 @@ struct TileLeaf {
   std::uint8_t first_column, last_column, first_row, last_row;
 
   // Requires a box that meets the tile whose first sample is (column, row).
-  static TileLeaf Of(const LeafHeader& header, std::uint32_t leaf, int column, int row) {
+  static TileLeaf Of(double near_depth, const SampleBox& box, std::uint32_t leaf, int column, int row) {
     const auto within = [](int sample, int first) {
       return static_cast<std::uint8_t>(std::clamp(sample - first, 0, kTileSize - 1));
     };
-    const SampleBox box = header.box;
-    return {header.near_depth,
+    return {near_depth,
             leaf,
             within(box.first_col, column),
             within(box.last_col, column),
