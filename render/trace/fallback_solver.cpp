@@ -49,6 +49,23 @@ DepthRange MeasureDepth(const BezierNet& net, const DepthRule& rule) {
 
 }  // namespace
 
+bool FallbackSolver::Misses(const HardLeaf& leaf, double x, double y, RayWork* work) const {
+  if (leaf.kind != HardKind::kSubdivide || work->exhausted()) return false;
+  BezierNet net;
+  net.degree_u = leaf.degree_u;
+  net.degree_v = leaf.degree_v;
+  net.value = const_cast<double*>(leaf.net);  // it is only read
+  std::copy_n(leaf.error, int{kNetComponents}, net.error);
+  if (!nets_.residual(net, x, y).empty) return false;
+  // What Solve spends on the leaf and on its first piece.
+  RayWork spent = *work;
+  spent.Spend(leaf.points());
+  spent.Spend(leaf.points());
+  if (spent.exhausted()) return false;
+  *work = spent;
+  return true;
+}
+
 std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& rect, double x, double y,
                                    double limit, RayWork* work_left, std::vector<FallbackRoot>* roots,
                                    bool whole) {

@@ -62,6 +62,9 @@ class FallbackSolver {
   // `nets` must outlive the solver.
   explicit FallbackSolver(const NetOperations& nets);
   ~FallbackSolver();
+  // Returns whether the ray through (x, y) misses the leaf, by the control points of the leaf alone. If so, Solve would
+  // find nothing, and its work is spent. Five of six rays miss, and for them nothing but the net is read.
+  bool Misses(const HardLeaf& leaf, double x, double y, RayWork* work) const;
   // Appends the roots of the ray through (x, y) nearer than `limit` to *roots, in no particular order, those
   // on a border of two pieces possibly twice. Returns kDoubtUnresolved, kDoubtLimit or 0. `rect` is the leaf's
   // of its patch, `work` the ray's. Set `whole` if the leaf was not certified before: a certificate of the whole leaf

@@ -323,10 +323,12 @@ std::uint8_t TileTracer::SolveSeam(const SeamLeaf& seam, double x, double y, Roo
 std::uint8_t TileTracer::SolveUncertified(std::uint32_t id, double x, double y, double limit,
                                           RootSink* roots) {
   if (KindOf(id) == LeafKind::kSeam) return SolveSeam(job_.leaves.seams[IndexWithin(id)], x, y, roots);
+  const HardLeaf& leaf = job_.leaves.hard[IndexWithin(id)];
+  RayWork& work = work_[SampleAt(x, y)];
+  if (solver_.Misses(leaf, x, y, &work)) return 0;
   const LeafSite& site = SiteOf(id);
   roots_.clear();
-  const std::uint8_t result = solver_.Solve(job_.leaves.hard[IndexWithin(id)], site.rect, x, y, limit,
-                                            &work_[SampleAt(x, y)], &roots_);
+  const std::uint8_t result = solver_.Solve(leaf, site.rect, x, y, limit, &work, &roots_);
   for (const FallbackRoot& root : roots_) {
     if (!(root.hit.depth > job_.near_depth)) continue;
     const Root at = MakeRoot(root);
