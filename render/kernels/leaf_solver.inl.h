@@ -14,15 +14,17 @@ struct Jet {
   Lane f, ds, dt;
 };
 
+// It is always part of its caller, and loops of constant length are unrolled: a call would keep the sums in memory.
 template <int P, int Q>
-inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
+[[gnu::always_inline]] inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
   const int degree_u = P >= 0 ? P : p, degree_v = Q >= 0 ? Q : q;
   // Evaluate row i along v by Horner's rule, with its derivative. The highest power needs no operation.
-  const auto row_at = [&](int i) {
+  const auto row_at = [&](int i) __attribute__((always_inline)) {
     const Real* row = c + i * (degree_v + 1);
     struct {
       Lane value, slope;
     } at{Fma(Set(row[degree_v]), t, Set(row[degree_v - 1])), Set(row[degree_v])};
+#pragma GCC unroll 8
     for (int j = degree_v - 2; j >= 0; --j) {
       at.slope = Fma(at.slope, t, at.value);
       at.value = Fma(at.value, t, Set(row[j]));
@@ -32,6 +34,7 @@ inline Jet Evaluate(const Real* c, int p, int q, Lane s, Lane t) {
   // Then evaluate along u.
   const auto last = row_at(degree_u), before = row_at(degree_u - 1);
   Jet jet{Fma(last.value, s, before.value), last.value, Fma(last.slope, s, before.slope)};
+#pragma GCC unroll 3
   for (int i = degree_u - 2; i >= 0; --i) {
     const auto row = row_at(i);
     jet.ds = Fma(jet.ds, s, jet.f);
