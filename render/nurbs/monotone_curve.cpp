@@ -42,28 +42,45 @@ constexpr auto kBinomials = [] {
   return table;
 }();
 
-// The same as Bernstein, to the bit, for a degree that is known to the compiler if kDegree > 0, and otherwise for
-// one up to kMostTabulated. Binomials of these degrees are integers without rounding.
-template <int kDegree>
-inline Vec3 TabulatedBernstein(const PlaneCurve& curve, double t) {
-  const int degree = kDegree > 0 ? kDegree : curve.degree;
+// The same as Bernstein, to the bit, for a degree up to kMostTabulated, which is known to the compiler if kDegree > 0.
+// Binomials of these degrees are integers without rounding.
+template <int kDegree, typename Coefficient>
+inline Vec3 TabulatedBernstein(int any_degree, double t, const Coefficient& point) {
+  const int degree = kDegree > 0 ? kDegree : any_degree;
+  if (degree == 0) return point(0);
   const double s = 1 - t;
   double power = 1;
-  Vec3 sum = s * curve.points[0];
+  Vec3 sum = s * point(0);
   for (int i = 1; i < degree; ++i) {
     power *= t;
-    sum = s * (sum + power * kBinomials[degree][i] * curve.points[i]);
+    sum = s * (sum + power * kBinomials[degree][i] * point(i));
   }
-  return sum + power * t * curve.points[degree];
+  return sum + power * t * point(degree);
 }
 
-// The homogeneous point of a curve.
+template <typename Coefficient>
+inline Vec3 HomogeneousBernstein(int degree, double t, const Coefficient& point) {
+  if (degree == 1) return TabulatedBernstein<1>(degree, t, point);
+  if (degree == 2) return TabulatedBernstein<2>(degree, t, point);
+  if (degree == 3) return TabulatedBernstein<3>(degree, t, point);
+  if (degree <= kMostTabulated) return TabulatedBernstein<-1>(degree, t, point);
+  return Bernstein<Vec3>(degree, t, point);
+}
+
 inline Vec3 HomogeneousPoint(const PlaneCurve& curve, double t) {
-  if (curve.degree == 1) return TabulatedBernstein<1>(curve, t);
-  if (curve.degree == 2) return TabulatedBernstein<2>(curve, t);
-  if (curve.degree == 3) return TabulatedBernstein<3>(curve, t);
-  if (curve.degree <= kMostTabulated) return TabulatedBernstein<-1>(curve, t);
-  return Bernstein<Vec3>(curve.degree, t, [&](int i) { return curve.points[i]; });
+  return HomogeneousBernstein(curve.degree, t, [&](int i) { return curve.points[i]; });
+}
+
+Vec2 Projected(Vec3 h) {
+  return {h.x / h.z, h.y / h.z};
+}
+
+// The derivative at t, where the curve is at `h`.
+Vec2 TangentAt(const PlaneCurve& curve, double t, Vec3 h) {
+  const Vec3 d = HomogeneousBernstein(curve.degree - 1, t, [&](int i) {
+    return double(curve.degree) * (curve.points[i + 1] - curve.points[i]);
+  });
+  return {(d.x - d.z * h.x / h.z) / h.z, (d.y - d.z * h.y / h.z) / h.z};
 }
 
 // A polynomial in Bernstein form with coefficients within ±noise of the true ones.
@@ -189,16 +206,11 @@ Polynomial DerivativeNumerator(const PlaneCurve& curve, int axis) {
 }  // namespace
 
 Vec2 PointOn(const PlaneCurve& curve, double t) {
-  const Vec3 h = HomogeneousPoint(curve, t);
-  return {h.x / h.z, h.y / h.z};
+  return Projected(HomogeneousPoint(curve, t));
 }
 
 Vec2 TangentOn(const PlaneCurve& curve, double t) {
-  const Vec3 h = HomogeneousPoint(curve, t);
-  const Vec3 d = Bernstein<Vec3>(curve.degree - 1, t, [&](int i) {
-    return double(curve.degree) * (curve.points[i + 1] - curve.points[i]);
-  });
-  return {(d.x - d.z * h.x / h.z) / h.z, (d.y - d.z * h.y / h.z) / h.z};
+  return TangentAt(curve, t, HomogeneousPoint(curve, t));
 }
 
 Vec2 EvaluationError(const PlaneCurve& curve) {
@@ -298,17 +310,22 @@ double NearestParameter(const MonotonePiece& piece, Vec2 q, Vec2 scale) {
   double t = piece.t_low + along * (piece.t_high - piece.t_low);
   if (piece.curve.degree == 1 && piece.curve.points[0].z == piece.curve.points[1].z) return t;
 
-  const auto distance = [&](double at) { return Length(scaled(PointOn(piece.curve, at) - q)); };
-  double best = distance(t);
+  Vec3 at = HomogeneousPoint(piece.curve, t);
+  Vec2 d = scaled(Projected(at) - q);
+  double best = Length(d);
   constexpr int kSteps = 12;  // convergence is quadratic near the curve, where queries lie
   for (int step = 0; step < kSteps; ++step) {
-    const Vec2 d = scaled(PointOn(piece.curve, t) - q), tangent = scaled(TangentOn(piece.curve, t));
+    const Vec2 tangent = scaled(TangentAt(piece.curve, t, at));
     const double speed = Dot(tangent, tangent);
     if (!(speed > 0)) break;
     const double next = std::clamp(t - Dot(d, tangent) / speed, t_min, t_max);
-    const double reached = distance(next);
+    const Vec3 next_at = HomogeneousPoint(piece.curve, next);
+    const Vec2 next_d = scaled(Projected(next_at) - q);
+    const double reached = Length(next_d);
     if (!(reached < best)) break;
     t = next;
+    at = next_at;
+    d = next_d;
     best = reached;
   }
   return t;

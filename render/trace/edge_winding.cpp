@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "render/model/walk.h"
+#include "render/nurbs/point_room.h"
 
 namespace facetless {
 namespace {
 
-constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
 // The largest number of halvings. After that, a piece is shorter than the rounding of its points, and its
 // ends alone decide.
 constexpr int kMaxHalvings = 52;
@@ -31,7 +31,8 @@ bool CrossesOdd(Vec3* p, int degree, int halvings) {
   }
 
   // Halve.
-  Vec3 low[kMaxPoints];
+  PointRoom room;
+  Vec3* const low = room.points;
   low[0] = p[0];
   for (int level = 1; level <= degree; ++level) {
     for (int i = 0; i <= degree - level; ++i) p[i] = 0.5 * (p[i] + p[i + 1]);
@@ -67,7 +68,8 @@ std::optional<bool> CrossesHalfLine(const ProjectedEdges& edges, std::uint32_t i
   bool first = true;
   for (const EdgeSegment& segment : SegmentsOf(model, edge)) {
     const std::span<const Vec4> points = PointsOf(model, segment);
-    Vec3 p[kMaxPoints];
+    PointRoom room;
+    Vec3* const p = room.points;
     for (std::size_t i = 0; i < points.size(); ++i) {
       p[i] = edges.Relative(points[i], x, y);
       in_front = in_front && p[i].z > 0;

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "render/model/walk.h"
+#include "render/nurbs/point_room.h"
 
 namespace facetless {
 namespace {
 
 constexpr double kEpsilon = 0x1p-53;
-constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
 // The parameter of the nearest point within its segment is rounded to multiples of this. Iterations from
 // different starts agree to about 1e-14. On an edge of 1000 pixels, rounding moves the foot by 1e-7 pixels,
 // and the curve perpendicular to itself by the square of that.
@@ -36,12 +36,13 @@ class ProjectedEdges::Segment {
     double error = 0, size = 0, nearest = INFINITY;
     for (int i = 0; i <= degree_; ++i) {
       const Vec4& p = edges_.model_->edge_points[segment.first_point + static_cast<std::uint32_t>(i)];
-      points_[i] = edges_.Relative(p, pixel_.x, pixel_.y);
+      const Vec3 relative = edges_.Relative(p, pixel_.x, pixel_.y);
+      points_.points[i] = relative;
       const auto own = edges_.projection_.Error(p);
       const double x = std::fabs(pixel_.x - edges_.center_x_), y = std::fabs(pixel_.y - edges_.center_y_);
       error = std::max({error, own.x + x * own.w, own.y + y * own.w});
-      size = std::max(size, std::fabs(points_[i].x) + std::fabs(points_[i].y) + (x + y) * points_[i].z);
-      nearest = std::min(nearest, points_[i].z);
+      size = std::max(size, std::fabs(relative.x) + std::fabs(relative.y) + (x + y) * relative.z);
+      nearest = std::min(nearest, relative.z);
     }
     // Subtracting the pixel rounds twice, and each step of de Casteljau's algorithm rounds three times.
     error_px_ = nearest > 0 ? (error + kEpsilon * (2 + 3 * degree_) * size) / nearest : INFINITY;
@@ -53,8 +54,9 @@ class ProjectedEdges::Segment {
   // the eye.
   bool At(double t, Vec2& point, Vec2& tangent) const {
     // Apply de Casteljau's algorithm down to the last two points.
-    Vec3 p[kMaxPoints];
-    std::copy_n(points_, degree_ + 1, p);
+    PointRoom room;
+    Vec3* const p = room.points;
+    std::copy_n(points_.points, degree_ + 1, p);
     for (int last = degree_; last > 1; --last)
       for (int i = 0; i < last; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
     const Vec3 h = (1 - t) * p[0] + t * p[1], d = double(degree_) * (p[1] - p[0]);
@@ -71,7 +73,7 @@ class ProjectedEdges::Segment {
   std::uint32_t index_ = kNoIndex;
   int degree_ = 1;
   double error_px_ = 0;
-  Vec3 points_[kMaxPoints];
+  PointRoom points_;
 };
 
 ProjectedEdges::ProjectedEdges(const Model& model, const Placement& placement, const CameraFrame& frame)

@@ -10,13 +10,13 @@
 #include "render/model/walk.h"
 #include "render/nurbs/angle_map.h"
 #include "render/nurbs/edge_points.h"
+#include "render/nurbs/point_room.h"
 #include "render/trace/edge_winding.h"
 #include "render/trace/projected_edges.h"
 
 namespace facetless {
 namespace {
 
-constexpr int kMaxPoints = 256;  // the degree is 8 bits wide
 // The gap is measured at discrete points of a p-curve, and may be twice as large between them.
 constexpr double kReachSafety = 2;
 // A reach below this, in samples, is within the rounding of a projected edge, which projected_edges.cpp
@@ -210,7 +210,8 @@ class Finder {
   }
 
   void VisitSegment(const EdgeSegment& segment) {
-    Vec3 p[kMaxPoints];
+    PointRoom room;
+    Vec3* const p = room.points;
     for (int i = 0; i <= segment.degree; ++i) {
       p[i] = edges_.Relative(model_.edge_points[segment.first_point + static_cast<std::uint32_t>(i)], 0, 0);
       if (!(p[i].z > 0)) return;
@@ -242,7 +243,8 @@ class Finder {
     if (rows.begin == rows.end || columns.begin == columns.end) return;
 
     if (bend > std::max(kFlatPx, reach / 2) && halvings < kMaxHalvings) {
-      Vec3 left[kMaxPoints];
+      PointRoom room;
+      Vec3* const left = room.points;
       left[0] = p[0];
       for (int level = 1; level <= degree; ++level) {
         for (int i = 0; i <= degree - level; ++i) p[i] = 0.5 * (p[i] + p[i + 1]);
