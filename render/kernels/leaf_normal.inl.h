@@ -24,19 +24,19 @@ struct Normal {
 };
 
 // The normalised cross product of the derivatives of the leaf's points with respect to s and t, at the roots
-// (s, t). It is computed once per hit: compile-time degrees would save one percent of a trace and double the
-// build time.
-inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double* y, Lane s, Lane t,
-                       const ViewAxes& axes) {
-  const int p = leaf.degree_u, q = leaf.degree_v;
+// (s, t). P and Q are the degrees, or −1.
+template <int P, int Q>
+inline Normal NormalByDegrees(const CertifiedLeaf& leaf, const double* x, const double* y, Lane s, Lane t,
+                              const ViewAxes& axes) {
+  const int p = P >= 0 ? P : leaf.degree_u, q = Q >= 0 ? Q : leaf.degree_v;
   const int n = (p + 1) * (q + 1);
   const Real* g = CoefficientsOf<Real>(leaf);
-  const Jet h1 = Evaluate<-1, -1>(g, p, q, s, t), h2 = Evaluate<-1, -1>(g + n, p, q, s, t);
+  const Jet h1 = Evaluate<P, Q>(g, p, q, s, t), h2 = Evaluate<P, Q>(g + n, p, q, s, t);
   const Real* next = g + 2 * n;
   Jet w{Set(1), Set(0), Set(0)};
   Lane h1s = h1.ds, h1t = h1.dt, h2s = h2.ds, h2t = h2.dt;
   if (leaf.flags & kLeafWeightVaries) {
-    w = Evaluate<-1, -1>(next, p, q, s, t);
+    w = Evaluate<P, Q>(next, p, q, s, t);
     next += n;
     const Lane b1 = Local(x, leaf.center_x, leaf.c11, y, leaf.center_y, leaf.c12);
     const Lane b2 = Local(x, leaf.center_x, leaf.c21, y, leaf.center_y, leaf.c22);
@@ -59,7 +59,7 @@ inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double*
   Lane zs = Set(0), zt = Set(0);
   const bool perspective = (leaf.flags & kLeafPerspective) != 0;
   if (leaf.flags & kLeafDepthVaries) {
-    const Jet d = Evaluate<-1, -1>(next, p, q, s, t);
+    const Jet d = Evaluate<P, Q>(next, p, q, s, t);
     if (perspective) {
       const Lane depth = w.f / d.f;
       zs = Fnma(depth, d.ds, w.ds);
@@ -94,6 +94,12 @@ inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double*
   return {along(axes.right.x, axes.down.x, axes.forward.x), along(axes.right.y, axes.down.y, axes.forward.y),
           along(axes.right.z, axes.down.z, axes.forward.z),
           ToBits(Set(kSingular * kSingular) * (longest * longest) < square)};
+}
+
+inline Normal NormalAt(const CertifiedLeaf& leaf, const double* x, const double* y, Lane s, Lane t,
+                       const ViewAxes& axes) {
+  return ByDegrees(leaf.degree_u, leaf.degree_v,
+                   [&]<int P, int Q>() { return NormalByDegrees<P, Q>(leaf, x, y, s, t, axes); });
 }
 
 }  // namespace
