@@ -2,10 +2,10 @@
 // `facetless` itself: the sandboxed importer does not run under it. This program therefore starts from the files
 // that the importer leaves.
 //
-//     facetless_run_cost compare|mesh|lines|section MODEL.flm MESH.glb SIZE
+//     facetless_run_cost compare|exact|mesh|lines|section MODEL.flm MESH.glb SIZE
 //
 // `compare` is the exact picture, the mesh's picture and their difference, with the default samples per pixel;
-// `mesh` is the trace of the mesh through pixel centres; `lines` are the feature lines of a view whose samples are
+// `exact` is the preparation and the trace of the exact surfaces through pixel centres, and `mesh` the trace of the mesh; `lines` are the feature lines of a view whose samples are
 // traced already; `section` is the area of a cut through the middle of the model.
 //
 // Only the function Counted is to be counted; loading and preparing are outside of it. Two builds are compared by
@@ -64,6 +64,16 @@ Result<Work> Compare(const Part& part) {
   });
 }
 
+Result<Work> TraceExact(const Part& part) {
+  return Work([&part]() -> Result<std::uint64_t> {
+    DirectOptions direct;
+    direct.execution = kOneThread;
+    const auto traced = TraceDirect(part.scene, part.camera, direct);
+    if (!traced) return traced.error();
+    return traced.value().stats.hits;
+  });
+}
+
 Result<Work> TraceMesh(const Part& part) {
   return Work([&part]() -> Result<std::uint64_t> {
     const auto traced = TraceBaseline(part.tree, part.camera, {kOneThread});
@@ -96,7 +106,7 @@ Result<Work> Section(const Part& part) {
 }
 
 const std::map<std::string, Result<Work> (*)(const Part&)> kWorks = {
-    {"compare", Compare}, {"mesh", TraceMesh}, {"lines", Lines}, {"section", Section}};
+    {"compare", Compare}, {"exact", TraceExact}, {"mesh", TraceMesh}, {"lines", Lines}, {"section", Section}};
 
 }  // namespace
 }  // namespace facetless
@@ -140,7 +150,8 @@ int Run(const std::string& name, const std::string& model_path, const std::strin
 
 int main(int count, char** arguments) {
   if (count != 5 || !facetless::kWorks.contains(arguments[1])) {
-    std::fprintf(stderr, "usage: facetless_run_cost compare|mesh|lines|section MODEL.flm MESH.glb SIZE\n");
+    std::fprintf(stderr,
+                 "usage: facetless_run_cost compare|exact|mesh|lines|section MODEL.flm MESH.glb SIZE\n");
     return 64;
   }
   return facetless::Run(arguments[1], arguments[2], arguments[3], std::atoi(arguments[4]));
