@@ -5,10 +5,6 @@
 namespace facetless {
 namespace {
 
-double LinearToNative(double begin, double end, double t) {
-  return t <= 0.5 ? begin + t * (end - begin) : end - (1 - t) * (end - begin);
-}
-
 double LinearToBezier(double begin, double end, double native) {
   const double from_begin = native - begin, to_end = end - native, width = end - begin;
   return from_begin <= to_end ? from_begin / width : 1 - to_end / width;
@@ -31,19 +27,12 @@ double SpanParameter::ToBezier(double native) const {
   return from_begin <= to_end ? s : 1 - s;
 }
 
-double SpanParameter::ToNative(double t) const {
-  if (tangent_ == 0) return LinearToNative(begin_, end_, t);
+double SpanParameter::AngleToNative(double t) const {
   // The inverse of the same formula: q = 2sT / (1 + T² − 2sT²).
   const double s = t <= 0.5 ? t : 1 - t;
   const double q = 2 * s * tangent_ / (1 + tangent_ * tangent_ - 2 * s * tangent_ * tangent_);
   const double angle = 2 * PolyAtan(q);
   return t <= 0.5 ? begin_ + angle : end_ - angle;
-}
-
-double SpanParameter::Rate(double t) const {
-  if (tangent_ == 0) return 1 / (end_ - begin_);
-  const double w = (2 * t - 1) * tangent_;
-  return (1 + w * w) / (4 * tangent_);
 }
 
 double SpanParameter::RateOfRate(double t) const {

@@ -20,12 +20,21 @@ class SpanParameter {
   explicit SpanParameter(const Span& span);
 
   double ToBezier(double native) const;
-  double ToNative(double t) const;
+  double ToNative(double t) const {
+    if (tangent_ != 0) return AngleToNative(t);
+    return t <= 0.5 ? begin_ + t * (end_ - begin_) : end_ - (1 - t) * (end_ - begin_);
+  }
   // The first and second derivative of t with respect to the native parameter, at t.
-  double Rate(double t) const;
+  double Rate(double t) const {
+    if (tangent_ == 0) return 1 / (end_ - begin_);
+    const double w = (2 * t - 1) * tangent_;
+    return (1 + w * w) / (4 * tangent_);
+  }
   double RateOfRate(double t) const;
 
  private:
+  double AngleToNative(double t) const;
+
   double begin_ = 0, end_ = 1;
   double tangent_ = 0;  // tan(h/2); 0 for a linear span
 };

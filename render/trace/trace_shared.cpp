@@ -5,15 +5,6 @@
 namespace facetless {
 namespace {
 
-// Moves a root in the overlap onto the border of the patch. On a closed surface without edges, the leaf on
-// the other side of the seam may have left such a root to this leaf.
-double OntoPatch(double bezier, double half, double leaf_overlap, bool low_continued, bool high_continued) {
-  const double overlap = 2 * leaf_overlap * half;
-  if (!low_continued && bezier < 0 && bezier >= -overlap) return 0;
-  if (!high_continued && bezier > 1 && bezier <= 1 + overlap) return 1;
-  return bezier;
-}
-
 // Returns how far outside a leaf its own roots may lie.
 double OverlapOf(const PreparedView& view, std::uint32_t leaf) {
   if (KindOf(leaf) != LeafKind::kCertified) return kBorderOverlap;
@@ -68,14 +59,6 @@ TraceShared::LeafSite TraceShared::SiteOf(std::uint32_t leaf) const {
   site.v_low_continued = j == 0 && data.v_low_continued;
   site.v_high_continued = j + 1 == surface.v_spans.count && data.v_high_continued;
   return site;
-}
-
-double TraceShared::LeafSite::U(double s) const {
-  return OntoPatch(rect.U(s), rect.u_half, overlap, u_low_continued, u_high_continued);
-}
-
-double TraceShared::LeafSite::V(double t) const {
-  return OntoPatch(rect.V(t), rect.v_half, overlap, v_low_continued, v_high_continued);
 }
 
 HitGeometry TraceShared::HitAt(std::uint32_t leaf, double s, double t, double x, double y) const {

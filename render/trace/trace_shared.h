@@ -46,8 +46,18 @@ struct TraceShared {
 
     // Return Bézier parameters in the patch, for u_map and v_map. A root in the overlap beyond the border of
     // its patch is moved onto the border.
-    double U(double s) const;
-    double V(double t) const;
+    double U(double s) const { return OntoPatch(rect.U(s), rect.u_half, u_low_continued, u_high_continued); }
+    double V(double t) const { return OntoPatch(rect.V(t), rect.v_half, v_low_continued, v_high_continued); }
+
+   private:
+    // Moves a root in the overlap onto the border of the patch. On a closed surface without edges, the leaf on
+    // the other side of the seam may have left such a root to this leaf.
+    double OntoPatch(double bezier, double half, bool low_continued, bool high_continued) const {
+      const double reach = 2 * overlap * half;
+      if (!low_continued && bezier < 0 && bezier >= -reach) return 0;
+      if (!high_continued && bezier > 1 && bezier <= 1 + reach) return 1;
+      return bezier;
+    }
   };
   LeafSite SiteOf(std::uint32_t leaf) const;
   // Calls EvaluateHit for a leaf of any kind.
