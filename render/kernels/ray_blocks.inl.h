@@ -132,8 +132,8 @@ HWY_INLINE Bits LessOrEqual(Eight a, Eight b) {
 }
 #endif
 
-// The smallest component of a direction that boxes are tested with. Over any length that a float can hold, a smaller one
-// moves the ray by less than the boxes' margin.
+// The smallest component of a direction that boxes are tested with. Over any length that a float can hold, a smaller
+// one moves the ray by less than the boxes' margin.
 constexpr double kLeastComponent = 0x1p-60;
 // Beyond this many radii, the ray's nearest point is no longer accurate to the roundoff of a float.
 constexpr double kFarthest = 0x1p24;
@@ -162,7 +162,7 @@ inline BoxRay MakeBoxRay(const RayBlocks& blocks, const BlockRay& ray) {
   return box;
 }
 
-// Which children the ray meets, and where it enters them.
+// Returns the children whose boxes the ray meets, and sets `enter` to the distances at which the ray enters them.
 inline Bits MeetChildren(const RayNode& node, const BoxRay& ray, float* enter) {
   const auto pass = [&](int axis, bool near) {
     const int side = near ? ray.near_side[axis] : 1 - ray.near_side[axis];
@@ -176,7 +176,8 @@ inline Bits MeetChildren(const RayNode& node, const BoxRay& ray, float* enter) {
   return LessOrEqual(in, out);
 }
 
-// Tests the pieces of a block; returns the open lanes, and whether one blocks the ray.
+// Tests the pieces of a block. Returns the open lanes, and sets *blocked if a piece is proven to block the ray. If
+// `every` is set, such a piece is open, too, and `near` is set for each lane.
 inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bool* blocked, float* near) {
   // Move the ray to the point that is nearest to the block's centre.
   double start[3], to_center = 0;
@@ -187,7 +188,8 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
   const double radius = block.radius;
   const Bits used = (1u << block.count) - 1;
   if (!(std::fabs(to_center) <= kFarthest * radius)) {
-    // The block is behind the ray or beyond its end, or too small for single precision.
+    // The block is missed if it is behind the start or beyond the end. Otherwise, it is too small for single
+    // precision, and all of its pieces are open.
     if (every) Save(All(0), near);
     return to_center < -2 * radius || to_center > ray.length + 2 * radius ? 0 : used;
   }
@@ -200,7 +202,7 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
     d[axis] = All(static_cast<float>(ray.direction[axis]));
   }
   if (square > radius * radius * (1 + 0x1p-16)) return 0;
-  // The interval of tau, with its guards. Beyond a few radii its ends do not matter.
+  // The interval of tau. Its ends are limited to a few radii, because no root lies beyond them.
   const double guard = 0x1p-20 * radius, own = std::max(guard, 0x1p13 * ray.own_error);
   const double low = std::max(-to_center, -4 * radius), high = std::min(ray.length - to_center, 4 * radius);
   if (high < low) return 0;
@@ -216,7 +218,7 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
   const Eight ox = place(0), oy = place(1), oz = place(2);
   const Eight h = Load(block.h), size_z = Abs(dz), least = Load(block.least_dz);
   const Bits steep = LessOrEqual(least, size_z);
-  // Rays along the slab: law 6.
+  // Rays that are nearly parallel to the slab: law 6.
   const Bits beside = Less(Fma(All(static_cast<float>(1.001 * radius)), least, h), Abs(oz));
   const Eight divisor = Greater(size_z, least);
   // tau0 = −o_z/d_z; where the ray is not steep, its value is not used.
@@ -229,7 +231,7 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
   const Bits misses = Less(one + mx, x) | Less(one + my, y) |
                       Less(tau + k, All(static_cast<float>(low - guard))) |
                       Less(All(static_cast<float>(high + guard)), tau - k);
-  // The trim line.
+  // The trim line: law 3.
   const Eight a = Load(block.line_a), b = Load(block.line_b);
   const Eight value = Fma(a, Fma(tau, dx, ox), Fma(b, Fma(tau, dy, oy), Load(block.line_c)));
   const Eight width = Fma(Abs(a), mx, Fma(Abs(b), my, Load(block.line_w)));

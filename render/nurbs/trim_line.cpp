@@ -1,9 +1,9 @@
 // FaceTrim::FindLine: the line that divides a rectangle of parameters.
 //
-// A monotone piece lies in its box and in the strip around its chord (trim_pieces.h), so the part of it that may matter
-// lies in the box, the strip and the rectangle, which are convex. All corners of these polygons, grown by the bands, lie
-// on both sides of the line within w. What is left of the rectangle on either side is free of curves, so one point
-// decides for all of it.
+// A monotone piece of a p-curve lies in its box and in the strip around its chord (trim_pieces.h). Its part in the
+// rectangle therefore lies in the intersection of the box, the strip and the rectangle, which is a convex polygon. All
+// corners of these polygons, grown by the bands, lie within w of the line. No curve meets the rest of the rectangle on
+// either side of the line, so one point decides for the whole side.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,8 @@ namespace {
 
 // The largest numbers of pieces of p-curves whose boxes meet the rectangle, and whose polygons (below) are not empty.
 constexpr int kMostBoxes = 32, kMostPieces = 8;
-// Rounding of the corners of a polygon, relative to the rectangle, of which they are at most a few sizes away.
+// A bound of the rounding of the corners of a polygon, relative to the rectangle; the corners are at most a few sizes
+// of the rectangle away from it.
 constexpr double kRounding = 0x1p-40;
 
 // A convex polygon of a rectangle that half planes have cut at most three times.
@@ -22,7 +23,7 @@ struct Polygon {
   Vec2 corner[12];
   int count = 0;
 
-  // Keeps what has normal·p + offset >= 0.
+  // Keeps the part with normal·p + offset >= 0.
   void Cut(Vec2 normal, double offset) {
     Polygon kept;
     for (int i = 0; i < count; ++i) {
@@ -77,7 +78,7 @@ TrimLine FaceTrim::FindLine(double u0, double u1, double v0, double v1, double b
   }
   if (corner_count == 0) return {};
 
-  // The line runs along the two corners that are farthest apart.
+  // The line has the direction from one to the other of the two corners that are farthest apart.
   Vec2 along{0, 0};
   for (int i = 0; i < corner_count; ++i)
     for (int k = i + 1; k < corner_count; ++k)
@@ -95,7 +96,7 @@ TrimLine FaceTrim::FindLine(double u0, double u1, double v0, double v1, double b
   line.c = -0.5 * (least + most);
   line.w = 0.5 * (most - least) + std::fabs(line.a) * band.x + std::fabs(line.b) * band.y + kRounding;
 
-  // The corners of the rectangle on either side say which of them is the face's.
+  // Test a corner of the rectangle on either side to find the side that is inside the face.
   const auto side = [&](double sign) {
     const Vec2 at{sign * line.a >= 0 ? 1.0 : -1.0, sign * line.b >= 0 ? 1.0 : -1.0};
     if (!(sign * (line.a * at.x + line.b * at.y + line.c) > line.w)) return -1;

@@ -13,16 +13,17 @@
 namespace facetless {
 namespace {
 
-// Rays that pass a piece within about its bend, or within the width of its trim line, cannot be decided without solving
-// for a root. A piece is kept if the area of that, bend or width times the square of its diagonal, is at most this share
-// of the square of the model's diagonal.
+// If a ray passes the border of a piece within about its bend, or passes its trim line within the width of that, the
+// answer requires solving for a root. The area of such rays is the bend or the width, as a share of the diagonal of the
+// piece, times the square of this diagonal. A piece is kept if this area is at most kOpenShare of the square of the
+// model's diagonal.
 constexpr double kOpenShare = 1.0 / (256 * 256);
-// No piece bends by more than this share of its diagonal: most rays meet it with a certificate. None needs to be flatter
-// than the second.
+// A piece that bends by more than kMostBend of its diagonal is halved, so that most rays have a certificate. A piece
+// that bends by less than kLeastBend is flat enough.
 constexpr double kMostBend = 1.0 / 6, kLeastBend = 1.0 / 512;
-// And none turns much along a side, so that cones are narrow: the bend against twice the side.
+// A piece that bends by more than this share of the sum of two opposite sides is halved, so that cones are narrow.
 constexpr double kMostTurn = 1.0 / 20;
-// The most halvings of one patch in one direction, for the bend and for the trim line.
+// The largest numbers of halvings of one patch in one direction, for the bend and for the trim line.
 constexpr int kMostHalvings = 6, kMostTrimHalvings = 12;
 
 constexpr double kEpsilon = 0x1p-53;
@@ -33,12 +34,12 @@ Vec3 Cartesian(const BezierNet& net, int k, int l) {
   return {net.at(i, kX) / w, net.at(i, kY) / w, net.at(i, kQ) / w};
 }
 
-// How far the control points are from the parallelogram of the corners, and how much of it a halving in each direction
-// removes: lines along u that are bent or unevenly spaced, and lines along v.
+// The distance of the control points from the parallelogram of the corners, in two parts: the part that halving along u
+// reduces (lines along u that are bent or unevenly spaced), and the part that halving along v reduces.
 struct Bend {
   double u = 0, v = 0;
   double diagonal = 0;
-  double length_u = 0, length_v = 0;  // of the sides, twice
+  double length_u = 0, length_v = 0;  // sums of the lengths of the two sides along u, and along v
 };
 
 Bend MeasureBend(const BezierNet& net) {
@@ -56,7 +57,7 @@ Bend MeasureBend(const BezierNet& net) {
       bend.v = std::max(bend.v, Length(point - ((1 - t) * Cartesian(net, k, 0) + t * Cartesian(net, k, q))));
     }
   }
-  // A twist is halved in both directions alike: take the one whose sides are longer.
+  // Halving in either direction reduces the twist equally; add it to the direction with the longer sides.
   const double twist = 0.25 * Length((c11 - c10) - (c01 - c00));
   bend.length_u = Length(c10 - c00) + Length(c11 - c01);
   bend.length_v = Length(c01 - c00) + Length(c11 - c10);
@@ -64,8 +65,9 @@ Bend MeasureBend(const BezierNet& net) {
   return bend;
 }
 
-// The differences of neighbouring control points in one direction, as they act on a ray through a point q of the net:
-// w·Δp + Δw·(p − q). The first term lies in a ball, and |Δw| is at most `weight`.
+// Bounds of the tangents in one direction at a point q of the net, which are sums of w·Δp + Δw·(p − q) over
+// neighbouring control points p. The first term lies in a ball of `radius` around `center`, and |Δw| is at most
+// `weight`.
 struct Differences {
   Vec3 center;
   double radius = 0, weight = 0;
@@ -95,7 +97,7 @@ Differences DifferencesAlong(const BezierNet& net, Direction direction) {
   return all;
 }
 
-// The largest distance of two control points of a net across a direction.
+// Returns a bound of the distance of two control points of a net, measured perpendicular to a direction.
 double WidthAcross(const BezierNet& net, Vec3 direction) {
   const Vec3 along = Normalized(direction), first = Cartesian(net, 0, 0);
   double most = 0;
@@ -107,7 +109,7 @@ double WidthAcross(const BezierNet& net, Vec3 direction) {
 
 }  // namespace
 
-// Divides the patches of one face after the other; each thread has its own.
+// Divides the patches of faces into pieces. Each thread has a Divider of its own.
 class SpacePieces::Divider {
  public:
   Divider(const Scene::Data& scene, const NetOperations& nets)
@@ -181,7 +183,7 @@ class SpacePieces::Divider {
     }
     const Bend bend = MeasureBend(node.net);
     const double area = bend.diagonal * bend.diagonal;
-    // The bend that is allowed, as a length.
+    // The bend that is allowed, in mm.
     const double enough = std::clamp(kOpenShare * square_ / area, kLeastBend, kMostBend) * bend.diagonal;
     const double turn_u = kMostTurn * bend.length_u, turn_v = kMostTurn * bend.length_v;
     const bool along_u = bend.u > std::min(enough, turn_u) && node.place.u_halvings < kMostHalvings;
@@ -207,7 +209,7 @@ class SpacePieces::Divider {
     Visit(high, trim);
   }
 
-  // Classifies what a piece covers, with its overlap with its neighbours.
+  // Classifies the rectangle of parameters of a piece, enlarged by the overlap with its neighbours.
   RectClass Classify(const LeafPlace& place) const {
     const ParameterRect rect = RectOf(place, bounds_);
     constexpr double kBorder = 1 + 2 * kBorderOverlap;
@@ -253,8 +255,8 @@ class SpacePieces::Divider {
 
   // Finds the cone of a neighbourhood (law 5).
   SpacePiece::Cone FindCone(const BezierNet& own, double share) {
-    // Native parameters may be angles, of at most a quarter turn in a patch: their rate against the patch's own parameter
-    // varies by up to 1.18 within it.
+    // Native parameters may be angles, of at most a quarter turn in a patch. Their rate relative to the patch's own
+    // parameter then varies by a factor of at most 1.18.
     const double more = 1.25 * share;
     wide_.SetDegrees(own.degree_u, own.degree_v);
     BezierNet& net = wide_.net;
@@ -274,8 +276,9 @@ class SpacePieces::Divider {
     const Differences a = DifferencesAlong(net, Direction::kU), b = DifferencesAlong(net, Direction::kV);
     const Vec3 normal = Cross(a.center, b.center);
     const double length = Length(normal), size_a = Length(a.center), size_b = Length(b.center);
-    // The cross product of the two differs from that of the centres by these parts. What the weights add along the other
-    // direction is along the other factor, and drops out.
+    // Bound the difference between the cross product of any two tangents and that of the centres. The part of a
+    // weight's term that is parallel to the other factor does not change the product, so WidthAcross replaces the
+    // diagonal.
     double off = size_a * b.radius + size_b * a.radius + a.radius * b.radius;
     if (rational_) {
       const double diagonal = box.diagonal();
@@ -287,7 +290,7 @@ class SpacePieces::Divider {
     return {Normalized(normal), off / length + 0x1p-20};  // the rounding of all this is far smaller
   }
 
-  // The weights vary little over a piece, so the errors of all control points are alike.
+  // Returns the box of the control points with their errors. One error, for the smallest weight, serves all of them.
   Box3 BoxOf(const BezierNet& net) const {
     Box3 box;
     double weight = INFINITY, size = 0;
@@ -304,7 +307,8 @@ class SpacePieces::Divider {
                              ? (std::max({net.error[kX], net.error[kY], net.error[kQ]}) + size * of_weight) /
                                    (weight - of_weight)
                              : INFINITY;
-    // Adding the origin rounds, and so does the division. Roots may lie in the overlap with the neighbours.
+    // Add a margin for the rounding of the division and of the sum with the origin, and for roots in the overlap with
+    // the neighbours.
     const double far = std::max({std::fabs(origin_.x), std::fabs(origin_.y), std::fabs(origin_.z)});
     const double margin = error + 4 * kEpsilon * (size + far) + 4 * kBorderOverlap * box.diagonal();
     const Vec3 slack{margin, margin, margin};

@@ -103,7 +103,8 @@ std::uint8_t FallbackSolver::Solve(const HardLeaf& leaf, const ParameterRect& re
     if (residual.empty) continue;
     if (limit < INFINITY && MeasureDepth(net, task.rule).near > limit) continue;
 
-    // Solve the piece if it can be certified now. The whole leaf of a view cannot.
+    // Solve the piece if it can be certified. The whole leaf of a view was not certified before, so do not try it
+    // again.
     if ((pieces > 1 || whole) && SolveCertified(*work, task)) continue;
     if (pieces == 1 && whole) {
       const LineImage line = FitLine(net);
