@@ -40,10 +40,10 @@ class MeshRays final : public SecondaryRays {
   std::uint64_t bytes() const override { return 0; }  // as build_ms
   double lift_mm() const override { return lift_mm_; }
 
- private:
-  // The start of a ray relative to the centre of the mesh, lifted.
+  // The start of a ray relative to the centre of the mesh, lifted to the side of the direction.
   Vec3 LiftedStart(const RayStart& start, Vec3 direction) const;
 
+ private:
   const BaselineScene& scene_;
   double lift_mm_;
 };

@@ -21,6 +21,7 @@
 #include "bench/skala.h"
 #include "bench/stages.h"
 #include "bench/structure_bench.h"
+#include "bench/surface_rays.h"
 #include "bench/volume_check.h"
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
@@ -139,12 +140,14 @@ class Bench {
       from_file.model = std::make_unique<const Model>(std::move(read).value());
     }
     const Model& model = *from_file.model;
-    if (settings_.structures)
-      return MeasureScene({std::filesystem::path(path).filename().string(), LeafBoxes(model, kMostBoxes)});
     auto cameras = ResolveCameras(options_, model.bounds);
     if (!cameras) return cameras.error();
-
     FileImporter importer(request, model, settings_);
+    if (settings_.structures) {
+      const std::string name = std::filesystem::path(path).filename().string();
+      if (auto done = MeasureScene({name, LeafBoxes(model, kMostBoxes)}); !done) return done.error();
+      return MeasureRaysOf(name, model, cameras.value().front(), imported ? &importer : nullptr);
+    }
     Json views = Json::array();
     for (const Camera& camera : cameras.value()) {
       if (settings_.published) {
@@ -247,7 +250,7 @@ class Bench {
     BenchReport report;
     report.text = Heading();
     for (const Table& table : tables_) report.text += TableText(table, style);
-    report.plot = FirstImagePlot(values_, 1);
+    report.plot = settings_.structures ? SurfaceRayPlot(surface_rays_) : FirstImagePlot(values_, 1);
     report.stage_plot = StagePlot(stages_);
     report.json = std::move(json_);
     return report;
@@ -273,6 +276,26 @@ class Bench {
     json_["structures"].push_back(std::move(json));
     for (Table& table : StructureTables(bench.value())) tables_.push_back(std::move(table));
     tables_.push_back(VolumeTable(scene.name, volumes));
+    return {};
+  }
+
+  // Measures rays that start on the surfaces of a model. `importer` makes the mesh; null: there is none.
+  Result<void> MeasureRaysOf(const std::string& name, const Model& model, const Camera& camera,
+                             FileImporter* importer) {
+    constexpr double kDeflection = 1e-3;
+    BenchMesh made;
+    if (importer != nullptr) {
+      auto mesh = importer->Tessellate(kDeflection);
+      if (!mesh) return mesh.error();
+      made = std::move(mesh).value();
+    }
+    Step(name + ": rays");
+    auto bench = MeasureSurfaceRays({name, &model, camera, made.mesh.get(), kDeflection}, {settings_.repeats},
+                                    context_.execution);
+    if (!bench) return bench.error();
+    json_["surface_rays"].push_back(SurfaceRayJson(bench.value()));
+    tables_.push_back(SurfaceRayTable(bench.value()));
+    surface_rays_.push_back(std::move(bench).value());
     return {};
   }
 
@@ -309,6 +332,7 @@ class Bench {
   std::vector<BenchValue> values_;
   std::vector<Json> details_;
   std::vector<ProgramStages> stages_;
+  std::vector<SurfaceRayBench> surface_rays_;
   std::vector<Table> tables_;
   bool growth_measured_ = false;
 };
