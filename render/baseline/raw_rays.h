@@ -1,8 +1,11 @@
-// Embree alone on rays that start on surfaces: whether anything blocks them, and nothing else. Starts are lifted and
-// everything is rounded to float32 beforehand, so that only Embree's work is timed. For measurements.
+// RawRays: asks Embree whether rays that start on surfaces are blocked, without any other work. For measurements.
 //
 //     const RawRays rays(scene, starts, shadow_rays);
 //     const std::uint64_t blocked = rays.CountBlocked(16);
+//
+//  1. The constructor lifts the starts, as MeshRays does, and rounds the rays to float32, so that a timed CountBlocked
+//     consists of little but Embree's work.
+//  2. Rays that Embree must not trace (scene_data.h, law 3) are left out.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +19,10 @@ namespace facetless {
 
 class RawRays {
  public:
-  // The lift is that of MeshRays. Rays that Embree must not trace (scene_data.h, law 3) are left out.
+  // `scene` must outlive the object.
   RawRays(const BaselineScene& scene, std::span<const RayStart> starts, std::span<const SecondaryRay> rays);
 
-  // Asks Embree for one ray at a time, or for packets of 8 or 16. Requires `width` of 1, 8 or 16.
+  // Returns the number of blocked rays. Embree traces `width` rays at a time: 1, 8 or 16.
   std::uint64_t CountBlocked(int width) const;
 
  private:
