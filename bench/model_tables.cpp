@@ -1,6 +1,7 @@
 #include "bench/model_tables.h"
 
 #include <algorithm>
+#include <string>
 
 #include "render/compare/report.h"
 #include "render/kernels/tile_kernel.h"
@@ -67,7 +68,8 @@ Table CounterTable(const std::vector<Json>& details) {
          number("solves_per_ray", 1), number("iterations_per_solve", 1), number("useful_solves", 100) + " %",
          number("fallbacks_per_ray", 1), number("trim_tests_per_ray", 1), alike});
   }
-  table.notes = {"Packets are of 4 × 2 rays."};
+  table.notes = {"Packets are of " + std::to_string(kPacketWidth) + " × " + std::to_string(kPacketHeight) +
+                 " rays."};
   return table;
 }
 
