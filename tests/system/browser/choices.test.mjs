@@ -105,6 +105,24 @@ test("shadows, occlusion and a ground, and what the mesh does to them", async ()
   noFaults(page);
 });
 
+test("a material, and a name that no part has", async () => {
+  const server = await Server.start();
+  const page = await newTab({ width: 1600, height: 1000 });
+  await page.goto(server.address);
+  await page.click(".options summary");
+  await page.selectOption("#size", "512x512");
+  await page.fill("#material", "no such part=mirror");
+  await drop(page, sample("sphere.step"));
+  await state(page, "problem");
+  assert.match(await page.textContent("#problem"), /no such part/);
+  await page.fill("#material", "*=matte; *=mirror");
+  await page.click("#go");
+  await state(page, "shown");
+  const rays = await page.locator('[aria-label="Light"] tr:has-text("Rays") td').last().textContent();
+  assert.match(rays, /^[1-9]/);
+  noFaults(page);
+});
+
 test("speed against accuracy, on the page", async () => {
   const server = await Server.start("--timeout", "60");
   const page = await newTab({ width: 1600, height: 1000 });
