@@ -3,7 +3,8 @@
 // A monotone piece of a p-curve lies in its box and in the strip around its chord (trim_pieces.h). Its part in the
 // rectangle therefore lies in the intersection of the box, the strip and the rectangle, which is a convex polygon. All
 // corners of these polygons, grown by the bands, lie within w of the line. No curve meets the rest of the rectangle on
-// either side of the line, so one point decides for the whole side.
+// either side of the line, so one point decides for the whole side. If no curve meets the rectangle at all, a and b are 0,
+// w is 0, and c is 1 if the rectangle belongs to the face, else −1.
 #include <algorithm>
 #include <cmath>
 
@@ -76,7 +77,8 @@ TrimLine FaceTrim::FindLine(double u0, double u1, double v0, double v1, double b
     }
     band = {std::max(band.x, grow.x / half_u), std::max(band.y, grow.y / half_v)};
   }
-  if (corner_count == 0) return {};
+  // Without a curve, any point decides for all of the rectangle.
+  if (corner_count == 0) return {0, 0, OddExcept({u0, v0}, kNoIndex) ? 1.0 : -1.0, 0};
 
   // The line has the direction from one to the other of the two corners that are farthest apart.
   Vec2 along{0, 0};

@@ -65,37 +65,51 @@ Bend MeasureBend(const BezierNet& net) {
   return bend;
 }
 
-// Bounds of the tangents in one direction at a point q of the net, which are sums of w·Δp + Δw·(p − q) over
-// neighbouring control points p. The first term lies in a ball of `radius` around `center`, and |Δw| is at most
-// `weight`.
-struct Differences {
-  Vec3 center;
-  double radius = 0, weight = 0;
-};
-
-Differences DifferencesAlong(const BezierNet& net, Direction direction) {
-  const int step = direction == Direction::kU ? net.stride() : 1;
-  const int last_k = net.degree_u - (direction == Direction::kU ? 1 : 0);
-  const int last_l = net.degree_v - (direction == Direction::kV ? 1 : 0);
-  const auto difference = [&](int i) {
-    const double w = net.at(i + step, kW), ratio = w / net.at(i, kW);
-    return Vec3{net.at(i + step, kX) - ratio * net.at(i, kX), net.at(i + step, kY) - ratio * net.at(i, kY),
-                net.at(i + step, kQ) - ratio * net.at(i, kQ)};
-  };
-  Box3 box;
-  Differences all;
-  for (int k = 0; k <= last_k; ++k)
-    for (int l = 0; l <= last_l; ++l) box.Add(difference(k * net.stride() + l));
-  all.center = box.center();
-  for (int k = 0; k <= last_k; ++k) {
-    for (int l = 0; l <= last_l; ++l) {
-      const int i = k * net.stride() + l;
-      all.radius = std::max(all.radius, Length(difference(i) - all.center));
-      all.weight = std::max(all.weight, std::fabs(net.at(i + step, kW) - net.at(i, kW)));
-    }
+// The differences of neighbouring control points in one direction, as they act on a ray through a point q of the net:
+// w·Δp + Δw·(p − q). |Δw| is at most `weight`.
+class Differences {
+ public:
+  Differences(const BezierNet& net, Direction direction)
+      : net_(net),
+        step_(direction == Direction::kU ? net.stride() : 1),
+        last_k_(net.degree_u - (direction == Direction::kU ? 1 : 0)),
+        last_l_(net.degree_v - (direction == Direction::kV ? 1 : 0)) {
+    Box3 box;
+    ForEach([&](int i) {
+      box.Add(At(i));
+      weight = std::max(weight, std::fabs(net_.at(i + step_, kW) - net_.at(i, kW)));
+    });
+    center = box.center();
   }
-  return all;
-}
+
+  // Measures how far the first terms are from their centre along a normal, and across it.
+  void Measure(Vec3 normal) {
+    ForEach([&](int i) {
+      const Vec3 off = At(i) - center;
+      const double up = Dot(off, normal);
+      along = std::max(along, std::fabs(up));
+      across = std::max(across, Length(off - up * normal));
+    });
+  }
+
+  Vec3 center;
+  double weight = 0, along = 0, across = 0;
+
+ private:
+  Vec3 At(int i) const {
+    const double ratio = net_.at(i + step_, kW) / net_.at(i, kW);
+    return {net_.at(i + step_, kX) - ratio * net_.at(i, kX), net_.at(i + step_, kY) - ratio * net_.at(i, kY),
+            net_.at(i + step_, kQ) - ratio * net_.at(i, kQ)};
+  }
+  template <typename Do>
+  void ForEach(const Do& act) const {
+    for (int k = 0; k <= last_k_; ++k)
+      for (int l = 0; l <= last_l_; ++l) act(k * net_.stride() + l);
+  }
+
+  const BezierNet& net_;
+  const int step_, last_k_, last_l_;
+};
 
 // Returns a bound of the distance of two control points of a net, measured perpendicular to a direction.
 double WidthAcross(const BezierNet& net, Vec3 direction) {
@@ -105,6 +119,19 @@ double WidthAcross(const BezierNet& net, Vec3 direction) {
     for (int l = 0; l <= net.degree_v; ++l)
       most = std::max(most, Length(Cross(Cartesian(net, k, l) - first, along)));
   return 2 * most;
+}
+
+// The largest distance of two control points along a unit vector.
+double Thickness(const BezierNet& net, Vec3 along) {
+  double low = INFINITY, high = -INFINITY;
+  for (int k = 0; k <= net.degree_u; ++k) {
+    for (int l = 0; l <= net.degree_v; ++l) {
+      const double at = Dot(Cartesian(net, k, l), along);
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+  }
+  return high - low;
 }
 
 }  // namespace
@@ -177,9 +204,12 @@ class SpacePieces::Divider {
   }
 
   void Visit(Node& node, RectClass trim) {
-    if (trim == RectClass::kMixed && node.level > 0) {
-      trim = Classify(node.place);
-      if (trim == RectClass::kOutside) return;
+    TrimLine line = TrimLine::Whole();
+    if (trim == RectClass::kMixed) {
+      line = FindLine(node.place);
+      const bool decided = line.w == 0;
+      if (decided && line.c < 0) return;
+      if (decided) trim = RectClass::kInside;
     }
     const Bend bend = MeasureBend(node.net);
     const double area = bend.diagonal * bend.diagonal;
@@ -190,7 +220,6 @@ class SpacePieces::Divider {
     const bool along_v = bend.v > std::min(enough, turn_v) && node.place.v_halvings < kMostHalvings;
     Direction direction = along_u && (!along_v || bend.u >= bend.v) ? Direction::kU : Direction::kV;
     if (!along_u && !along_v) {
-      const TrimLine line = trim == RectClass::kMixed ? FindLine(node.place) : TrimLine::Whole();
       const bool may_u = node.place.u_halvings < kMostTrimHalvings,
                  may_v = node.place.v_halvings < kMostTrimHalvings;
       if (std::min(line.w, 1.0) * area <= kOpenShare * square_ || (!may_u && !may_v))
@@ -209,8 +238,8 @@ class SpacePieces::Divider {
     Visit(high, trim);
   }
 
-  // Classifies the rectangle of parameters of a piece, enlarged by the overlap with its neighbours.
-  RectClass Classify(const LeafPlace& place) const {
+  // What the trimming leaves of what a piece covers, with its overlap with its neighbours.
+  TrimLine FindLine(const LeafPlace& place) const {
     const ParameterRect rect = RectOf(place, bounds_);
     constexpr double kBorder = 1 + 2 * kBorderOverlap;
     const auto u = [&](double s) {
@@ -219,13 +248,10 @@ class SpacePieces::Divider {
     const auto v = [&](double t) {
       return v_map_->ToNative(std::clamp(rect.V(t), bounds_.v_low, bounds_.v_high));
     };
-    return face_->trim.Classify(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder));
-  }
-
-  TrimLine FindLine(const LeafPlace& place) const {
-    const ParameterRect rect = RectOf(place, bounds_);
-    return face_->trim.FindLine(u_map_->ToNative(rect.U(-1)), u_map_->ToNative(rect.U(1)),
-                                v_map_->ToNative(rect.V(-1)), v_map_->ToNative(rect.V(1)), kSteepBand);
+    TrimLine line = face_->trim.FindLine(u(-kBorder), u(kBorder), v(-kBorder), v(kBorder), kSteepBand);
+    // The line's coordinates are those of the piece but for the overlap.
+    if (line.a != 0 || line.b != 0) line.w += 4 * kBorderOverlap * (std::fabs(line.a) + std::fabs(line.b));
+    return line;
   }
 
   void Keep(const Node& node, RectClass trim, const TrimLine& line) {
@@ -273,21 +299,29 @@ class SpacePieces::Divider {
         box.Add(Cartesian(net, k, l));
       }
     }
-    const Differences a = DifferencesAlong(net, Direction::kU), b = DifferencesAlong(net, Direction::kV);
-    const Vec3 normal = Cross(a.center, b.center);
-    const double length = Length(normal), size_a = Length(a.center), size_b = Length(b.center);
-    // Bound the difference between the cross product of any two tangents and that of the centres. The part of a
-    // weight's term that is parallel to the other factor does not change the product, so WidthAcross replaces the
-    // diagonal.
-    double off = size_a * b.radius + size_b * a.radius + a.radius * b.radius;
+    Differences a(net, Direction::kU), b(net, Direction::kV);
+    const Vec3 product = Cross(a.center, b.center), normal = Normalized(product);
+    a.Measure(normal);
+    b.Measure(normal);
+    // The cross product of two tangents has a part along `normal`, at least `least`, and one across it, at most `tilt`.
+    // What the weights add to one factor along the other's centre drops out.
+    const double size_a = Length(a.center), size_b = Length(b.center);
+    double least = Length(product) - size_a * b.across - size_b * a.across - a.across * b.across;
+    double plane_a = size_a + a.across, plane_b = size_b + b.across;
+    double up_a = a.along, up_b = b.along;
     if (rational_) {
-      const double diagonal = box.diagonal();
-      off += size_a * b.weight * WidthAcross(net, a.center) + size_b * a.weight * WidthAcross(net, b.center) +
-             diagonal * (a.radius * b.weight + b.radius * a.weight) +
-             a.weight * b.weight * diagonal * diagonal;
+      const double diagonal = box.diagonal(), thickness = Thickness(net, normal);
+      least -=
+          size_a * b.weight * WidthAcross(net, a.center) + size_b * a.weight * WidthAcross(net, b.center) +
+          diagonal * (a.across * b.weight + b.across * a.weight) + a.weight * b.weight * diagonal * diagonal;
+      plane_a += a.weight * diagonal;
+      plane_b += b.weight * diagonal;
+      up_a += a.weight * thickness;
+      up_b += b.weight * thickness;
     }
-    if (!(off < length)) return {};
-    return {Normalized(normal), off / length + 0x1p-20};  // the rounding of all this is far smaller
+    const double tilt = plane_a * up_b + plane_b * up_a;
+    if (!(tilt < least)) return {};
+    return {normal, tilt / least + 0x1p-20};  // the rounding of all this is far smaller
   }
 
   // Returns the box of the control points with their errors. One error, for the smallest weight, serves all of them.
