@@ -151,7 +151,8 @@ Result<std::unique_ptr<ExactRays>> ExactRays::Build(const Scene& scene, const Ex
       if (shown) wanted[faces.first + f] = true;
     }
   }
-  Result<SpacePieces> pieces = SpacePieces::Make(scene, wanted, options.max_bytes, execution);
+  Result<SpacePieces> pieces =
+      SpacePieces::Make(scene, wanted, options.open_share, options.max_bytes, execution);
   if (!pieces) return pieces.error();
   shared.pieces = std::move(pieces).value();
   shared.surfaces.reserve(model.faces.size());

@@ -49,6 +49,8 @@ struct ExactRaysOptions {
   std::string structure = kBlocks;  // a name of StructureNames(), or kBlocks
   // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored.
   const std::vector<bool>* leave_out = nullptr;
+  // How fine the pieces are. A larger share makes fewer pieces in less time, and rays slower; answers are proven alike.
+  double open_share = kOpenShare;
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of the pieces, their boxes and the structure
 };
 

@@ -13,11 +13,6 @@
 namespace facetless {
 namespace {
 
-// If a ray passes the border of a piece within about its bend, or passes its trim line within the width of that, the
-// answer requires solving for a root. The area of such rays is the bend or the width, as a share of the diagonal of the
-// piece, times the square of this diagonal. A piece is kept if this area is at most kOpenShare of the square of the
-// model's diagonal.
-constexpr double kOpenShare = 1.0 / (256 * 256);
 // A piece that bends by more than kMostBend of its diagonal is halved, so that most rays have a certificate. A piece
 // that bends by less than kLeastBend is flat enough.
 constexpr double kMostBend = 1.0 / 6, kLeastBend = 1.0 / 512;
@@ -139,8 +134,10 @@ double Thickness(const BezierNet& net, Vec3 along) {
 // Divides the patches of faces into pieces. Each thread has a Divider of its own.
 class SpacePieces::Divider {
  public:
-  Divider(const Scene::Data& scene, const NetOperations& nets)
-      : scene_(scene), nets_(nets), square_(scene.model->Diagonal() * scene.model->Diagonal()) {}
+  Divider(const Scene::Data& scene, const NetOperations& nets, double open_share)
+      : scene_(scene),
+        nets_(nets),
+        open_area_(open_share * scene.model->Diagonal() * scene.model->Diagonal()) {}
 
   // Appends the pieces of a face.
   void Divide(std::uint32_t face, Vec3 origin, std::vector<SpacePiece>* pieces, CoefficientArena* arena) {
@@ -214,7 +211,7 @@ class SpacePieces::Divider {
     const Bend bend = MeasureBend(node.net);
     const double area = bend.diagonal * bend.diagonal;
     // The bend that is allowed, in mm.
-    const double enough = std::clamp(kOpenShare * square_ / area, kLeastBend, kMostBend) * bend.diagonal;
+    const double enough = std::clamp(open_area_ / area, kLeastBend, kMostBend) * bend.diagonal;
     const double turn_u = kMostTurn * bend.length_u, turn_v = kMostTurn * bend.length_v;
     const bool along_u = bend.u > std::min(enough, turn_u) && node.place.u_halvings < kMostHalvings;
     const bool along_v = bend.v > std::min(enough, turn_v) && node.place.v_halvings < kMostHalvings;
@@ -222,8 +219,7 @@ class SpacePieces::Divider {
     if (!along_u && !along_v) {
       const bool may_u = node.place.u_halvings < kMostTrimHalvings,
                  may_v = node.place.v_halvings < kMostTrimHalvings;
-      if (std::min(line.w, 1.0) * area <= kOpenShare * square_ || (!may_u && !may_v))
-        return Keep(node, trim, line);
+      if (std::min(line.w, 1.0) * area <= open_area_ || (!may_u && !may_v)) return Keep(node, trim, line);
       direction = may_u && (!may_v || bend.length_u >= bend.length_v) ? Direction::kU : Direction::kV;
     }
     Node& low = Level(node.level + 1, 0);
@@ -351,7 +347,7 @@ class SpacePieces::Divider {
 
   const Scene::Data& scene_;
   const NetOperations& nets_;
-  const double square_;  // of the model's diagonal
+  const double open_area_;  // kOpenShare, as an area
   const FaceData* face_ = nullptr;
   std::uint32_t face_index_ = 0;
   Vec3 origin_;
@@ -364,7 +360,7 @@ class SpacePieces::Divider {
   std::vector<std::unique_ptr<Node>> levels_;
 };
 
-Result<SpacePieces> SpacePieces::Make(const Scene& scene, const std::vector<bool>& wanted,
+Result<SpacePieces> SpacePieces::Make(const Scene& scene, const std::vector<bool>& wanted, double open_share,
                                       std::uint64_t max_bytes, const Execution& execution) {
   const Result<Kernels>& kernels = ActiveKernels();
   if (!kernels) return kernels.error();
@@ -376,11 +372,12 @@ Result<SpacePieces> SpacePieces::Make(const Scene& scene, const std::vector<bool
 
   // Divide the faces in parallel; a thread keeps the nets of the faces that it divides.
   struct Worker {
-    explicit Worker(const Scene::Data& scene, const NetOperations& nets) : divider(scene, nets) {}
+    Worker(const Scene::Data& scene, const NetOperations& nets, double open_share)
+        : divider(scene, nets, open_share) {}
     Divider divider;
     CoefficientArena arena;
   };
-  PerThread<Worker> workers([&] { return Worker(data, *kernels.value().nets); });
+  PerThread<Worker> workers([&] { return Worker(data, *kernels.value().nets, open_share); });
   std::vector<std::vector<SpacePiece>> pieces(faces);
   std::atomic<std::uint64_t> used{0};
   const auto stopped = [&] {

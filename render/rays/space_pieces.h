@@ -1,7 +1,7 @@
 // SpacePieces: the faces of a model, divided into pieces that are nearly parallelograms, in the coordinates of their
 // part. Rays in any direction look for roots in them.
 //
-//     const Result<SpacePieces> made = SpacePieces::Make(scene, wanted, max_bytes, execution);
+//     const Result<SpacePieces> made = SpacePieces::Make(scene, wanted, kOpenShare, max_bytes, execution);
 //     if (!made) return made.error();
 //     const Range range = made.value().OfFace(face);
 //     for (const SpacePiece& piece : made.value().all().subspan(range.first, range.count)) boxes.push_back(piece.box);
@@ -39,6 +39,11 @@
 
 namespace facetless {
 
+// If a ray passes the border of a piece within about its bend, or passes its trim line within the width of that, the
+// answer requires solving for a root. The area of such rays is the bend or the width, as a share of the diagonal of the
+// piece, times the square of this diagonal. A piece is kept if this area is at most this share of the square of the
+// model's diagonal.
+inline constexpr double kOpenShare = 1.0 / (256 * 256);
 inline constexpr double kSteepBand =
     9;  // a little more than 1/kSteep (block_tree.h), as pieces are not quite plane
 inline constexpr double kCloseShare = 1.0 / 32, kWideShare = 0.5;
@@ -71,7 +76,7 @@ class SpacePieces {
  public:
   // Divides the faces of the model for which wanted[face] is set. Errors: kLimitExceeded (the pieces need more than
   // `max_bytes`), kCancelled. `scene` must outlive the pieces.
-  static Result<SpacePieces> Make(const Scene& scene, const std::vector<bool>& wanted,
+  static Result<SpacePieces> Make(const Scene& scene, const std::vector<bool>& wanted, double open_share,
                                   std::uint64_t max_bytes, const Execution& execution);
 
   std::span<const SpacePiece> all() const { return pieces_; }

@@ -16,6 +16,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+// For properties that build many models.
+constexpr double kCoarse = 1e-3;
+
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -33,10 +36,10 @@ class Random {
 class Shot {
  public:
   explicit Shot(Model model, const std::string& structure = kBlocks,
-                const std::vector<bool>* leave_out = nullptr)
+                const std::vector<bool>* leave_out = nullptr, double open_share = kOpenShare)
       : model_(std::move(model)), scene_(model_) {
-    Result<std::unique_ptr<ExactRays>> built =
-        ExactRays::Build(scene_, {.structure = structure, .leave_out = leave_out}, {});
+    Result<std::unique_ptr<ExactRays>> built = ExactRays::Build(
+        scene_, {.structure = structure, .leave_out = leave_out, .open_share = open_share}, {});
     if (!built.ok()) throw std::runtime_error(built.error().message);
     rays_ = std::move(built).value();
   }
@@ -236,9 +239,11 @@ RC_GTEST_PROP(ExactRays, ConvexFacesCastNoShadowOnThemselvesAtAnyScale, ()) {
   const double scale = std::pow(10.0, *rc::gen::inRange(-6000, 9001) * 0.001);
   const std::uint64_t seed = *rc::gen::arbitrary<std::uint64_t>();
   int certified = 0, rays = 0;
-  const Shot sphere(testing::ModelOf({testing::Sphere({0.3 * scale, -0.2 * scale, scale}, scale)}));
+  const Shot sphere(testing::ModelOf({testing::Sphere({0.3 * scale, -0.2 * scale, scale}, scale)}), kBlocks,
+                    nullptr, kCoarse);
   ExpectNoSelfShadow(sphere, 2 * kPi, -1.57, 1.57, seed, &certified, &rays);
-  const Shot tube(testing::ModelOf({testing::Frustum({0, 0, 0}, scale, 0.7 * scale, 3 * scale)}));
+  const Shot tube(testing::ModelOf({testing::Frustum({0, 0, 0}, scale, 0.7 * scale, 3 * scale)}), kBlocks,
+                  nullptr, kCoarse);
   ExpectNoSelfShadow(tube, 2 * kPi, 0, 3 * scale, seed, &certified, &rays);
   RC_ASSERT(certified >= rays - 1);
 }
@@ -252,7 +257,7 @@ RC_GTEST_PROP(ExactRays, ConvexFacesCastNoShadowOnThemselvesFarFromTheOrigin, ()
   const Vec3 far = 1e7 * random.Direction();
   Model model = testing::ModelOf({testing::Sphere(placed ? Vec3{} : far, scale)});
   if (placed) testing::Place(&model, Shifted(far));
-  const Shot shot(std::move(model));
+  const Shot shot(std::move(model), kBlocks, nullptr, kCoarse);
   for (int i = 0; i < 20; ++i) {
     const RayStart start = shot.At(0, random.Uniform(0, 2 * kPi), random.Uniform(-1.5, 1.5));
     // Below the rounding of the position, up and down mean nothing.
@@ -284,7 +289,7 @@ RC_GTEST_PROP(ExactRays, PlacementsTurnMirrorAndScale, ()) {
   placement.m[1][3] = shift.y;
   placement.m[2][3] = shift.z;
   testing::Place(&model, placement);
-  const Shot shot(std::move(model));
+  const Shot shot(std::move(model), kBlocks, nullptr, kCoarse);
   for (int i = 0; i < 10; ++i) {
     const RayStart start = shot.At(0, random.Uniform(0, 2 * kPi), random.Uniform(-1.5, 1.5));
     const Vec3 center = placement.Point({1, 0, 0});
@@ -333,6 +338,37 @@ TEST(ExactRays, AllStructuresGiveTheSameAnswers) {
       EXPECT_EQ(hits[i].placed_face, expected_hits[i].placed_face) << name << " " << i;
       EXPECT_EQ(hits[i].certified, expected_hits[i].certified) << name << " " << i;
     }
+  }
+}
+
+// Threads that ask parts of a batch at the same time get what one thread gets for all of it.
+TEST(ExactRays, AnswersDependOnNeitherThreadsNorGroups) {
+  const Shot shot(testing::ModelOf({testing::Torus({0, 0, 0}, 20, 6), testing::Sphere({20, 3, 2}, 2)}));
+  Random random(6);
+  std::vector<RayStart> starts;
+  std::vector<SecondaryRay> rays;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    starts.push_back(shot.At(i % 2, random.Uniform(0, 2 * kPi), random.Uniform(0.1, 1.5)));
+    for (int k = 0; k < 3; ++k) rays.push_back({i, random.Direction(), INFINITY});
+  }
+  std::vector<RayPassage> together(rays.size()), apart(rays.size());
+  std::vector<SecondaryHit> hits(rays.size()), hits_apart(rays.size());
+  shot.rays().FindBlocked(starts, rays, together);
+  shot.rays().FindNearest(starts, rays, hits);
+  RunWithThreads(4, [&] {
+    ParallelForBlocks(0, rays.size(), 7, [&](std::size_t first, std::size_t last) {
+      const auto part = std::span<const SecondaryRay>(rays).subspan(first, last - first);
+      shot.rays().FindBlocked(starts, part, std::span<RayPassage>(apart).subspan(first, last - first));
+      shot.rays().FindNearest(starts, part, std::span<SecondaryHit>(hits_apart).subspan(first, last - first));
+    });
+  });
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(together[i].blocked, apart[i].blocked) << i;
+    EXPECT_EQ(together[i].doubt, apart[i].doubt) << i;
+    EXPECT_EQ(hits[i].distance, hits_apart[i].distance) << i;
+    EXPECT_EQ(hits[i].u, hits_apart[i].u) << i;
+    EXPECT_EQ(hits[i].doubt, hits_apart[i].doubt) << i;
+    EXPECT_EQ(together[i].blocked, std::isfinite(hits[i].distance)) << i;
   }
 }
 
