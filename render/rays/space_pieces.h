@@ -9,7 +9,7 @@
 //  1. A piece is a part of one patch. It has a Bézier net of its own, and its place in the patch. The pieces of a face
 //     cover all of the face, and the continuation of its patches across the gap to its edges (FaceData::continued).
 //     Pieces that are proven to lie outside the trimmed face are left out, and those that are proven to lie inside are
-//     marked (FaceTrim::Classify).
+//     marked (FaceTrim::FindLine; whole patches by FaceTrim::Classify).
 //  2. A net has the components (x − w·origin.x, y − w·origin.y, w, z − w·origin.z), where `origin` is the middle of
 //     the face's box, so that a face far from the part's origin loses no precision. SpacePiece::error bounds the
 //     distance of each component from the exact surface.
