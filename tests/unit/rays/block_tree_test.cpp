@@ -101,7 +101,6 @@ RC_GTEST_PROP(BlockTree, ClaimsHoldForPlatesOfAnySize, ()) {
   const auto visit = std::make_unique<BlockVisit>(), other = std::make_unique<BlockVisit>();
   for (int i = 0; i < 60; ++i) {
     const Vec3 origin = shift + random.InCube(1.5 * scale), d = random.Direction();
-    RC_ASSERT(tree->Reaches(origin) || plates.plates.size() < 10);
     if (!tree->Reaches(origin)) continue;
     const double length = i % 3 == 0 ? random.Uniform(0.01, 1) * scale : INFINITY;
     const BlockRay ray = RayOf(origin, d, length);
