@@ -80,7 +80,8 @@ class Comparison {
     // Add the bitmaps.
     ChooseRays();
     Add("bitmaps (BMSSM)", build_bitmaps_ms_, BitmapBytes(), 1, &Comparison::TraceBitmaps);
-    // Add the plain scans. They may rely on the order of leaves, as the bitmaps do.
+    // Add the plain scans, which go through the leaves from front to back, as the bitmaps do.
+    SortByDepth();
     const std::size_t stride = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::ceil(static_cast<double>(rays_.size()) *
                                               static_cast<double>(leaves().size()) / kMostScanTests)));
@@ -212,7 +213,7 @@ class Comparison {
   void TraceScan(std::size_t stride, const Winner* known, std::vector<Winner>& found, Tally& tally) const {
     for (std::size_t i = 0; i < rays_.size(); i += stride) {
       Query query(leaves(), camera_, rays_[i], known != nullptr ? known + i : nullptr);
-      for (std::uint32_t k = 0; k < leaves().size(); ++k) {
+      for (const std::uint32_t k : by_depth_) {
         if (!leaves()[k].box.Holds(rays_[i].column, rays_[i].row)) continue;
         if (leaves()[k].near_depth > query.nearest.depth) break;
         query.TestLeaf(k);
@@ -222,9 +223,17 @@ class Comparison {
     }
   }
 
+  void SortByDepth() {
+    for (std::uint32_t k = 0; k < leaves().size(); ++k) by_depth_.push_back(k);
+    std::sort(by_depth_.begin(), by_depth_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(leaves()[a].near_depth, a) < std::pair(leaves()[b].near_depth, b);
+    });
+  }
+
   void MakeCircles() {
     // The circle encloses the box's pixel centres. Half a pixel more covers the rounding many times over.
-    for (const CertifiedLeaf& leaf : leaves()) {
+    for (const std::uint32_t k : by_depth_) {
+      const CertifiedLeaf& leaf = leaves()[k];
       const SampleBox box = leaf.box;
       const double half_width = 0.5 * (box.col_end() - box.col_begin()),
                    half_height = 0.5 * (box.row_end() - box.row_begin());
@@ -243,7 +252,7 @@ class Comparison {
         const float dx = x - circles_[k].x, dy = y - circles_[k].y;
         if (dx * dx + dy * dy > circles_[k].radius2) continue;
         if (circles_[k].near_depth > query.nearest.depth) break;
-        query.TestLeaf(k);
+        query.TestLeaf(by_depth_[k]);
       }
       found[i] = query.nearest;
       tally.candidates += query.candidates;
@@ -277,7 +286,8 @@ class Comparison {
   std::unique_ptr<TileLeaves> tiles_;
   std::vector<int> chosen_;  // chosen tiles
   std::vector<Pixel> rays_;
-  std::vector<Circle> circles_;
+  std::vector<std::uint32_t> by_depth_;  // leaves from front to back
+  std::vector<Circle> circles_;          // in the same order
   std::optional<LeafTree> tree_;
   const BoxTree* embree_ = nullptr;
   std::vector<Competitor> competitors_;

@@ -11,11 +11,14 @@
 #include "import/readers.h"
 #include "import/scratch.h"
 #include "import/source_file.h"
+#include "render/base/parallel.h"
 #include "render/model/model_file.h"
 
 namespace facetless {
 
-void WarmUp() {
+namespace {
+
+void ImportPart() {
   const Scratch scratch;
   if (scratch.path().empty()) return;
   try {
@@ -35,6 +38,13 @@ void WarmUp() {
   } catch (const Standard_Failure&) {
     return;
   }
+}
+
+}  // namespace
+
+void WarmUp() {
+  // A process that has more than one thread cannot fork safely.
+  RunWithThreads(1, ImportPart);
 }
 
 }  // namespace facetless

@@ -11,6 +11,8 @@ ViewLighter::ViewLighter(const Representation& representation, const Model& mode
                          const Execution& execution)
     : representation_(representation), model_(model), up_(up), execution_(execution) {
   setting_.options = options;
+  // A ground has something to catch.
+  if (options.ground && options.occlusion_rays == 0) setting_.options.shadows = true;
   if (setting_.options.occlusion_radius_mm == 0)
     setting_.options.occlusion_radius_mm = kOcclusionShare * model.Diagonal();
   // The upward direction is an axis of the model, so the lower corner of the bounds lies in the ground's plane.

@@ -52,7 +52,7 @@ struct LightOptions {
   bool shadows = false;
   int occlusion_rays = 0;                   // per sample, 0 … kMostOcclusionRays; 0: no occlusion
   double occlusion_radius_mm = 0;           // above 0 or infinite if CastLight casts occlusion rays
-  bool ground = false;                      // law 3
+  bool ground = false;                      // law 3; a view without occlusion then has shadows, too
   std::string structure = kUsualStructure;  // the structure that finds candidates on exact surfaces
   std::vector<MaterialRule> materials;
   int bounces = 6;  // cast_reflections.h, law 2
@@ -61,8 +61,8 @@ struct LightOptions {
   std::shared_ptr<const RadianceMap> panorama;
   std::string environment;
 
-  // Whether shadows or occlusion are cast. If not, `ground` has no effect.
-  bool casts() const { return shadows || occlusion_rays > 0; }
+  // Whether shadows or occlusion are cast.
+  bool casts() const { return shadows || occlusion_rays > 0 || ground; }
   // Whether any secondary ray is needed.
   bool any() const { return casts() || !materials.empty(); }
 };

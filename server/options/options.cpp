@@ -64,10 +64,6 @@ Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
     for (const std::string& other : row.excludes)
       if (given.contains(row.name) && given.contains(other))
         return BadUsage("give either " + row.name + " or " + other);
-  if (options.light.ground && !options.light.casts())
-    return BadUsage("ground shows only shadows and occlusion; give shadows or ambient_occlusion, too");
-  if (!options.light.environment.empty() && options.light.materials.empty())
-    return BadUsage("environment is visible only in mirrors, metals and glasses; give material, too");
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
     return BadUsage(
         "shade shows values without light; give either shade, or shadows, ambient_occlusion and material");

@@ -394,6 +394,9 @@ class ViewReport {
 // Reads the panorama, if there is one.
 Result<void> ReadSurroundings(LightOptions& light) {
   if (light.environment.empty()) return {};
+  if (light.materials.empty())
+    return Error{ErrorCode::kBadUsage,
+                 "environment is visible only in mirrors, metals and glasses; give material, too"};
   auto map = ReadRadianceMap(light.environment);
   if (!map) return map.error();
   light.panorama = std::make_shared<const RadianceMap>(std::move(map).value());

@@ -55,8 +55,7 @@ export class Form {
     if (planes.length) options.section = planes;
     set("shadows", byId("shadows").checked, false);
     set("ambient_occlusion", Number(text("ambient_occlusion")), 0);
-    // The ground shows only the shadow and the occlusion of the model, so it is left out without both.
-    set("ground", byId("ground").checked && (byId("shadows").checked || text("ambient_occlusion") !== "0"), false);
+    set("ground", byId("ground").checked, false);
     const materials = text("material").split(";").map((rule) => rule.trim()).filter(Boolean);
     if (materials.length) options.material = materials;
     for (const name of ["edges", "axes", "scale_bar", "sheet"]) set(name, byId(name).checked, false);

@@ -17,6 +17,7 @@ inline nlohmann::json AnotherValueOf(const OptionRow& row) {
                                     {"shade", "zebra"},
                                     {"ambient_occlusion", "64,2.5"},
                                     {"material", "a=mirror"},
+                                    {"environment", "a.hdr"},
                                     {"aov", "uv"},
                                     {"color", "part"},
                                     {"parts", "a"},
