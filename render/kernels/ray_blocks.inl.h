@@ -67,11 +67,23 @@ inline Eight Greater(Eight a, Eight b) {
 inline Eight Smaller(Eight a, Eight b) {
   return Each([&](int i) { return a.raw[i] < b.raw[i] ? a.raw[i] : b.raw[i]; });
 }
-inline Bits Less(Eight a, Eight b) {
-  return EachBit([&](int i) { return a.raw[i] < b.raw[i]; });
+struct Mask {
+  Bits raw;
+};
+inline Mask operator&(Mask a, Mask b) {
+  return {a.raw & b.raw};
 }
-inline Bits LessOrEqual(Eight a, Eight b) {
-  return EachBit([&](int i) { return a.raw[i] <= b.raw[i]; });
+inline Mask operator|(Mask a, Mask b) {
+  return {a.raw | b.raw};
+}
+inline Mask Less(Eight a, Eight b) {
+  return {EachBit([&](int i) { return a.raw[i] < b.raw[i]; })};
+}
+inline Mask LessOrEqual(Eight a, Eight b) {
+  return {EachBit([&](int i) { return a.raw[i] <= b.raw[i]; })};
+}
+inline Bits ToBits(Mask a) {
+  return a.raw;
 }
 
 #else
@@ -119,16 +131,25 @@ HWY_INLINE Eight Greater(Eight a, Eight b) {
 HWY_INLINE Eight Smaller(Eight a, Eight b) {
   return {hn::Min(a.raw, b.raw)};
 }
-HWY_INLINE Bits ToBits(hn::Mask<Tag> mask) {
+struct Mask {
+  hn::Mask<Tag> raw;
+};
+HWY_INLINE Mask operator&(Mask a, Mask b) {
+  return {hn::And(a.raw, b.raw)};
+}
+HWY_INLINE Mask operator|(Mask a, Mask b) {
+  return {hn::Or(a.raw, b.raw)};
+}
+HWY_INLINE Mask Less(Eight a, Eight b) {
+  return {hn::Lt(a.raw, b.raw)};
+}
+HWY_INLINE Mask LessOrEqual(Eight a, Eight b) {
+  return {hn::Le(a.raw, b.raw)};
+}
+HWY_INLINE Bits ToBits(Mask mask) {
   std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(Tag(), mask, bytes);
+  hn::StoreMaskBits(Tag(), mask.raw, bytes);
   return bytes[0];
-}
-HWY_INLINE Bits Less(Eight a, Eight b) {
-  return ToBits(hn::Lt(a.raw, b.raw));
-}
-HWY_INLINE Bits LessOrEqual(Eight a, Eight b) {
-  return ToBits(hn::Le(a.raw, b.raw));
 }
 #endif
 
@@ -139,9 +160,10 @@ constexpr double kLeastComponent = 0x1p-60;
 constexpr double kFarthest = 0x1p24;
 
 struct BoxRay {
-  Eight origin[3], near_inverse[3], far_inverse[3];
-  int near_side[3];
-  float length;
+  // A plane at coordinate p of an axis is passed at p·inverse + offset.
+  Eight near_inverse[3], far_inverse[3], near_offset[3], far_offset[3];
+  int near_side[3], far_side[3];  // where the sides of a node begin, in floats
+  Eight length;
 };
 
 inline BoxRay MakeBoxRay(const RayBlocks& blocks, const BlockRay& ray) {
@@ -151,29 +173,35 @@ inline BoxRay MakeBoxRay(const RayBlocks& blocks, const BlockRay& ray) {
     const double component =
         std::fabs(d) < kLeastComponent ? (d < 0 ? -kLeastComponent : kLeastComponent) : d;
     const double inverse = 1 / component;
-    box.origin[axis] = All(static_cast<float>(ray.origin[axis] - blocks.center[axis]));
-    // The roundings of the inverse, of the difference and of their product are below 2^-22 together.
-    box.near_inverse[axis] = All(static_cast<float>(inverse * (1 - 0x1p-21)));
-    box.far_inverse[axis] = All(static_cast<float>(inverse * (1 + 0x1p-21)));
-    box.near_side[axis] = d < 0 ? 1 : 0;
+    // The roundings of the inverse and of the sum are below 2^-22 together. Those of the start and of the offset move the
+    // ray by less than the boxes' margin.
+    const float origin = static_cast<float>(ray.origin[axis] - blocks.center[axis]);
+    const float near = static_cast<float>(inverse * (1 - 0x1p-21)),
+                far = static_cast<float>(inverse * (1 + 0x1p-21));
+    box.near_inverse[axis] = All(near);
+    box.far_inverse[axis] = All(far);
+    box.near_offset[axis] = All(-origin * near);
+    box.far_offset[axis] = All(-origin * far);
+    box.near_side[axis] = ((d < 0 ? 3 : 0) + axis) * kBlockLanes;
+    box.far_side[axis] = ((d < 0 ? 0 : 3) + axis) * kBlockLanes;
   }
   const double most = 0x1p120;
-  box.length = static_cast<float>(std::min(ray.length * (1 + 0x1p-20), most));
+  box.length = All(static_cast<float>(std::min(ray.length * (1 + 0x1p-20), most)));
   return box;
 }
 
-// Returns the children whose boxes the ray meets, and sets `enter` to the distances at which the ray enters them.
-inline Bits MeetChildren(const RayNode& node, const BoxRay& ray, float* enter) {
-  const auto pass = [&](int axis, bool near) {
-    const int side = near ? ray.near_side[axis] : 1 - ray.near_side[axis];
-    return (Load(node.side[side][axis]) - ray.origin[axis]) *
-           (near ? ray.near_inverse[axis] : ray.far_inverse[axis]);
+// Returns the children that the ray meets.
+inline Bits MeetChildren(const RayNode& node, const BoxRay& ray) {
+  const float* const sides = &node.side[0][0][0];
+  const auto enter = [&](int axis) {
+    return Fma(Load(sides + ray.near_side[axis]), ray.near_inverse[axis], ray.near_offset[axis]);
   };
-  const Eight in = Greater(Greater(pass(0, true), pass(1, true)), Greater(pass(2, true), All(0)));
-  const Eight out =
-      Smaller(Smaller(pass(0, false), pass(1, false)), Smaller(pass(2, false), All(ray.length)));
-  Save(in, enter);
-  return LessOrEqual(in, out);
+  const auto leave = [&](int axis) {
+    return Fma(Load(sides + ray.far_side[axis]), ray.far_inverse[axis], ray.far_offset[axis]);
+  };
+  const Eight in = Greater(Greater(enter(0), enter(1)), Greater(enter(2), All(0)));
+  const Eight out = Smaller(Smaller(leave(0), leave(1)), Smaller(leave(2), ray.length));
+  return ToBits(LessOrEqual(in, out));
 }
 
 // Tests the pieces of a block. Returns the open lanes, and sets *blocked if a piece is proven to block the ray. If
@@ -217,28 +245,25 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
   };
   const Eight ox = place(0), oy = place(1), oz = place(2);
   const Eight h = Load(block.h), size_z = Abs(dz), least = Load(block.least_dz);
-  const Bits steep = LessOrEqual(least, size_z);
-  // Rays that are nearly parallel to the slab: law 6.
-  const Bits beside = Less(Fma(All(static_cast<float>(1.001 * radius)), least, h), Abs(oz));
-  const Eight divisor = Greater(size_z, least);
+  const Mask steep = LessOrEqual(least, size_z);
   // tau0 = −o_z/d_z; where the ray is not steep, its value is not used.
   const Eight one = All(1), zero = All(0);
-  const Eight safe = dz * (one / (divisor * divisor));  // sign(d_z)/|d_z|, within two roundings
-  const Eight tau = zero - oz * safe;
-  const Eight k = h / divisor;
+  const Eight inverse = one / Greater(size_z, least);
+  const Eight tau = zero - (oz * inverse) * (dz * inverse);  // within five roundings: d_z/|d_z|² is 1/d_z
+  const Eight k = h * inverse;
   const Eight x = Abs(Fma(tau, dx, ox)), y = Abs(Fma(tau, dy, oy));
   const Eight mx = k * Abs(dx), my = k * Abs(dy);
-  const Bits misses = Less(one + mx, x) | Less(one + my, y) |
+  const Mask misses = Less(one + mx, x) | Less(one + my, y) |
                       Less(tau + k, All(static_cast<float>(low - guard))) |
                       Less(All(static_cast<float>(high + guard)), tau - k);
   // The trim line: law 3.
   const Eight a = Load(block.line_a), b = Load(block.line_b);
   const Eight value = Fma(a, Fma(tau, dx, ox), Fma(b, Fma(tau, dy, oy), Load(block.line_c)));
   const Eight width = Fma(Abs(a), mx, Fma(Abs(b), my, Load(block.line_w)));
-  const Bits holds = LessOrEqual(Load(block.line_dz), size_z);
-  const Bits away = Less(value, zero - width) & holds;
-  const Bits kept = Less(width, value) & holds;
-  const Bits inside = Less(x + mx, Load(block.inner_x)) & Less(y + my, Load(block.inner_y)) &
+  const Mask holds = LessOrEqual(Load(block.line_dz), size_z);
+  const Mask away = Less(value, zero - width) & holds;
+  const Mask kept = Less(width, value) & holds;
+  const Mask inside = Less(x + mx, Load(block.inner_x)) & Less(y + my, Load(block.inner_y)) &
                       Less(All(static_cast<float>(low + own)), tau - k) &
                       Less(tau + k, All(static_cast<float>(high - guard))) &
                       LessOrEqual(Abs(tau), All(static_cast<float>(1.25 * radius)));
@@ -246,14 +271,22 @@ inline Bits TestBlock(const RayBlock& block, const BlockRay& ray, bool every, bo
     // A lower bound of the distance of the points in the slab. Rounding is below 2^-22 of it.
     const Eight distance = tau - k + All(static_cast<float>(to_center - guard));
     Save(distance - Abs(distance) * All(0x1p-21f), near);
-    if (steep != 0xffu)
-      for (int lane = 0; lane < kBlockLanes; ++lane)
-        if ((steep >> lane & 1) == 0) near[lane] = 0;
-  } else if ((inside & kept & steep & used) != 0) {
+    // The value of a ray that is not steep is not used.
+    const Bits lanes = ToBits(steep);
+    for (int lane = 0; lane < kBlockLanes; ++lane)
+      if ((lanes >> lane & 1) == 0) near[lane] = 0;
+  } else if ((ToBits(inside & kept & steep) & used) != 0) {
     *blocked = true;
     return 0;
   }
-  return used & ~(steep & (misses | away)) & ~(~steep & beside);
+  const Bits steep_lanes = ToBits(steep), missed = ToBits(misses | away);
+  Bits open = steep_lanes & ~missed;
+  if (steep_lanes != 0xffu) {
+    // Rays that are nearly parallel to the slab: law 6.
+    const Mask beside = Less(Fma(All(static_cast<float>(1.001 * radius)), least, h), Abs(oz));
+    open |= ~steep_lanes & ~ToBits(beside);
+  }
+  return open & used;
 }
 
 }  // namespace
@@ -280,20 +313,10 @@ void VisitRayBlocks(const RayBlocks& blocks, const BlockRay& ray, BlockVisit* vi
         visit->open[visit->open_count++] = {index, open};
       }
     } else {
-      // Continue with the child that the ray enters first; the others wait.
+      // In any order: most rays are clear, and see all that they meet.
       const RayNode& node = blocks.nodes[at];
-      float enter[kBlockLanes];
-      Bits met = MeetChildren(node, box, enter);
-      if (met != 0) {
-        int first = __builtin_ctz(met);
-        for (met &= met - 1; met != 0; met &= met - 1) {
-          int next = __builtin_ctz(met);
-          if (enter[next] < enter[first]) std::swap(next, first);
-          stack[waiting++] = node.child[next];
-        }
-        at = node.child[first];
-        continue;
-      }
+      for (Bits met = MeetChildren(node, box); met != 0; met &= met - 1)
+        stack[waiting++] = node.child[__builtin_ctz(met)];
     }
     if (waiting == 0) return;
     at = stack[--waiting];

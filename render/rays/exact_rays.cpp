@@ -248,6 +248,7 @@ void ExactRays::BuildBlocks(const std::vector<Box3>& boxes) {
   FindFlatFaces();
   blocks_ = BlockTree::Build(
       boxes, [this](std::uint32_t id, Vec3 from, PieceShape* shape) { DescribePiece(id, from, shape); });
+  if (blocks_) view_ = blocks_->blocks();
 }
 
 void ExactRays::FindFlatFaces() {
@@ -341,7 +342,7 @@ bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const Sec
   const RayStart& start = starts[ray.start];
   BlockVisit& visit = worker.visit;
   visit.every = false;
-  visit_blocks_(blocks_->blocks(), LineOf(start, ray), &visit);
+  visit_blocks_(view_, LineOf(start, ray), &visit);
   if (visit.overflow) return false;
   ++worker.paths.rays;
   if (visit.blocked) {
@@ -373,7 +374,7 @@ bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const Sec
 bool ExactRays::ListOpen(const RayStart& start, const SecondaryRay& ray, Worker& worker) const {
   const Model& model = scene_.model();
   const BlockVisit& visit = worker.visit;
-  const RayBlock* const blocks = blocks_->blocks().blocks;
+  const RayBlock* const blocks = view_.blocks;
   bool own_known = false;
   worker.open.clear();
   for (int i = 0; i < visit.open_count; ++i) {
@@ -402,7 +403,7 @@ bool ExactRays::NearestThroughBlocks(std::span<const RayStart> starts, const Sec
                                      Worker& worker, SecondaryHit* hit) const {
   const RayStart& start = starts[ray.start];
   worker.visit.every = true;
-  visit_blocks_(blocks_->blocks(), LineOf(start, ray), &worker.visit);
+  visit_blocks_(view_, LineOf(start, ray), &worker.visit);
   if (worker.visit.overflow) return false;
   const bool own_known = ListOpen(start, ray, worker);
   std::sort(worker.open.begin(), worker.open.end(), [](const OpenPiece& a, const OpenPiece& b) {

@@ -136,6 +136,7 @@ class ExactRays final : public SecondaryRays {
   mutable std::once_flag structure_once_;  // for kBlocks
   mutable std::atomic<std::uint64_t> structure_bytes_{0};
   std::optional<BlockTree> blocks_;
+  RayBlocks view_;  // of blocks_
   VisitBlocks visit_blocks_ = nullptr;
   std::vector<Vec3> plane_normals_;  // by face: the unit normal in its part if the face is plane, else zero
   std::string structure_name_;
