@@ -187,7 +187,8 @@ Result<void> ExactRays::PlacePieces(const std::vector<bool>& shown, std::uint64_
     for (std::uint32_t f = 0; f < faces.count; ++f) {
       if (!shown[instance.first_placed_face + f]) continue;
       const Range range = scene_.pieces.OfFace(faces.first + f);
-      for (std::uint32_t piece = range.first; piece < range.end(); ++piece) placed_.push_back({i, piece});
+      for (std::uint32_t piece = range.first; piece < range.end(); ++piece)
+        placed_.push_back({i, piece, instance.first_placed_face + f});
       if (own + placed_.size() * (sizeof(PlacedPiece) + sizeof(Box3)) > max_bytes)
         return OverLimit(max_bytes);
     }
@@ -324,17 +325,14 @@ bool ExactRays::IsOwnOnly(const RayStart& start, Vec3 direction, const SpacePiec
   const double length = part.shifted_only() ? 1 : Length(local);
   const Vec3 normal = plane_normals_[piece.face];
   if (Dot(normal, normal) > 0) return std::fabs(Dot(normal, local)) > kLeastRise * length;
-  // The start must lie in the patch of the piece, because the cones hold only for that patch.
-  const Model& model = scene_.model();
-  const Surface& surface = model.surfaces[model.faces[piece.face].surface];
-  const Span& u = model.spans[surface.u_spans.first + piece.place.patch / surface.v_spans.count];
-  const Span& v = model.spans[surface.v_spans.first + piece.place.patch % surface.v_spans.count];
-  if (!(start.u >= u.begin && start.u <= u.end && start.v >= v.begin && start.v <= v.end)) return false;
   const auto leaves = [&](const SpacePiece::Cone& cone, double share) {
     return piece.HasNear(start.u, start.v, share) &&
            std::fabs(Dot(cone.axis, local)) > std::max(cone.sine, kLeastRise) * length;
   };
-  return leaves(piece.close, kCloseShare) || leaves(piece.wide, kWideShare);
+  // The cones hold for the patch of the piece alone.
+  return piece.patch_low.x <= start.u && start.u <= piece.patch_high.x && piece.patch_low.y <= start.v &&
+         start.v <= piece.patch_high.y &&
+         (leaves(piece.close, kCloseShare) || leaves(piece.wide, kWideShare));
 }
 
 bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const SecondaryRay& ray,
@@ -372,7 +370,6 @@ bool ExactRays::PassageThroughBlocks(std::span<const RayStart> starts, const Sec
 }
 
 bool ExactRays::ListOpen(const RayStart& start, const SecondaryRay& ray, Worker& worker) const {
-  const Model& model = scene_.model();
   const BlockVisit& visit = worker.visit;
   const RayBlock* const blocks = view_.blocks;
   bool own_known = false;
@@ -384,11 +381,9 @@ bool ExactRays::ListOpen(const RayStart& start, const SecondaryRay& ray, Worker&
       const std::uint32_t id = block.piece[lane];
       const PlacedPiece& placed = placed_[id];
       const SpacePiece& piece = scene_.pieces.all()[placed.piece];
-      const Instance& instance = model.instances[placed.instance];
-      const std::uint32_t face =
-          instance.first_placed_face + piece.face - model.parts[instance.part].faces.first;
       ++worker.paths.pieces_open;
-      if (face == start.placed_face && IsOwnOnly(start, ray.direction, piece, placed.instance)) {
+      if (placed.placed_face == start.placed_face &&
+          IsOwnOnly(start, ray.direction, piece, placed.instance)) {
         ++worker.paths.pieces_own;
         own_known = own_known || piece.Holds(start.u, start.v);
         continue;

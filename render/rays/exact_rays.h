@@ -81,7 +81,7 @@ class ExactRays final : public SecondaryRays {
  private:
   // A piece of an instance; its box has the same index.
   struct PlacedPiece {
-    std::uint32_t instance, piece;
+    std::uint32_t instance, piece, placed_face;
   };
   // A piece that the ray is not proven to miss.
   struct OpenPiece {

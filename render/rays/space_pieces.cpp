@@ -153,6 +153,9 @@ class SpacePieces::Divider {
       if (face_->patches[patch] == RectClass::kOutside) continue;
       const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
       bounds_ = SetBoxBounds(*face_, surface, i, j);
+      const Span &u = model.spans[surface.u_spans.first + i], &v = model.spans[surface.v_spans.first + j];
+      patch_low_ = {u.begin, v.begin};
+      patch_high_ = {u.end, v.end};
       u_map_ = &scene_.spans[surface.u_spans.first + i];
       v_map_ = &scene_.spans[surface.v_spans.first + j];
       Node& root = Level(0, 0);
@@ -268,6 +271,8 @@ class SpacePieces::Divider {
     piece.u_high = u_map_->ToNative(rect.U(1));
     piece.v_low = v_map_->ToNative(rect.V(-1));
     piece.v_high = v_map_->ToNative(rect.V(1));
+    piece.patch_low = patch_low_;
+    piece.patch_high = patch_high_;
     if (!plane_) {
       piece.close = FindCone(node.net, kCloseShare);
       piece.wide = FindCone(node.net, kWideShare);
@@ -353,6 +358,7 @@ class SpacePieces::Divider {
   Vec3 origin_;
   PatchBounds bounds_;
   const SpanParameter *u_map_ = nullptr, *v_map_ = nullptr;
+  Vec2 patch_low_, patch_high_;
   bool rational_ = false, plane_ = false;
   OwnedNet wide_;  // the net of a neighbourhood
   std::vector<SpacePiece>* pieces_ = nullptr;

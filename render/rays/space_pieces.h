@@ -58,6 +58,8 @@ struct SpacePiece {
   TrimLine line;           // in its native parameters, if it is not whole
   // Native parameters.
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
+  Vec2 patch_low, patch_high;  // native parameters of its patch
+
   struct Cone {
     Vec3 axis;        // unit vector, in the part's coordinates
     double sine = 2;  // at least 1: there is no cone
