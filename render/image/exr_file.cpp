@@ -158,7 +158,8 @@ Result<RadianceMap> DecodeExr(const std::string& path, const std::vector<unsigne
     const Imath::Box2i window = file.header().dataWindow();
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1,
                        height = std::int64_t{window.max.y} - window.min.y + 1;
-    if (width < 1 || height < 1 || width * height > kMostRadiancePixels)
+    if (width < 1 || height < 1) return Error{ErrorCode::kFormatBroken, path + ": the picture has no pixels"};
+    if (width * height > kMostRadiancePixels)
       return Error{ErrorCode::kLimitExceeded, path + ": " + std::to_string(width) + "×" +
                                                   std::to_string(height) +
                                                   " pixels are too many for an environment"};

@@ -1,6 +1,7 @@
 // Reads Radiance RGBE files. Source: G. Ward, "Real Pixels", Graphics Gems II (1991). A pixel has three mantissas and a
-// common exponent. A row is either plain, or its four components follow each other, each packed by runs. The older
-// packing, in which a pixel 1, 1, 1, N repeats the pixel before it, is not read.
+// common exponent. In a row, either the four components follow each other, each packed by runs, or the pixels do,
+// some of which may repeat the pixel before them.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -76,10 +77,27 @@ bool ReadRow(Bytes& bytes, std::vector<Pixel>& row) {
   // A packed row begins with 2, 2 and its length.
   if (first[0] == 2 && first[1] == 2 && (std::size_t{first[2]} << 8 | first[3]) == row.size())
     return ReadPackedRow(bytes, row);
-  row[0] = first;
-  for (std::size_t x = 1; x < row.size(); ++x)
-    for (unsigned char& byte : row[x]) byte = bytes.Next();
-  return bytes.good();
+  // In other rows, the pixel 1, 1, 1, N says that the pixel before it follows N more times. If several of them follow each
+  // other, each counts 256 times as much as the one before it.
+  Pixel pixel = first;
+  unsigned digit = 0;
+  for (std::size_t x = 0; x < row.size();) {
+    if (x > 0)
+      for (unsigned char& byte : pixel) byte = bytes.Next();
+    if (!bytes.good()) return false;
+    if (pixel[0] != 1 || pixel[1] != 1 || pixel[2] != 1) {
+      row[x++] = pixel;
+      digit = 0;
+      continue;
+    }
+    constexpr unsigned kMostDigits = 4;
+    if (x == 0 || digit == kMostDigits) return false;
+    const std::size_t count = std::size_t{pixel[3]} << (8 * digit++);
+    if (count > row.size() - x) return false;
+    std::fill_n(row.begin() + static_cast<std::ptrdiff_t>(x), count, row[x - 1]);
+    x += count;
+  }
+  return true;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
 #include "render/shade/hemisphere.h"
+#include "render/shade/sample_places.h"
 #include "render/shade/studio.h"
 
 namespace facetless {
@@ -234,20 +235,13 @@ void LightStats::Add(const LightStats& other) {
 
 Result<SampleLight> CastLight(const SampleBuffer& samples, const CameraFrame& frame,
                               const LightSetting& setting, const Execution& execution) {
-  const auto width = static_cast<std::size_t>(samples.width);
-  const auto place = [width](std::size_t i) {
-    return SamplePlace{static_cast<int>(i % width), static_cast<int>(i / width)};
-  };
+  const auto place = PlacesOf(samples);
   return CastAll(LitSamples<decltype(place)>{samples, frame, place}, setting, execution);
 }
 
 Result<SampleLight> CastLight(const Refinement& refinement, const LightSetting& setting,
                               const Execution& execution) {
-  const auto count = static_cast<std::size_t>(refinement.grid.count());
-  const auto place = [&refinement, count](std::size_t i) {
-    return PlaceOfSample(refinement.pixels.pixels()[i / count], refinement.pixels.width(), refinement.grid,
-                         static_cast<int>(i % count));
-  };
+  const auto place = PlacesOf(refinement);
   return CastAll(LitSamples<decltype(place)>{refinement.samples, refinement.frame, place}, setting,
                  execution);
 }

@@ -9,6 +9,7 @@
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
 #include "render/shade/environment.h"
+#include "render/shade/sample_places.h"
 #include "render/shade/studio.h"
 
 namespace facetless {
@@ -291,21 +292,12 @@ Result<void> FollowAll(const SampleBuffer& samples, const CameraFrame& frame, co
 Result<void> CastReflections(const SampleBuffer& samples, const CameraFrame& frame,
                              const ReflectionSetting& setting, const Execution& execution,
                              SampleLight* light) {
-  const auto width = static_cast<std::size_t>(samples.width);
-  const auto place = [width](std::size_t i) {
-    return SamplePlace{static_cast<int>(i % width), static_cast<int>(i / width)};
-  };
-  return FollowAll(samples, frame, place, setting, execution, light);
+  return FollowAll(samples, frame, PlacesOf(samples), setting, execution, light);
 }
 
 Result<void> CastReflections(const Refinement& refinement, const ReflectionSetting& setting,
                              const Execution& execution, SampleLight* light) {
-  const auto count = static_cast<std::size_t>(refinement.grid.count());
-  const auto place = [&refinement, count](std::size_t i) {
-    return PlaceOfSample(refinement.pixels.pixels()[i / count], refinement.pixels.width(), refinement.grid,
-                         static_cast<int>(i % count));
-  };
-  return FollowAll(refinement.samples, refinement.frame, place, setting, execution, light);
+  return FollowAll(refinement.samples, refinement.frame, PlacesOf(refinement), setting, execution, light);
 }
 
 }  // namespace facetless

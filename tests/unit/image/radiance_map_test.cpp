@@ -78,6 +78,31 @@ TEST(RadianceMap, BrokenFilesAreErrors) {
   EXPECT_EQ(error(std::string("\x76\x2f\x31\x01", 4)), ErrorCode::kFormatBroken);
 }
 
+TEST(RadianceMap, PixelsThatRepeatTheOneBeforeAreRead) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/map.hdr", head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
+  const auto write = [&](int width, const std::string& pixels) {
+    std::ofstream(path, std::ios::binary) << head << "-Y 1 +X " << width << "\n" << pixels;
+  };
+  const std::string bright = "\x80\x40\x20\x81", dark = "\x08\x08\x08\x81";
+  EXPECT_TRUE(rc::check("any number of repetitions", [&] {
+    const int count = *rc::gen::inRange(0, 70000);
+    std::string repeat;
+    for (int rest = count; rest > 0 || repeat.empty(); rest /= 256)
+      repeat += std::string("\x01\x01\x01", 3) + static_cast<char>(rest % 256);
+    write(count + 2, bright + repeat + dark);
+    const Result<RadianceMap> map = ReadRadianceMap(path);
+    RC_ASSERT(map.ok());
+    for (int x = 0; x <= count; ++x)
+      RC_ASSERT(map.value().pixels[static_cast<std::size_t>(x)] == (std::array<float, 3>{1, 0.5f, 0.25f}));
+    RC_ASSERT(map.value().pixels.back() == (std::array<float, 3>{0.0625f, 0.0625f, 0.0625f}));
+  }));
+  write(3, bright + "\x01\x01\x01\x03");
+  EXPECT_EQ(ReadRadianceMap(path).error().code, ErrorCode::kFormatBroken) << "more pixels than the row has";
+  write(3, "\x01\x01\x01\x03");
+  EXPECT_EQ(ReadRadianceMap(path).error().code, ErrorCode::kFormatBroken) << "there is nothing to repeat";
+}
+
 TEST(RadianceMap, MutantsAreReadOrRefused) {
   const TemporaryFolder folder;
   for (const char* name : {"map.exr", "map.hdr"}) {
