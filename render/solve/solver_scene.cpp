@@ -18,9 +18,16 @@ void SolverScene::AddFace(const Model& model, std::uint32_t face, const Placemen
                           std::span<const RectClass> classes) {
   const Surface& surface = model.surfaces[model.faces[face].surface];
   const ViewProjection projection(frame_, placement);
-  SolverFace out{
-      placed_face,           &model.faces[face], trim,         surface.u_spans.count,
-      surface.v_spans.count, grid_.size(),       maps_.size(), maps_.size() + surface.u_spans.count};
+  SolverFace out;
+  out.placed_face = placed_face;
+  out.face = &model.faces[face];
+  out.trim = trim;
+  out.outward = (out.face->reversed ? -1 : 1) * (placement.Determinant() < 0 ? -1 : 1);
+  out.columns = surface.u_spans.count;
+  out.rows = surface.v_spans.count;
+  out.first_patch = grid_.size();
+  out.first_u = maps_.size();
+  out.first_v = maps_.size() + surface.u_spans.count;
   for (const Range& spans : {surface.u_spans, surface.v_spans})
     for (std::uint32_t s = spans.first; s < spans.end(); ++s) maps_.emplace_back(model.spans[s]);
   for (std::uint32_t i = 0; i < out.columns; ++i)

@@ -40,8 +40,9 @@ struct SolverPatch {
 
 struct SolverFace {
   std::uint32_t placed_face = 0;
-  const Face* face = nullptr;              // null: an untrimmed patch without a model
-  const FaceTrim* trim = nullptr;          // null: untrimmed
+  const Face* face = nullptr;      // null: an untrimmed patch without a model
+  const FaceTrim* trim = nullptr;  // null: untrimmed
+  double outward = 1;  // the outward normal is this times Su × Sv of the placed surface: 1 or −1
   std::uint32_t columns = 1, rows = 1;     // patches along u and along v
   std::uint64_t first_patch = 0;           // into the grid: patch (i, j) is grid[first_patch + i·rows + j]
   std::uint64_t first_u = 0, first_v = 0;  // into the span maps
