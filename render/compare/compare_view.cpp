@@ -271,6 +271,7 @@ class ViewMaker {
     view_.samples = std::move(centres.samples);
     view_.counters = centres.counters;
     view_.direct = std::move(centres.direct);
+    view_.solver = std::move(centres.solver);
     if (view_.direct)
       for (const std::uint32_t face : view_.direct->unseen_faces)
         view_.unseen_names.push_back(subject_.model.PlacedFaceName(face));

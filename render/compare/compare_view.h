@@ -80,6 +80,7 @@ struct View {
   SampleBuffer samples;                   // of the pixel centres
   TraceCounters counters;                 // of the pixel-centre pass
   std::optional<DirectStats> direct;      // of exact surfaces, of the pixel-centre pass
+  std::optional<SolverStats> solver;      // if a solver by name traced them, of the pixel-centre pass
   std::vector<std::string> unseen_names;  // of direct->unseen_faces, in that order
   Image8 image;
   std::optional<InspectionView> inspection;  // nothing for InspectionKind::kStudio

@@ -7,13 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "render/compare/fast_method.h"
+#include "render/compare/exact_methods.h"
+#include "render/compare/solved_surfaces.h"
 
 namespace facetless {
 namespace {
 
 std::vector<Method> BuiltIn() {
-  return {FastMethod()};
+  return {ExactMethod(), FastMethod()};
 }
 
 bool IsName(const std::string& name) {
@@ -29,6 +30,17 @@ std::vector<std::unique_ptr<const Method>>& Registry() {
     std::vector<std::unique_ptr<const Method>> built_in;
     for (Method& method : BuiltIn()) built_in.push_back(std::make_unique<const Method>(std::move(method)));
     return built_in;
+  }();
+  return methods;
+}
+
+// The methods of law 4. The first call must come after the start of the program, when all solvers are registered.
+const std::vector<std::unique_ptr<const Method>>& SolverMethods() {
+  static const std::vector<std::unique_ptr<const Method>> methods = [] {
+    std::vector<std::unique_ptr<const Method>> of_solvers;
+    for (const SolverInfo* info : Solvers())
+      of_solvers.push_back(std::make_unique<const Method>(MethodOfSolver(*info)));
+    return of_solvers;
   }();
   return methods;
 }
@@ -64,32 +76,44 @@ std::string MethodChoice::Title() const {
 std::vector<const Method*> Methods() {
   std::vector<const Method*> methods;
   for (const auto& method : Registry()) methods.push_back(method.get());
+  for (const auto& method : SolverMethods()) methods.push_back(method.get());
   std::sort(methods.begin(), methods.end(),
             [](const Method* a, const Method* b) { return a->name < b->name; });
   return methods;
 }
 
-Result<MethodChoice> ParseMethod(const std::string& text) {
+std::string MethodNames() {
+  std::string names;
+  for (const Method* method : Methods())
+    names += (names.empty() ? "" : ", ") + method->name + (method->setting.empty() ? "" : ":NUMBER");
+  return names;
+}
+
+const Method& CertifiedMethod() {
+  static const Method& method = *FindMethod("certified");
+  return method;
+}
+
+Result<MethodChoice> ParseMethod(const std::string& text, const std::string& option) {
   const std::size_t colon = text.find(':');
   MethodChoice choice{FindMethod(std::string_view(text).substr(0, colon))};
   if (choice.method == nullptr) {
-    std::string names;
-    for (const Method* method : Methods()) names += (names.empty() ? "" : ", ") + method->name;
-    return Error{ErrorCode::kBadUsage,
-                 "with: there is no method '" + text.substr(0, colon) + "'; there are: " + names};
+    return Error{ErrorCode::kBadUsage, option + ": there is no method '" + text.substr(0, colon) +
+                                           "'; there are: " + MethodNames()};
   }
   const Method& method = *choice.method;
   if (!method.usual.empty()) choice.setting = method.usual.front();
   if (colon == std::string::npos) return choice;
   if (method.setting.empty())
-    return Error{ErrorCode::kBadUsage, "with: the method '" + method.name + "' takes no number; write '" +
-                                           method.name + "' instead of '" + text + "'"};
+    return Error{ErrorCode::kBadUsage, option + ": the method '" + method.name +
+                                           "' takes no number; write '" + method.name + "' instead of '" +
+                                           text + "'"};
   const char* begin = text.c_str() + colon + 1;
   char* end = nullptr;
   choice.setting = std::strtod(begin, &end);
   choice.given = true;
   if (end == begin || *end != 0 || !std::isfinite(choice.setting))
-    return Error{ErrorCode::kBadUsage, "with: '" + text + "' names no number of " + method.setting +
+    return Error{ErrorCode::kBadUsage, option + ": '" + text + "' names no number of " + method.setting +
                                            "; write for example '" + method.name + ":" +
                                            NumberText(method.usual.front()) + "'"};
   return choice;
@@ -108,7 +132,10 @@ Result<std::unique_ptr<const Representation>> MakeRepresentation(const MethodCho
 }
 
 RegisterMethod::RegisterMethod(Method method) {
-  const bool sound = IsName(method.name) && FindMethod(method.name) == nullptr && method.make != nullptr &&
+  const bool taken = FindSolver(method.name) != nullptr ||
+                     std::any_of(Registry().begin(), Registry().end(),
+                                 [&](const auto& other) { return other->name == method.name; });
+  const bool sound = IsName(method.name) && !taken && method.make != nullptr &&
                      method.setting.empty() == method.usual.empty();
   if (!sound)
     throw std::invalid_argument("the method '" + method.name +

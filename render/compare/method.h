@@ -7,6 +7,7 @@
 //  2. A method with a setting (a resolution, a size) lists its usual values, coarse first. A method without a
 //     setting is measured once.
 //  3. A method starts from the model as exact surfaces.
+//  4. Every solver of render/solve/solver.h is a method of the same name, without a row of its own.
 //
 // A new method needs one file and one row of BuiltIn() (method.cpp). Programs outside this library register
 // their methods:
@@ -26,6 +27,7 @@
 #include "render/compare/representation.h"
 #include "render/model/model.h"
 #include "render/trace/direct.h"
+#include "render/trace/solver_trace.h"
 
 namespace facetless {
 
@@ -37,16 +39,22 @@ struct MethodInput {
   std::string name = {}, title = {};  // of the representation
   Execution execution;
   std::uint64_t max_bytes = 0;  // memory limit of the representation
+  SolverOptions solver = {};    // for methods that are solvers; max_bytes is the one above
 };
 
 struct Method {
-  std::string name;     // law 1
-  std::string title;    // readable name: "Voxels"
-  std::string help;     // one sentence
-  std::string setting;  // meaning and unit of its number: "cells per axis"; empty: the method has no number
-  std::vector<double> usual;  // usual values (law 2); the first is the default
+  std::string name;                    // law 1
+  std::string title;                   // readable name: "Voxels"
+  std::string help;                    // one sentence: what the method does
+  std::string source = {};             // where it is described
+  std::string does_not = {};           // one sentence: what it does not promise
+  const SolverInfo* solver = nullptr;  // law 4; null: it is not a solver
+  std::string setting =
+      {};  // meaning and unit of its number: "cells per axis"; empty: the method has no number
+  std::vector<double> usual = {};  // usual values (law 2); the first is the default
   // Errors: kBadUsage (the number, or sections that the method cannot cut), kLimitExceeded, kCancelled.
-  std::function<Result<std::unique_ptr<const Representation>>(const MethodInput& input, double setting)> make;
+  std::function<Result<std::unique_ptr<const Representation>>(const MethodInput& input, double setting)>
+      make = nullptr;
 };
 
 // A method and its setting.
@@ -65,8 +73,15 @@ struct MethodChoice {
 // All methods, built in and registered, by name.
 std::vector<const Method*> Methods();
 
-// Parses "NAME" or "NAME:NUMBER". Error: kBadUsage, which lists the methods.
-Result<MethodChoice> ParseMethod(const std::string& text);
+// The names of all methods: "fast, voxels:NUMBER".
+std::string MethodNames();
+
+// Parses "NAME" or "NAME:NUMBER". `option` is the name of the option in error messages. Error: kBadUsage, which lists
+// the methods.
+Result<MethodChoice> ParseMethod(const std::string& text, const std::string& option = "with");
+// The method of the project's own tracer, whose name is "certified".
+const Method& CertifiedMethod();
+
 // The text form, such as "voxels:128", which ParseMethod reads.
 std::string FormatMethod(const MethodChoice& choice);
 

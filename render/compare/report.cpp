@@ -282,6 +282,23 @@ json LightDifferenceJson(const std::optional<LightComparison>& comparison) {
   return out;
 }
 
+// The figures of a solver by name; null for the certified tracer.
+json SolverJson(const View& view) {
+  if (!view.solver) return nullptr;
+  const SolverStats& stats = *view.solver;
+  json stops = json::object();
+  for (std::size_t i = 0; i < kSolverStopNames.size(); ++i)
+    stops[kSolverStopNames[i]] = stats.counters.stops[i];
+  const bool map = stats.starts != SolverStarts::kPieces;
+  return {{"name", stats.name},
+          {"starts", kSolverStartsNames[static_cast<std::size_t>(stats.starts)]},
+          {"structure", map ? json(nullptr) : json(stats.structure)},
+          {"pieces", stats.pieces},
+          {"roots", stats.counters.roots},
+          {"stops", std::move(stops)},
+          {"rays_without_start", map ? json(stats.no_start) : json(nullptr)}};
+}
+
 json DirectJson(const View& view) {
   const DirectStats& stats = *view.direct;
   json direct = {{"timing_ms",
@@ -304,6 +321,7 @@ json DirectJson(const View& view) {
                  {"samples_per_pixel", view.grid.count()},
                  {"refined_pixels", OrNull(view.refined_pixels)},
                  {"light", LightJson(view)},
+                 {"method", SolverJson(view)},
                  {"peak_bytes", view.peak_bytes}};
   direct.update(TraceCountersJson(stats));
   return direct;
@@ -402,6 +420,7 @@ json CandidateJson(const CandidateView& candidate) {
           {"hits", view.counters.hits},
           {"refined_pixels", OrNull(view.refined_pixels)},
           {"light", LightJson(view)},
+          {"method", SolverJson(view)},
           {"facts", std::move(facts)},
           {"peak_bytes", view.peak_bytes},
           {"difference", CandidateDifferenceJson(candidate)}};

@@ -20,6 +20,7 @@
 #include "render/base/execution.h"
 #include "render/baseline/tracer.h"
 #include "render/trace/direct.h"
+#include "render/trace/solver_trace.h"
 #include "render/view/camera.h"
 #include "render/view/refinement.h"
 #include "render/view/samples.h"
@@ -55,6 +56,7 @@ struct TracedView {
   TraceCounters counters;
   std::uint64_t structure_bytes = 0;  // peak memory of tracing, without the samples
   std::optional<DirectStats> direct;  // detailed statistics of exact surfaces
+  std::optional<SolverStats> solver;  // if a solver by name traced them
 };
 
 // A number of a representation that reports show next to its costs, such as {"triangles", 1200}.

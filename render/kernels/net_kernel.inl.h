@@ -188,7 +188,7 @@ inline Bounds Bound(const double* monomials, int degree_u, int degree_v) {
 // The ‖I − H'‖ to expect after halving in u or in v: the monomial s^i·t^j shrinks by 2^−i or 2^−j, and the
 // row of C that belongs to the halved direction doubles.
 template <int P, int Q>
-inline Verdict AfterHalving(const double* monomials, bool weight_varies, int degree_u, int degree_v) {
+inline NetVerdict AfterHalving(const double* monomials, bool weight_varies, int degree_u, int degree_v) {
   const int pu = Degree<P>(degree_u), pv = Degree<Q>(degree_v);
   Planes u = Same(0), v = Same(0);
   double factor_u = 1;
@@ -227,7 +227,7 @@ class Certifier {
         pv_(Degree<Q>(net.degree_v)),
         m_(room) {}
 
-  Verdict Run(double* monomials) {
+  NetVerdict Run(double* monomials) {
     if (!CenterOnPixel() || !InvertJacobian()) return {};
     Normalize();
     Bounds bound = Bound<P, Q>(m_, pu_, pv_);
@@ -477,8 +477,8 @@ inline void Certifier<P, Q>::FillLeaf(double* monomials) const {
   }
 }
 
-Verdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic, CertifiedLeaf* leaf,
-                double* monomials) {
+NetVerdict Certify(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
+                   CertifiedLeaf* leaf, double* monomials) {
   return ByDegrees(net.degree_u, net.degree_v, [&]<int P, int Q>() {
     double room[Certifier<P, Q>::kSize];
     return Certifier<P, Q>(net, rule, arithmetic, leaf, room).Run(monomials);

@@ -232,7 +232,7 @@ inline DepthRule RuleOf(const LeafHeader& leaf) {
           (leaf.flags & kLeafDepthVaries) != 0};
 }
 
-struct Verdict {
+struct NetVerdict {
   bool certified = false;
   // If not certified: the kappa to expect after halving in u or in v; infinite if the Jacobian at the centre
   // is singular.

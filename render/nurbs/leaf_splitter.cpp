@@ -215,7 +215,7 @@ void LeafSplitter::Visit(Node* at) {
   }
 
   // Certify the piece, or keep it as a hard leaf if it is small enough, or halve it.
-  Verdict verdict;
+  NetVerdict verdict;
   if (box.in_front && KeepLeaf(node, trim, box, seen_in, &verdict)) return;
   VisitHalves(node, HalvingDirection(net, box.in_front, verdict), trim);
 }
@@ -252,7 +252,7 @@ RectClass LeafSplitter::ClassifyRect(const ParameterRect& rect) const {
 }
 
 bool LeafSplitter::KeepLeaf(const Node& node, RectClass trim, const NetBox& box, SampleBox seen_in,
-                            Verdict* verdict) {
+                            NetVerdict* verdict) {
   const BezierNet& net = node.net;
   CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
@@ -280,7 +280,8 @@ bool LeafSplitter::KeepLeaf(const Node& node, RectClass trim, const NetBox& box,
   return true;
 }
 
-Direction LeafSplitter::HalvingDirection(const BezierNet& net, bool in_front, const Verdict& verdict) const {
+Direction LeafSplitter::HalvingDirection(const BezierNet& net, bool in_front,
+                                         const NetVerdict& verdict) const {
   const Extent extent = window_.nets->measure(net, patch_->rule, HalfWindow(), in_front);
   if (!verdict.certified && verdict.kappa_halved_u != verdict.kappa_halved_v) {
     const Direction best = verdict.kappa_halved_v < verdict.kappa_halved_u ? Direction::kV : Direction::kU;

@@ -121,10 +121,10 @@ class LeafSplitter {
   // Keeps a piece in front of the eye as a certified leaf, or as a hard one if it is small enough or seen
   // edge-on. Returns false if it must be halved; `verdict` then says how much a halving in each direction
   // improves the bound.
-  bool KeepLeaf(const Node& node, RectClass trim, const NetBox& box, SampleBox seen_in, Verdict* verdict);
+  bool KeepLeaf(const Node& node, RectClass trim, const NetBox& box, SampleBox seen_in, NetVerdict* verdict);
   // Returns the direction of the halving that improves the bound most. Along a fold no bound ever holds, so
   // there, and for a piece that crosses the eye plane, only the extent decides.
-  Direction HalvingDirection(const BezierNet& net, bool in_front, const Verdict& verdict) const;
+  Direction HalvingDirection(const BezierNet& net, bool in_front, const NetVerdict& verdict) const;
   // These append the leaf of a node whose near depth and box are known. `monomials` has as many coefficients
   // as the leaf's planes.
   void KeepCertified(CertifiedLeaf leaf, const Node& node, RectClass trim, const double* monomials);

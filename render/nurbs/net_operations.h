@@ -46,8 +46,8 @@ struct NetOperations {
   // fills everything of `leaf` that follows from the net — but not its coefficients, and what they are of — and writes
   // leaf->planes()·points() monomials to `monomials` (room for 4·points()), plane by plane. Fails where the
   // bound of Law 1 or Law 5 of leaf.h does, or where errors leave no root to tell apart.
-  Verdict (*certify)(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
-                     CertifiedLeaf* leaf, double* monomials) = nullptr;
+  NetVerdict (*certify)(const BezierNet& net, DepthRule rule, const KernelArithmetic& arithmetic,
+                        CertifiedLeaf* leaf, double* monomials) = nullptr;
 
   // Computes the box of the image. `half_window` is half the longer side of the image; it bounds the pixel
   // coordinates that the error of W is multiplied with.

@@ -130,12 +130,13 @@ class SolverView {
     samples->uv[out] = {native.x, native.y};
   }
 
-  void FillStats(const PerThread<Worker>& workers, SolverStats* stats) const {
+  void FillStats(const Scene& scene, const PerThread<Worker>& workers, SolverStats* stats) const {
     stats->name = info_.name;
     stats->starts = starts_;
     if (structure_) stats->structure = options_.structure;
     stats->pieces = structure_ ? solver_->pieces().size() : 0;
-    stats->bytes = surfaces_.bytes() + solver_->bytes() + (map_ ? map_->bytes() : 0) + structure_bytes_;
+    stats->bytes = surfaces_.bytes() + solver_->bytes() + (map_ ? map_->bytes() : 0) + structure_bytes_ +
+                   scene.data().bytes();
     for (const Worker& worker : workers) {
       stats->counters.Add(worker.solver->counters);
       stats->candidates += worker.candidates;
@@ -393,7 +394,7 @@ Result<SolverTrace> Trace(const Scene& scene, const Camera& camera, const Solver
   if (request.execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
   traced.stats.trace_ms = tracing.Milliseconds();
   traced.stats.rays = samples.size();
-  view.FillStats(workers, &traced.stats);
+  view.FillStats(scene, workers, &traced.stats);
 
   if (request.refine != nullptr) {
     const Stopwatch refining;

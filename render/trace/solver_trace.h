@@ -56,7 +56,7 @@ struct SolverStats {
   std::uint64_t candidates = 0;  // pieces that rays met, or values of the map
   std::uint64_t trim_tests = 0;
   std::uint64_t no_start = 0;  // rays without a value in the map
-  std::uint64_t bytes = 0;     // of the surfaces, the solver, the structure and the map
+  std::uint64_t bytes = 0;     // of the surfaces, the solver, the structure, the map and the scene
   SolverCounters counters;
 };
 

@@ -117,20 +117,27 @@ Result<void> ParseAovs(const OptionRow& row, const Json& json, RunOptions& optio
 }
 
 // Parses the methods. A method with the same number may occur only once, because file names contain its name.
-Result<void> ParseWith(const OptionRow&, const Json& json, RunOptions& options) {
-  auto words = ParseWords(json, "with");
+Result<std::vector<MethodChoice>> ParseMethods(const OptionRow& row, const Json& json) {
+  auto words = ParseWords(json, row.name);
   if (!words) return words.error();
   std::vector<MethodChoice> choices;
   for (const std::string& word : words.value()) {
-    auto choice = ParseMethod(word);
+    auto choice = ParseMethod(word, row.name);
     if (!choice) return choice.error();
     for (const MethodChoice& other : choices)
       if (other.Name() == choice.value().Name())
-        return BadUsage("with lists \"" + FormatMethod(other) + "\" twice");
+        return BadUsage(row.name + " lists \"" + FormatMethod(other) + "\" twice");
     choices.push_back(choice.value());
   }
-  options.with = std::move(choices);
-  return {};
+  return choices;
+}
+
+Json MethodsJson(const std::vector<MethodChoice>& methods) {
+  Json choices = Json::array();
+  // A choice without a number means the method's usual ones.
+  for (const MethodChoice& choice : methods)
+    choices.push_back(choice.given ? FormatMethod(choice) : choice.method->name);
+  return choices;
 }
 
 // Parses "N", "N,RADIUS", a number, or an object with rays and radius_mm.
@@ -242,13 +249,58 @@ OptionBinding AovsBinding() {
 }
 
 OptionBinding WithBinding() {
-  return {ParseWith, [](const OptionRow&, const RunOptions& o) {
-            Json choices = Json::array();
-            // A choice without a number means the method's usual ones.
-            for (const MethodChoice& choice : o.with)
-              choices.push_back(choice.given ? FormatMethod(choice) : choice.method->name);
-            return choices;
+  return {[](const OptionRow& row, const Json& json, RunOptions& o) {
+            return StoreInto(ParseMethods(row, json), o.with);
+          },
+          [](const OptionRow&, const RunOptions& o) { return MethodsJson(o.with); }};
+}
+
+OptionBinding MethodsBinding() {
+  return {[](const OptionRow& row, const Json& json, RunOptions& o) {
+            Json words = json;
+            if (json == "all" || json == Json::array({"all"})) {
+              // The sweep has the settings of the certified tracer anyway.
+              words = Json::array();
+              for (const Method* method : Methods())
+                if (method != &CertifiedMethod()) words.push_back(method->name);
+            }
+            return StoreInto(ParseMethods(row, words), o.trade.methods);
+          },
+          [](const OptionRow&, const RunOptions& o) { return MethodsJson(o.trade.methods); }};
+}
+
+OptionBinding MethodBinding() {
+  return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
+            auto index = ParseWord(json, row.name, row.choices);
+            if (!index) return index.error();
+            return StoreInto(ParseMethod(row.choices[static_cast<std::size_t>(index.value())], row.name),
+                             o.method);
+          },
+          [](const OptionRow&, const RunOptions& o) -> Json { return o.method.method->name; }};
+}
+
+OptionBinding StartsBinding() {
+  return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
+            auto index = ParseWord(json, row.name, row.choices);
+            if (!index) return index.error();
+            o.solver.starts = static_cast<SolverStarts>(index.value());
+            return {};
+          },
+          [](const OptionRow& row, const RunOptions& o) {
+            return o.solver.starts ? Json(row.choices[static_cast<std::size_t>(*o.solver.starts)]) : Json();
           }};
+}
+
+OptionBinding StructureBinding() {
+  return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
+            auto index = ParseWord(json, row.name, row.choices);
+            if (!index) return index.error();
+            o.light.structure = row.choices[static_cast<std::size_t>(index.value())];
+            o.solver.structure =
+                o.light.structure == kUsualStructure ? kUsualSolverStructure : o.light.structure;
+            return {};
+          },
+          [](const OptionRow&, const RunOptions& o) -> Json { return o.light.structure; }};
 }
 
 OptionBinding ShadeBinding() {

@@ -84,6 +84,10 @@ OptionBinding ViewMemoryBinding();  // the option is in megabytes, the member in
 OptionBinding UnitBinding();
 OptionBinding AovsBinding();
 OptionBinding WithBinding();
+OptionBinding MethodsBinding();
+OptionBinding MethodBinding();
+OptionBinding StartsBinding();
+OptionBinding StructureBinding();
 OptionBinding ShadeBinding();
 OptionBinding OcclusionBinding();
 OptionBinding MaterialsBinding();

@@ -81,6 +81,14 @@ OptionTable CameraRows() {
   };
 }
 
+// The methods that need no number.
+std::vector<std::string> ChoosableMethods() {
+  std::vector<std::string> names;
+  for (const Method* method : Methods())
+    if (method->setting.empty()) names.push_back(method->name);
+  return names;
+}
+
 OptionTable AccuracyRows() {
   const std::string kGroup = "Views";
   return {
@@ -102,6 +110,27 @@ OptionTable AccuracyRows() {
        .help = "Take all samples in every pixel, and not only where something happens within it",
        .usual = false,
        .binding = Bound([](auto& o) -> auto& { return o.uniform_samples; })},
+      {.name = "method",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kShown | kTrade,
+       .value = "NAME",
+       .help = "Method that intersects rays with the exact surfaces (facetless methods lists them); only "
+               "certified "
+               "proves its samples",
+       .choices = ChoosableMethods(),
+       .usual = "certified",
+       .binding = MethodBinding()},
+      {.name = "starts",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kShown | kTrade,
+       .value = "NAME",
+       .help = "Where the iterations of --method begin: in the pieces that a structure finds, or at a map of "
+               "preliminary values, which published-map keeps in 8 bits",
+       .choices = {kSolverStartsNames.begin(), kSolverStartsNames.end()},
+       .usual_words = "of the method",
+       .binding = StartsBinding()},
       {.name = "precision",
        .kind = OptionKind::kChoice,
        .group = kGroup,
@@ -327,11 +356,12 @@ OptionTable LightRows() {
        .group = kGroup,
        .commands = kShown | kManifest,
        .value = "NAME",
-       .help = "Acceleration structure in which the rays of light find exact surfaces; the picture does not "
-               "depend on it",
+       .help =
+           "Acceleration structure in which rays of light, and those of --method, find exact surfaces; for "
+           "--method, blocks means bvh",
        .choices = structures,
        .usual = kBlocks,
-       .binding = Bound([](auto& o) -> auto& { return o.light.structure; })},
+       .binding = StructureBinding()},
   };
 }
 
@@ -431,14 +461,6 @@ OptionTable PictureRows() {
        .usual = 6,
        .binding = Bound([](auto& o) -> auto& { return o.picture.turntable_s; })},
   };
-}
-
-// "fast, voxels:NUMBER".
-std::string MethodNames() {
-  std::string names;
-  for (const Method* method : Methods())
-    names += (names.empty() ? "" : ", ") + method->name + (method->setting.empty() ? "" : ":NUMBER");
-  return names;
 }
 
 OptionTable MeshRows() {
@@ -563,6 +585,13 @@ OptionTable TradeRows() {
        .high = 1e-3,
        .usual = Json::array({1e-3, 1e-5, 1e-8}),
        .binding = Bound([](auto& o) -> auto& { return o.trade.tolerances; })},
+      {.name = "methods",
+       .kind = OptionKind::kWords,
+       .group = kGroup,
+       .commands = kTrade,
+       .value = "LIST",
+       .help = "Methods to measure besides: all, or a list of NAME or NAME:NUMBER",
+       .binding = MethodsBinding()},
       {.name = "budget_seconds",
        .kind = OptionKind::kNumber,
        .group = kGroup,

@@ -41,6 +41,25 @@ bool IsFileStem(const std::string& name) {
   });
 }
 
+// Refuses what the method of a view cannot do. The errors of surfaces that it does not take come with the model.
+Result<void> CheckMethod(const RunOptions& options) {
+  const SolverInfo* solver = options.method.method->solver;
+  if (solver == nullptr) return {};
+  const std::string name = options.method.method->name;
+  if (!options.sections.empty())
+    return BadUsage("the method " + name +
+                    " cannot cut a model; leave out section, or use certified or fast");
+  if (options.audit)
+    return BadUsage("the method " + name +
+                    " cannot count the crossings of a ray; leave out audit, or use certified or fast");
+  if (options.accuracy.precision != Precision::kStandard)
+    return BadUsage("the method " + name +
+                    " computes in double precision and proves nothing; leave out precision");
+  if (options.solver.starts && *options.solver.starts != SolverStarts::kPieces && !solver->takes_map)
+    return BadUsage("the method " + name + " does not start at a map; write starts=pieces, or leave it out");
+  return {};
+}
+
 }  // namespace
 
 bool RunOptions::WantsAov(const std::string& name) const {
@@ -64,6 +83,7 @@ Result<RunOptions> ParseOptions(const Json& json, const OptionTable& table) {
     for (const std::string& other : row.excludes)
       if (given.contains(row.name) && given.contains(other))
         return BadUsage("give either " + row.name + " or " + other);
+  if (auto can = CheckMethod(options); !can) return can.error();
   if (options.light.any() && options.inspection.kind != InspectionKind::kStudio)
     return BadUsage(
         "shade shows values without light; give either shade, or shadows, ambient_occlusion and material");

@@ -43,6 +43,7 @@ struct TradeOptions {
   std::vector<double> deflections = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
   std::vector<double> angles_deg = {30, 12, 5};
   std::vector<double> tolerances = {1e-3, 1e-5, 1e-8};
+  std::vector<MethodChoice> methods;  // besides RunOptions::with
   double budget_s = 60;
   std::uint64_t budget_mb = 4096;
   TradeLimits limits;  // if none is given, half a pixel
@@ -61,8 +62,10 @@ struct RunOptions {
   bool uniform_samples = false;
   // max_bytes bounds the search tree of the mesh that a view is compared with, too.
   ExactTraceOptions accuracy;
-  int threads = 0;                  // the caller makes the Execution of a run from it
-  std::optional<double> timeout_s;  // nothing: kRunTimeoutS or kTradeTimeoutS; 0: no limit
+  MethodChoice method{&CertifiedMethod()};  // what traces the exact surfaces
+  SolverOptions solver;                     // for methods that are solvers
+  int threads = 0;                          // the caller makes the Execution of a run from it
+  std::optional<double> timeout_s;          // nothing: kRunTimeoutS or kTradeTimeoutS; 0: no limit
   bool audit = false, edges = false, mesh_deviation = false;
   Background background = Background::kStudio;
   Inspection inspection;

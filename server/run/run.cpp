@@ -213,6 +213,7 @@ class Run {
                    {"command", command_},
                    {"options",
                     {{"samples", options_.samples},
+                     {"method", options_.method.method->name},
                      {"precision", PrecisionName(options_.accuracy.precision)},
                      {"shade", FormatInspection(options_.inspection)},
                      {"orient", options_.orient == Orient::kViewer ? "viewer" : "file"},
@@ -443,14 +444,17 @@ Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject
 
   // The leaves may use the memory that the tree does not.
   const DirectOptions direct = ToDirectOptions(options, sections.value(), tree ? tree->bvh_bytes() : 0);
-  const ExactSurfaces exact(scene, direct);
+  const auto made = MakeExactSide(options, scene, direct, run.execution());
+  if (!made) return run.Explained(made.error());
+  const Representation& exact = *made.value();
   std::optional<Triangles> triangles;
   if (tree) triangles.emplace(*tree, model, sections.value(), direct.accuracy.max_bytes);
   const auto methods = Candidates::Make(options.with,
                                         {.scene = scene,
                                          .direct = direct,
                                          .execution = run.execution(),
-                                         .max_bytes = direct.accuracy.max_bytes},
+                                         .max_bytes = direct.accuracy.max_bytes,
+                                         .solver = options.solver},
                                         run);
   if (!methods) return run.Explained(methods.error());
   const std::vector<const Representation*> candidates =

@@ -35,4 +35,22 @@ DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<Secti
   return direct;
 }
 
+Result<std::unique_ptr<const Representation>> MakeExactSide(const RunOptions& options, const Scene& scene,
+                                                            const DirectOptions& direct,
+                                                            const Execution& execution) {
+  const Method& method = *options.method.method;
+  if (options.solver.starts && method.solver == nullptr && options.with.empty())
+    return Error{ErrorCode::kBadUsage,
+                 "starts applies to methods that iterate; give one of them as method, or leave out starts"};
+  const bool certified = &method == &CertifiedMethod();
+  return method.make({.scene = scene,
+                      .direct = direct,
+                      .name = "direct",
+                      .title = certified ? "Direct" : "Direct, " + method.title,
+                      .execution = execution,
+                      .max_bytes = direct.accuracy.max_bytes,
+                      .solver = options.solver},
+                     options.method.setting);
+}
+
 }  // namespace facetless

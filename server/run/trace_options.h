@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "render/base/execution.h"
 #include "render/compare/compare_view.h"
+#include "render/compare/method.h"
 #include "render/trace/direct.h"
 #include "server/options/options.h"
 
@@ -19,5 +21,11 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
 // in use already.
 DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
                               std::uint64_t taken_bytes = 0);
+
+// Makes what shows the exact surfaces of a run: --method. Errors: those of the method; kBadUsage (`starts` without a
+// method that iterates).
+Result<std::unique_ptr<const Representation>> MakeExactSide(const RunOptions& options, const Scene& scene,
+                                                            const DirectOptions& direct,
+                                                            const Execution& execution);
 
 }  // namespace facetless

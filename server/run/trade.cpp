@@ -80,6 +80,21 @@ class Sweep {
     ++steps_done_;
   }
 
+  // The methods of --with, --methods and --method, each once.
+  std::vector<MethodChoice> MethodChoices() const {
+    std::vector<MethodChoice> choices = options_.with;
+    const auto add = [&](const MethodChoice& choice) {
+      const bool listed = std::any_of(choices.begin(), choices.end(), [&](const MethodChoice& other) {
+        return other.method == choice.method && other.given == choice.given &&
+               other.setting == choice.setting;
+      });
+      if (!listed) choices.push_back(choice);
+    };
+    for (const MethodChoice& choice : trade().methods) add(choice);
+    if (options_.method.method != &CertifiedMethod()) add(options_.method);
+    return choices;
+  }
+
   Result<void> Measure() {
     if (auto made = MakeDirectories(directory_); !made) return made.error();
     load_at_start_ = LoadAverage();
@@ -87,7 +102,7 @@ class Sweep {
     if (!cameras) return cameras.error();
     const std::vector<DirectSetting> direct = DirectSettings(trade().tolerances);
     const std::vector<MeshSetting> meshes = MeshSettings(trade().deflections, trade().angles_deg);
-    const std::vector<MethodChoice> methods = MethodSettings(options_.with);
+    const std::vector<MethodChoice> methods = MethodSettings(MethodChoices());
     steps_ = static_cast<int>(cameras.value().size() * (1 + direct.size()) + meshes.size() + methods.size());
 
     // Make the scene, which all views share, and the references.
@@ -191,7 +206,8 @@ class Sweep {
     const auto made = MakeRepresentation(choice, {.scene = scene,
                                                   .direct = direct,
                                                   .execution = execution().WithFlag(budget.flag()),
-                                                  .max_bytes = trade().budget_mb * kMegabyte});
+                                                  .max_bytes = trade().budget_mb * kMegabyte,
+                                                  .solver = options_.solver});
     if (!made && Stopped(made.error(), budget)) return made.error();
     const std::string reason = made               ? ""
                                : budget.expired() ? "making it takes longer than " + Seconds(trade().budget_s)
