@@ -4,11 +4,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "render/solve/martin.h"
+#include "render/solve/newton_cramer.h"
+
 namespace facetless {
 namespace {
 
 std::vector<SolverInfo> BuiltIn() {
-  return {};
+  return {NewtonCramerInfo(), MartinInfo()};
 }
 
 // Pointers to the elements stay valid: solvers are never removed, and each is allocated on the heap.
