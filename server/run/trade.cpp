@@ -208,13 +208,17 @@ class Sweep {
                                                   .execution = execution().WithFlag(budget.flag()),
                                                   .max_bytes = trade().budget_mb * kMegabyte,
                                                   .solver = options_.solver});
-    if (!made && Stopped(made.error(), budget)) return made.error();
-    const std::string reason = made               ? ""
+    const auto cannot = [](const Error& error) { return error.code == ErrorCode::kBadUsage; };
+    if (!made && !cannot(made.error()) && Stopped(made.error(), budget)) return made.error();
+    const std::string reason = made                   ? ""
+                               : cannot(made.error()) ? made.error().message
                                : budget.expired() ? "making it takes longer than " + Seconds(trade().budget_s)
                                                   : MemoryReason();
     for (TradeView& view : views_) {
       auto point = made ? MeasureWithin(*made.value(), *made.value(), choice, view)
                         : Result<TradePoint>(Skipped(choice, reason));
+      // A method may not take the surfaces of this model.
+      if (!point && cannot(point.error())) point = Skipped(choice, point.error().message);
       if (!point) return point.error();
       point.value().make_ms = made ? made.value()->make_ms() : 0;
       point.value().convert_ms = model().info.convert_ms;

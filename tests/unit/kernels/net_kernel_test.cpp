@@ -153,8 +153,9 @@ RC_GTEST_PROP(NetKernel, EveryBuildGivesTheSameBits, ()) {
 
     CertifiedLeaf expected, leaf;
     std::vector<double> expected_monomials(n), monomials(n);
-    const Verdict first = oracle.certify(net, rule, kDoubleArithmetic, &expected, expected_monomials.data());
-    const Verdict second = nets.certify(net, rule, kDoubleArithmetic, &leaf, monomials.data());
+    const NetVerdict first =
+        oracle.certify(net, rule, kDoubleArithmetic, &expected, expected_monomials.data());
+    const NetVerdict second = nets.certify(net, rule, kDoubleArithmetic, &leaf, monomials.data());
     RC_ASSERT(first.certified == second.certified);
     RC_ASSERT(SameBits(&first.kappa_halved_u, &second.kappa_halved_u, 1));
     RC_ASSERT(SameBits(&first.kappa_halved_v, &second.kappa_halved_v, 1));

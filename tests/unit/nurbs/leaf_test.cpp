@@ -115,7 +115,7 @@ TEST(Leaf, AFoldHasNoCertificate) {
   }
   CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  const Verdict verdict =
+  const NetVerdict verdict =
       kernel_scalar::kNets.certify(fold.net, {false, false, true}, kDoubleArithmetic, &leaf, monomials);
   EXPECT_FALSE(verdict.certified);
 }
@@ -132,7 +132,7 @@ TEST(Leaf, HalvingIsPromisedToHelpInTheDirectionThatBends) {
   }
   CertifiedLeaf leaf;
   double monomials[kNetComponents * kMaxNetPoints];
-  const Verdict verdict =
+  const NetVerdict verdict =
       kernel_scalar::kNets.certify(bent.net, {false, false, false}, kDoubleArithmetic, &leaf, monomials);
   ASSERT_FALSE(verdict.certified);
   EXPECT_LT(verdict.kappa_halved_u, verdict.kappa_halved_v);
