@@ -77,6 +77,16 @@ writes report.json, report.html, the plots trade-time and trade-memory (.svg, .p
 --out. Standard output gets the path of report.json; standard error gets a table and the answers. docs/trade.md describes the
 method.)";
 
+constexpr const char* kMethodsFooter = R"(Examples:
+  facetless methods                                      all methods, their sources, and what they do not promise
+  facetless methods part.step                            what each costs on this part, and what it gets wrong
+  facetless methods part.step --out marked --view front --methods martin,bezier-clipping,certified
+  facetless render part.step --out images --method robust-clipping
+
+On a file, the command traces each view with each method on one thread, and prints a table. With --out, it also writes
+VIEW.NAME.png, on which lost hits are vermilion, invented ones blue, imprecise ones yellow and unresolved ones purple, and
+methods.json. docs/methods.md describes the methods.)";
+
 constexpr const char* kBenchFooter = R"(Examples:
   facetless bench part.step other.igs                    the performance aims, the measured values, and each file
   facetless bench parts/*.step --json bench.json --plot bench.svg --markdown
@@ -232,6 +242,12 @@ int RunCommandLine(int argc, char** argv) {
                      kCompareFooter, arguments);
   CLI::App* trade = AddFileCommand(app, "trade", "Measure the speed of both tracers against their accuracy",
                                    kTradeFooter, arguments);
+  CLI::App* methods = app.add_subcommand(
+      "methods", "List the methods that intersect rays with surfaces, or compare them on a file");
+  methods->footer(kMethodsFooter);
+  methods->add_option("FILE", arguments.file, "STEP, IGES or BREP file; without one, the methods are listed");
+  methods->add_option("--out", arguments.out, "Directory for pictures with marked errors, and methods.json")
+      ->type_name("DIR");
   CLI::App* bench =
       app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
   bench->footer(kBenchFooter);
@@ -271,6 +287,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {mesh, kMesh},
                                      {compare, kCompare},
                                      {trade, kTrade},
+                                     {methods, kMethods},
                                      {bench, kBench},
                                      {regress, kRegress}}) {
     AddOptions(command, bit, options);
@@ -298,6 +315,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {mesh, &MeshCommand},
                                      {compare, &CompareCommand},
                                      {trade, &TradeCommand},
+                                     {methods, &MethodsCommand},
                                      {bench, &BenchCommand},
                                      {regress, &RegressCommand}}) {
     if (*command) return Dispatch(run, arguments, options);

@@ -15,6 +15,7 @@
 #include "server/base/version.h"
 #include "server/command/progress.h"
 #include "server/run/mesh_output.h"
+#include "server/run/methods.h"
 #include "server/run/own_mesh.h"
 #include "server/run/regress.h"
 #include "server/run/run.h"
@@ -195,6 +196,23 @@ int TradeCommand(const CommandArguments& arguments) {
   // programs.
   std::fputs(trade.text.c_str(), stderr);
   return PrintRun(std::move(trade.run), arguments.out);
+}
+
+int MethodsCommand(const CommandArguments& arguments) {
+  if (arguments.file.empty()) {
+    if (!arguments.out.empty())
+      return PrintError({ErrorCode::kBadUsage, "--out needs a FILE on which the methods are measured"});
+    std::fputs(MethodsText().c_str(), stdout);
+    return kExitDone;
+  }
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  auto measured =
+      RunMethods(imported.value(), arguments.options, arguments.out, ToContext(arguments, progress));
+  if (!measured) return PrintError(measured.error());
+  std::fputs(measured.value().text.c_str(), stdout);
+  return LossExitCode(arguments.options, *imported.value().model);
 }
 
 int BenchCommand(const CommandArguments& arguments) {

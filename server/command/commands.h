@@ -29,6 +29,7 @@ int RenderCommand(const CommandArguments& arguments);
 int MeshCommand(const CommandArguments& arguments);
 int CompareCommand(const CommandArguments& arguments);
 int TradeCommand(const CommandArguments& arguments);
+int MethodsCommand(const CommandArguments& arguments);
 int BenchCommand(const CommandArguments& arguments);
 int RegressCommand(const CommandArguments& arguments);
 

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 // The commands that make pictures, that take cameras, and that import a file.
-constexpr Commands kShown = kRender | kCompare, kCamera = kShown | kTrade | kBench,
+constexpr Commands kShown = kRender | kCompare, kCamera = kShown | kTrade | kBench | kMethods,
                    kImporting = kCamera | kInspect | kContinuity | kMesh | kRegress;
 // A lower bound that means "more than 0".
 constexpr double kAboveZero = std::numeric_limits<double>::min();
@@ -163,7 +163,7 @@ OptionTable AccuracyRows() {
       {.name = "threads",
        .kind = OptionKind::kInteger,
        .group = kGroup,
-       .commands = kCamera | kRegress,
+       .commands = (kCamera & ~kMethods) | kRegress,
        .value = "N",
        .help = "Number of threads; 0 means one per core",
        .low = 0,
@@ -183,7 +183,7 @@ OptionTable AccuracyRows() {
       {.name = "max_view_memory",
        .kind = OptionKind::kNumber,
        .group = kGroup,
-       .commands = kShown | kManifest,
+       .commands = kShown | kMethods | kManifest,
        .value = "MB",
        .help = "Memory limit of a view in megabytes, for its leaves and the mesh's search tree",
        .low = 1,
@@ -354,7 +354,7 @@ OptionTable LightRows() {
       {.name = "structure",
        .kind = OptionKind::kChoice,
        .group = kGroup,
-       .commands = kShown | kManifest,
+       .commands = kShown | kTrade | kMethods | kManifest,
        .value = "NAME",
        .help =
            "Acceleration structure in which rays of light, and those of --method, find exact surfaces; for "
@@ -380,7 +380,7 @@ OptionTable PictureRows() {
       {.name = "parts",
        .kind = OptionKind::kWords,
        .group = kGroup,
-       .commands = kShown,
+       .commands = kShown | kMethods,
        .value = "NAME",
        .help =
            "Show only occurrences whose path contains NAME or matches it as a pattern (* and ?); repeatable",
@@ -390,7 +390,7 @@ OptionTable PictureRows() {
       {.name = "hide",
        .kind = OptionKind::kWords,
        .group = kGroup,
-       .commands = kShown,
+       .commands = kShown | kMethods,
        .value = "NAME",
        .help = "Do not show occurrences whose path contains or matches NAME, as in --parts; repeatable",
        .usual_words = "none",
@@ -399,7 +399,7 @@ OptionTable PictureRows() {
       {.name = "explode",
        .kind = OptionKind::kNumber,
        .group = kGroup,
-       .commands = kShown,
+       .commands = kShown | kMethods,
        .value = "FACTOR",
        .help = "Exploded view: move occurrences apart; 1 doubles their distance from the centre",
        .low = 0,
@@ -409,7 +409,7 @@ OptionTable PictureRows() {
       {.name = "show_hidden",
        .kind = OptionKind::kFlag,
        .group = kGroup,
-       .commands = kShown | kMesh | kTrade | kManifest,
+       .commands = kShown | kMesh | kTrade | kMethods | kManifest,
        .value = "",
        .help = "Also show what the file hides: invisible items and layers, and blanked entities",
        .usual = false,
@@ -588,9 +588,10 @@ OptionTable TradeRows() {
       {.name = "methods",
        .kind = OptionKind::kWords,
        .group = kGroup,
-       .commands = kTrade,
+       .commands = kTrade | kMethods,
        .value = "LIST",
-       .help = "Methods to measure besides: all, or a list of NAME or NAME:NUMBER",
+       .help =
+           "Methods to measure, as NAME or NAME:NUMBER, or all; trade measures them beside its own settings",
        .binding = MethodsBinding()},
       {.name = "budget_seconds",
        .kind = OptionKind::kNumber,
@@ -650,7 +651,7 @@ OptionTable VerdictRows() {
       {.name = "strict",
        .kind = OptionKind::kFlag,
        .group = kGroup,
-       .commands = kImporting & ~(kBench | kRegress),
+       .commands = kImporting & ~(kBench | kRegress | kMethods),
        .value = "",
        .help = "Fail (exit code 2) if anything in the file was lost",
        .usual = false,
