@@ -8,13 +8,16 @@
 //  1. A published map has channels of 8 bits: red is the number of the surface plus 1, and 0 where there is none; green
 //     and blue are u and v, 0 … 255 over the whole surface. It numbers at most 255 surfaces (numbers 0 … 254). A wide map
 //     has 32 bits for the number and 16 bits for each parameter.
-//  2. A surface is drawn as a grid of flat triangles that follows its curvature on the screen, so that a pixel near an
-//     outline can have the value of what lies behind it, or none. Fragments whose parameters are trimmed away are left
-//     out. The map is therefore only where a search begins: a pixel's value may be of another surface than the one that
-//     the ray meets.
-//  3. The map is the same for any number of threads.
+//  2. A surface is drawn as a grid of flat triangles, at least three pixels long, that are off the surface by about a
+//     quarter of a pixel on the screen. A pixel near an outline can have the value of what lies behind it, or none.
+//     Fragments whose parameters are trimmed away are left out. The map is therefore only where a search begins: a
+//     pixel's value may be of another surface than the one that the ray meets.
+//  3. In perspective views, triangles are cut at the near distance of the camera, and parameters are interpolated as the
+//     perspective requires.
+//  4. The map is the same for any number of threads: each band of rows draws all surfaces in their order.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -35,7 +38,7 @@ class ValueMap {
     int width = 1, height = 1;
     bool published = false;
   };
-  // Errors: kBadUsage (more surfaces than a published map numbers), kLimitExceeded (the map needs more than `max_bytes`),
+  // Errors: kBadUsage (more surfaces than a published map numbers), kLimitExceeded (drawing needs more than `max_bytes`; 0 is any number),
   // kCancelled.
   static Result<ValueMap> Draw(const SolverScene& scene, SolverUnit unit, const Size& size,
                                std::uint64_t max_bytes, const Execution& execution);
@@ -49,9 +52,8 @@ class ValueMap {
     std::uint32_t number = 0;  // of the surface, plus 1
     std::uint16_t u = 0, v = 0;
   };
-  int width_ = 0, height_ = 0;
+  int width_ = 0;
   bool published_ = false;
-  SolverUnit unit_ = SolverUnit::kPatch;
   std::vector<std::array<std::uint32_t, 2>> grids_;  // patches along u and v of each surface
   std::vector<Pixel> pixels_;
 };
