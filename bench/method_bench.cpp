@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bench/statistics.h"
+#include "render/solve/solver.h"
 #include "render/trace/solver_trace.h"
 
 namespace facetless {

@@ -7,6 +7,7 @@
 
 #include "render/compare/method.h"
 #include "render/compare/representation.h"
+#include "render/solve/solver.h"
 #include "render/trace/solver_trace.h"
 
 namespace facetless {

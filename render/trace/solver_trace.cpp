@@ -10,6 +10,7 @@
 #include "render/base/stopwatch.h"
 #include "render/model/walk.h"
 #include "render/solve/patch_jet.h"
+#include "render/solve/solver.h"
 #include "render/solve/value_map.h"
 #include "render/trace/scene.h"
 

@@ -22,13 +22,15 @@
 #include <vector>
 
 #include "render/base/execution.h"
-#include "render/solve/solver.h"
+#include "render/solve/solver_terms.h"
 #include "render/trace/direct.h"
 #include "render/view/camera.h"
 #include "render/view/refinement.h"
 #include "render/view/samples.h"
 
 namespace facetless {
+
+struct SolverInfo;  // render/solve/solver.h
 
 // The structure that finds pieces if none is named.
 inline constexpr const char* kUsualSolverStructure = "bvh";

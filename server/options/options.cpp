@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "render/compare/compare_view.h"
+#include "render/solve/solver.h"
 #include "server/options/option_values.h"
 
 namespace facetless {

@@ -7,6 +7,7 @@
 #include "render/compare/compare_view.h"
 #include "render/compare/report.h"
 #include "render/image/io.h"
+#include "render/solve/solver.h"
 #include "server/base/files.h"
 #include "server/base/interrupt.h"
 #include "server/base/version.h"

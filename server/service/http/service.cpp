@@ -8,6 +8,7 @@
 #include "server/base/files.h"
 #include "server/base/version.h"
 #include "server/base/web_assets.h"
+#include "server/run/methods.h"
 #include "server/service/http/listing.h"
 #include "server/service/jobs/answers.h"
 #include "server/service/jobs/routes.h"
@@ -181,6 +182,8 @@ HttpResponse Service::Handle(const HttpRequest& request) {
       return Ready();
     case RouteKind::kMetrics:
       return MetricsPage();
+    case RouteKind::kMethods:
+      return JsonResponse(200, MethodsJson());
     case RouteKind::kSubmit:
       return request.method == "POST" ? Submit(request, route.job) : ListModels(request);
     case RouteKind::kModel:

@@ -53,6 +53,7 @@ const std::vector<Route>& AllRoutes() {
         ReadRoute(RouteKind::kHealth, "/healthz"),
         ReadRoute(RouteKind::kReady, "/readyz"),
         ReadRoute(RouteKind::kMetrics, "/metrics"),
+        ReadRoute(RouteKind::kMethods, "/v1/methods"),
         ReadRoute(RouteKind::kModel, "/v1/models/{id}", "GET, HEAD, DELETE"),
         ReadRoute(RouteKind::kAnswer, "/v1/answers/{id}"),
         ReadRoute(RouteKind::kArtifact, "/v1/artifacts/{name}"),

@@ -20,7 +20,8 @@ enum class RouteKind {
   kArtifact,
   kJobs,
   kJob,
-  kJobEvents
+  kJobEvents,
+  kMethods
 };
 
 struct Route {

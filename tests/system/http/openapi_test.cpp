@@ -319,7 +319,8 @@ void Provocation::OrdinaryAnswers() {
   const std::string file = ReadText(Sample("cone.step"));
   for (const Route& route : AllRoutes()) {
     if (route.kind != RouteKind::kPage && route.kind != RouteKind::kHealth &&
-        route.kind != RouteKind::kReady && route.kind != RouteKind::kMetrics)
+        route.kind != RouteKind::kReady && route.kind != RouteKind::kMetrics &&
+        route.kind != RouteKind::kMethods)
       continue;
     const std::string path = route.pattern == "/page/{name}" ? "/page/app.js" : route.pattern;
     for (const char* method : {"GET", "HEAD"}) EXPECT_EQ(Ask(server, method, path).status, 200);
