@@ -36,13 +36,13 @@ struct SolverInfo;  // render/solve/solver.h
 inline constexpr const char* kUsualSolverStructure = "bvh";
 
 struct SolverOptions {
-  std::optional<SolverStarts> starts;                // nothing: the usual ones of the solver
+  std::optional<SolverStarts> starts = {};           // nothing: the usual ones of the solver
   std::string structure = kUsualSolverStructure;     // a name of StructureNames(); not used with a map
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of the surfaces, the pieces, the structure and the map
 };
 
 struct SolverTraceRequest {
-  Execution execution;
+  Execution execution = {};
   bool uv = false;  // fill samples.uv
   // Indexed by placed face: rays ignore the faces that are set. Null: no face is ignored.
   const std::vector<bool>* leave_out = nullptr;

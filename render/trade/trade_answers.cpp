@@ -279,6 +279,44 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
   return answer;
 }
 
+std::vector<std::string> MethodSentences(const std::vector<TradePoint>& points,
+                                         const TradeQuestionContext& context) {
+  // The measured points of each method.
+  std::map<std::string, std::vector<const TradePoint*>> methods;
+  for (const TradePoint& point : points)
+    if (point.measured() && !IsMesh(point.setting) && !IsDirect(point.setting))
+      methods[TracerName(point.setting)].push_back(&point);
+  const auto error_of = [&](const TradePoint& point) {
+    return std::fmax(point.ErrorMm(context.measure), context.floor_mm);
+  };
+  std::vector<std::string> sentences;
+  for (const auto& [name, own] : methods) {
+    const auto on_front =
+        std::find_if(own.begin(), own.end(), [](const TradePoint* p) { return p->on_time_front; });
+    const TradePoint& shown = on_front != own.end() ? **on_front : *own.front();
+    std::string sentence = "View " + context.view + ": " + SettingName(shown.setting);
+    if (on_front != own.end()) {
+      sentence += " is the cheapest for an error of " + MillimetresText(error_of(shown)) + ", at " +
+                  TimeText(shown.total_ms);
+    } else {
+      const TradePoint* better = nullptr;
+      for (const TradePoint& other : points)
+        if (other.measured() && error_of(other) <= error_of(shown) && other.total_ms <= shown.total_ms &&
+            &other != &shown && (better == nullptr || other.total_ms < better->total_ms))
+          better = &other;
+      sentence += " is never the cheapest here";
+      if (better != nullptr)
+        sentence += ": " + SettingName(better->setting) + " takes " + TimeText(better->total_ms) +
+                    " instead of " + TimeText(shown.total_ms) + ", and its error is no larger";
+    }
+    if (shown.silhouette.pixels > 0)
+      sentence += "; at " + std::to_string(shown.silhouette.pixels) +
+                  " pixels only one of it and the certified image shows a surface";
+    sentences.push_back(sentence + ".");
+  }
+  return sentences;
+}
+
 std::string NextViewSentence(const std::vector<TradePoint>& points, const std::vector<LimitAnswer>& answers) {
   for (const LimitAnswer& answer : answers) {
     if (!answer.mesh || !answer.direct) continue;

@@ -64,6 +64,11 @@ CrossoverAnswer AnswerCrossover(const std::vector<TradePoint>& points, TradeCost
 // exist already.
 std::string NextViewSentence(const std::vector<TradePoint>& points, const std::vector<LimitAnswer>& answers);
 
+// A sentence for each method: for which error it is the cheapest of all that was measured, or which setting is cheaper and
+// no less accurate; and how many pixels it shows that the reference does not, or misses. Requires the marks of MarkFronts.
+std::vector<std::string> MethodSentences(const std::vector<TradePoint>& points,
+                                         const TradeQuestionContext& context);
+
 // The measure in words, such as "99 % of the pixels".
 const char* MeasureText(ErrorMeasure measure);
 

