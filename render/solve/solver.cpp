@@ -4,14 +4,16 @@
 #include <stdexcept>
 #include <utility>
 
+#include "render/solve/gradient.h"
 #include "render/solve/martin.h"
 #include "render/solve/newton_cramer.h"
+#include "render/solve/steepest_descent.h"
 
 namespace facetless {
 namespace {
 
 std::vector<SolverInfo> BuiltIn() {
-  return {NewtonCramerInfo(), MartinInfo()};
+  return {NewtonCramerInfo(), GradientInfo(), SteepestDescentInfo(), MartinInfo()};
 }
 
 // Pointers to the elements stay valid: solvers are never removed, and each is allocated on the heap.

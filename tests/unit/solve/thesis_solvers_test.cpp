@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "render/solve/flattening.h"
 #include "tests/unit/solve/sheets.h"
@@ -25,7 +26,7 @@ using testing::SheetFrame;
 using testing::StartAt;
 using testing::WildSheet;
 
-const std::vector<std::string> kNames{"newton-cramer", "martin"};
+const std::vector<std::string> kNames{"newton-cramer", "gradient", "steepest-descent", "martin"};
 
 // What tests draw: degrees from 1 to 25, each on its own, the projection and whether weights differ.
 struct Drawn {
@@ -54,7 +55,8 @@ bool Finds(const SolverState& state, double u, double v, double within) {
   });
 }
 
-// A tolerance in pixels, as a tolerance of parameters of a sheet that covers more than a hundred pixels.
+// A tolerance in pixels, as a tolerance of parameters of a sheet that covers more than a hundred pixels, with a reserve for
+// places where it is denser.
 double ParameterTolerance(const std::string& name) {
   return FindSolver(name)->tolerance_px;
 }
@@ -71,18 +73,32 @@ RC_GTEST_PROP(ThesisSolvers, FindTheRootFromANearStart, ()) {
   const SolverRay ray = RayTo(scene, 0, drawn.u, drawn.v);
   solver->Solve(ray, StartAt(0, drawn.u + 0.01, drawn.v - 0.01, FindSolver(drawn.name)->takes_map), *state);
   RC_ASSERT(Stops(*state, SolverStop::kRoot) == 1u);
-  RC_ASSERT(Finds(*state, drawn.u, drawn.v, 10 * ParameterTolerance(drawn.name)));
+  RC_ASSERT(Finds(*state, drawn.u, drawn.v, ParameterTolerance(drawn.name)));
 }
 
-RC_GTEST_PROP(ThesisSolvers, FindTheRootFromThePieces, ()) {
-  const Drawn drawn;
-  const SolverScene scene = drawn.Smooth();
-  const auto solver = MakeSolver(drawn.name, scene);
-  const auto state = solver->MakeState();
-  state->BeginRay();
-  const SolverRay ray = RayTo(scene, 0, drawn.u, drawn.v);
-  for (const SolverPiece& piece : solver->pieces()) solver->Solve(ray, StartOf(piece), *state);
-  RC_ASSERT(Finds(*state, drawn.u, drawn.v, 10 * ParameterTolerance(drawn.name)));
+// From the middle of a piece, no method promises the root: where weights differ much, a step can be too long.
+TEST(ThesisSolvers, FindNearlyAllRootsFromThePieces) {
+  for (const std::string& name : kNames) {
+    std::mt19937_64 engine(1);
+    const auto number = [&](int low, int high) {
+      return low + static_cast<int>(engine() % static_cast<std::uint64_t>(high - low + 1));
+    };
+    constexpr int kCases = 30;
+    int found = 0;
+    for (int k = 0; k < kCases; ++k) {
+      const int degree_u = number(1, kMaxDegree), degree_v = number(1, kMaxDegree);
+      const double u = number(5, 95) / 100.0, v = number(5, 95) / 100.0;
+      const SolverScene scene = SceneOf(
+          SheetFrame(k % 2 == 0), MakeSheet(degree_u, degree_v, {0.2, 1, k % 4 < 2 ? 2.0 : 1.0}, engine()));
+      const auto solver = MakeSolver(name, scene);
+      const auto state = solver->MakeState();
+      state->BeginRay();
+      const SolverRay ray = RayTo(scene, 0, u, v);
+      for (const SolverPiece& piece : solver->pieces()) solver->Solve(ray, StartOf(piece), *state);
+      found += Finds(*state, u, v, ParameterTolerance(name));
+    }
+    EXPECT_GE(found, kCases - 2) << name;
+  }
 }
 
 RC_GTEST_PROP(ThesisSolvers, KeepTheToleranceOnAnySurface, ()) {

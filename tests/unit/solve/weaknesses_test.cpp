@@ -90,7 +90,7 @@ TEST(NewtonMethods, SayThatTheJacobianIsSingularAtTheStart) {
   }
 }
 
-TEST(NewtonMethods, MoveOverTheWholeFace) {
+TEST(WholeFaceMethods, MoveOverTheWholeFace) {
   // The two sides of a roof are two patches of one face, and the search begins on the wrong one.
   const Model roof = testing::ModelOf({testing::Roof()});
   const Camera camera = NamedView("top", roof.bounds, Projection::kOrthographic, 100, 100).value();
@@ -100,7 +100,7 @@ TEST(NewtonMethods, MoveOverTheWholeFace) {
     const std::vector<RectClass> classes{RectClass::kInside, RectClass::kOutside};
     scene.AddFace(roof, 0, {}, 0, nullptr, trimmed ? classes : std::vector<RectClass>{});
     ASSERT_EQ(scene.patches().size(), trimmed ? 1u : 2u);
-    for (const char* name : {"newton-cramer", "martin"}) {
+    for (const char* name : {"newton-cramer", "steepest-descent", "martin"}) {
       SCOPED_TRACE(name);
       const auto solver = MakeSolver(name, scene);
       const auto state = solver->MakeState();
@@ -117,9 +117,79 @@ TEST(NewtonMethods, MoveOverTheWholeFace) {
       }
       ASSERT_EQ(state->roots.size(), 1u);
       EXPECT_EQ(state->roots[0].patch, 1u);
-      EXPECT_NEAR(state->roots[0].u, 0.5, 1e-9);
+      EXPECT_NEAR(state->roots[0].u, 0.5, FindSolver(name)->tolerance_px);
     }
   }
+}
+
+TEST(Descents, StopInAMinimumThatIsNoRoot) {
+  // x climbs to about 23 mm, falls, and climbs again to 40 mm. The search begins before the first climb.
+  Sheet sheet{3, 1, {}};
+  for (const double x : {0.0, 60.0, -20.0, 40.0})
+    for (const double z : {-20.0, 20.0}) sheet.points.push_back({x, 0, z, 1});
+  const SolverScene scene = SceneOf(SheetFrame(false), sheet);
+  const SolverRay ray = RayThrough(scene, Column(scene, 35), 0.25);
+  for (const char* name : {"gradient", "steepest-descent"}) {
+    SCOPED_TRACE(name);
+    const auto solver = MakeSolver(name, scene);
+    const auto state = solver->MakeState();
+    state->BeginRay();
+    solver->Solve(ray, StartAt(0, 0.1, 0.5, true), *state);
+    EXPECT_TRUE(state->roots.empty());
+    EXPECT_EQ(Stops(*state, SolverStop::kDiverged), 1u);
+    // There is a root, which is found from the other side.
+    solver->Solve(ray, StartAt(0, 0.95, 0.5, true), *state);
+    EXPECT_EQ(state->roots.size(), 1u);
+  }
+}
+
+TEST(Descents, AreImpreciseWhereTheSurfaceIsSteep) {
+  // Almost at the outline of a pipe, a thousandth of a pixel is much in parameters and in depth.
+  const SolverScene scene = Pipe();
+  const SolverRay ray = RayThrough(scene, Column(scene, 40 - 160 * 1e-4), 0.25);  // u = ½ ± 1/100
+  const auto depth_error = [&](const char* name) {
+    const auto solver = MakeSolver(name, scene);
+    const auto state = solver->MakeState();
+    state->BeginRay();
+    solver->Solve(ray, StartAt(0, 0.49 - 2e-3, 0.5, true), *state);
+    EXPECT_EQ(state->roots.size(), 1u) << name;
+    return state->roots.empty() ? 0 : 40 * std::fabs(state->roots[0].u - 0.49);
+  };
+  EXPECT_LT(depth_error("newton-cramer"), 1e-7);
+  EXPECT_GT(depth_error("gradient"), 1e-4);
+  EXPECT_GT(depth_error("steepest-descent"), 1e-5);
+}
+
+TEST(Descents, RunOutOfStepsOnLongPatches) {
+  // 80 mm long and 0.8 mm wide: the Jacobian has singular values in the ratio of 100 to 1.
+  Sheet sheet{1, 1, {}};
+  for (const double x : {-40.0, 40.0})
+    for (const double z : {-0.4, 0.4}) sheet.points.push_back({x, 0, z, 1});
+  const SolverScene scene = SceneOf(SheetFrame(false), sheet);
+  const SolverRay ray = testing::RayTo(scene, 0, 0.5, 0.5);
+  for (const char* name : {"gradient", "newton-cramer"}) {
+    const auto solver = MakeSolver(name, scene);
+    const auto state = solver->MakeState();
+    state->BeginRay();
+    solver->Solve(ray, StartAt(0, 0.45, 0.9, true), *state);
+    EXPECT_EQ(Stops(*state, SolverStop::kSteps), name == std::string("gradient") ? 1u : 0u) << name;
+    EXPECT_EQ(state->roots.size(), name == std::string("gradient") ? 0u : 1u) << name;
+  }
+}
+
+TEST(Gradient, SearchesRandomPointsOnlyWithoutAMap) {
+  const SolverScene scene = SceneOf(SheetFrame(false), testing::MakeSheet(3, 3, {}, 9));
+  const auto solver = MakeSolver("gradient", scene);
+  const auto state = solver->MakeState();
+  const SolverRay ray = testing::RayTo(scene, 0, 0.3, 0.6);
+  std::int64_t work[2];
+  for (const bool from_map : {false, true}) {
+    state->BeginRay();
+    solver->Solve(ray, StartAt(0, 0.31, 0.61, from_map), *state);
+    EXPECT_GE(state->roots.size(), 1u);
+    work[from_map] = kMostRayWork - state->work_left;
+  }
+  EXPECT_GT(work[0], work[1] + 24) << "24 random points";
 }
 
 }  // namespace

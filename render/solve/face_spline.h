@@ -1,0 +1,73 @@
+// FaceSpline: a face's projected surface as one B-spline, evaluated by de Boor's algorithm over its knot vectors.
+//
+//     const FaceSpline spline(scene, face);
+//     FaceSpline::Place at;
+//     if (spline.Locate(s, t, &at)) const PatchJet<3> jet = spline.Jet(at);
+//
+//  1. A model stores Bézier patches. The B-spline has the native breaks of the face as its knots, and each inner knot as
+//     often as the degree says, so that it is exactly the same surface. With the knots of the B-spline in the file, which
+//     may occur less often, the same points would be evaluated from fewer control points.
+//  2. The parameters are scaled to 0 … columns and 0 … rows: a descent in native parameters, which may be radians one way
+//     and millimetres the other, would have no sense of its own. In between, a span has the share of the range that it has
+//     in native parameters. Where the native parameter of a patch is an angle (SpanMap::kHalfAngle), the parameter within
+//     the span is that of the patch, scaled.
+//  3. There is no surface outside the range, and none where patches are trimmed away.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "render/solve/patch_jet.h"
+#include "render/solve/solver.h"
+#include "render/solve/solver_scene.h"
+
+namespace facetless {
+
+class FaceSpline {
+ public:
+  FaceSpline(const SolverScene& scene, const SolverFace& face);
+
+  struct Place {
+    double s = 0, t = 0;
+    std::uint32_t i = 0, j = 0, patch = kNoIndex;
+  };
+  // Returns whether there is a surface at (s,t), and if so, where. `inside`, if given, says whether (s,t) is in the range.
+  bool Locate(double s, double t, Place* place, bool* inside = nullptr) const;
+
+  // The components (X, Y, W) of the projected surface, and their derivatives with respect to s and t.
+  PatchJet<3> Jet(const Place& place) const;
+  // The same without derivatives, which are left 0.
+  PatchJet<3> Value(const Place& place) const;
+
+  // From parameters of the face, in which every patch has the length 1.
+  double S(double face_u) const { return u_.FromFace(face_u); }
+  double T(double face_v) const { return v_.FromFace(face_v); }
+  // To the parameters of the patch.
+  SolverRoot Root(const Place& place) const {
+    return {place.patch, u_.InSpan(place.s, place.i), v_.InSpan(place.t, place.j)};
+  }
+  std::uint64_t bytes() const { return (u_.knots.size() + v_.knots.size()) * sizeof(double); }
+
+ private:
+  // The knots in one direction.
+  struct Axis {
+    int degree = 1;
+    std::uint32_t spans = 1;
+    std::vector<double> knots;
+    double Break(std::uint32_t span) const {
+      return knots[static_cast<std::size_t>(degree) * span + (span > 0 ? 1 : 0)];
+    }
+    double FromFace(double parameter) const;
+    double InSpan(double s, std::uint32_t span) const;
+    bool Find(double s, std::uint32_t* span) const;
+  };
+  template <bool kJet>
+  PatchJet<3> Evaluate(const Place& place) const;
+
+  const SolverScene& scene_;
+  const SolverFace& face_;
+  Axis u_, v_;
+};
+
+}  // namespace facetless
