@@ -154,6 +154,16 @@ CLI::App* AddFileCommand(CLI::App& app, const std::string& name, const std::stri
   return command;
 }
 
+CLI::App* AddMethodsCommand(CLI::App& app, CommandArguments& arguments) {
+  CLI::App* methods = app.add_subcommand(
+      "methods", "List the methods that intersect rays with surfaces, or compare them on a file");
+  methods->footer(kMethodsFooter);
+  methods->add_option("FILE", arguments.file, "STEP, IGES or BREP file; without one, the methods are listed");
+  methods->add_option("--out", arguments.out, "Directory for pictures with marked errors, and methods.json")
+      ->type_name("DIR");
+  return methods;
+}
+
 // The subcommands of keys.
 struct KeyCommands {
   CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
@@ -242,12 +252,7 @@ int RunCommandLine(int argc, char** argv) {
                      kCompareFooter, arguments);
   CLI::App* trade = AddFileCommand(app, "trade", "Measure the speed of both tracers against their accuracy",
                                    kTradeFooter, arguments);
-  CLI::App* methods = app.add_subcommand(
-      "methods", "List the methods that intersect rays with surfaces, or compare them on a file");
-  methods->footer(kMethodsFooter);
-  methods->add_option("FILE", arguments.file, "STEP, IGES or BREP file; without one, the methods are listed");
-  methods->add_option("--out", arguments.out, "Directory for pictures with marked errors, and methods.json")
-      ->type_name("DIR");
+  CLI::App* methods = AddMethodsCommand(app, arguments);
   CLI::App* bench =
       app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
   bench->footer(kBenchFooter);

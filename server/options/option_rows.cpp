@@ -81,14 +81,6 @@ OptionTable CameraRows() {
   };
 }
 
-// The methods that need no number.
-std::vector<std::string> ChoosableMethods() {
-  std::vector<std::string> names;
-  for (const Method* method : Methods())
-    if (method->setting.empty()) names.push_back(method->name);
-  return names;
-}
-
 OptionTable AccuracyRows() {
   const std::string kGroup = "Views";
   return {
@@ -110,27 +102,6 @@ OptionTable AccuracyRows() {
        .help = "Take all samples in every pixel, and not only where something happens within it",
        .usual = false,
        .binding = Bound([](auto& o) -> auto& { return o.uniform_samples; })},
-      {.name = "method",
-       .kind = OptionKind::kChoice,
-       .group = kGroup,
-       .commands = kShown | kTrade,
-       .value = "NAME",
-       .help = "Method that intersects rays with the exact surfaces (facetless methods lists them); only "
-               "certified "
-               "proves its samples",
-       .choices = ChoosableMethods(),
-       .usual = "certified",
-       .binding = MethodBinding()},
-      {.name = "starts",
-       .kind = OptionKind::kChoice,
-       .group = kGroup,
-       .commands = kShown | kTrade,
-       .value = "NAME",
-       .help = "Where the iterations of --method begin: in the pieces that a structure finds, or at a map of "
-               "preliminary values, which published-map keeps in 8 bits",
-       .choices = {kSolverStartsNames.begin(), kSolverStartsNames.end()},
-       .usual_words = "of the method",
-       .binding = StartsBinding()},
       {.name = "precision",
        .kind = OptionKind::kChoice,
        .group = kGroup,
@@ -281,6 +252,42 @@ OptionTable AppearanceRows() {
        .help = "Write NAME.aov.exr with these channels",
        .choices = {"depth", "normal", "face", "uv", "certificate"},
        .binding = AovsBinding()},
+  };
+}
+
+// The methods that need no number.
+std::vector<std::string> ChoosableMethods() {
+  std::vector<std::string> names;
+  for (const Method* method : Methods())
+    if (method->setting.empty()) names.push_back(method->name);
+  return names;
+}
+
+// What traces the exact surfaces; AccuracyRows has the settings of its accuracy.
+OptionTable MethodRows() {
+  const std::string kGroup = "Views";
+  return {
+      {.name = "method",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kShown | kTrade,
+       .value = "NAME",
+       .help = "Method that intersects rays with the exact surfaces (facetless methods lists them); only "
+               "certified "
+               "proves its samples",
+       .choices = ChoosableMethods(),
+       .usual = "certified",
+       .binding = MethodBinding()},
+      {.name = "starts",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kShown | kTrade,
+       .value = "NAME",
+       .help = "Where the iterations of --method begin: in the pieces that a structure finds, or at a map of "
+               "preliminary values, which published-map keeps in 8 bits",
+       .choices = {kSolverStartsNames.begin(), kSolverStartsNames.end()},
+       .usual_words = "of the method",
+       .binding = StartsBinding()},
   };
 }
 
@@ -736,8 +743,8 @@ OptionTable ImportRows() {
 const OptionTable& AllOptions() {
   static const OptionTable table = [] {
     OptionTable all;
-    for (OptionTable rows : {CameraRows(), AccuracyRows(), AppearanceRows(), LightRows(), PictureRows(),
-                             MeshRows(), TradeRows(), VerdictRows(), ImportRows()})
+    for (OptionTable rows : {CameraRows(), MethodRows(), AccuracyRows(), AppearanceRows(), LightRows(),
+                             PictureRows(), MeshRows(), TradeRows(), VerdictRows(), ImportRows()})
       for (OptionRow& row : rows) all.push_back(std::move(row));
     return all;
   }();
