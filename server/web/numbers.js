@@ -27,6 +27,8 @@ export const certaintyTable = (direct) =>
   element("section", {}, element("h3", {}, "Certificates of the direct image"),
     table("Certificates", null, [["certified", number(direct.certified)], ["converged, not proven", number(direct.converged)], ["unresolved", number(direct.unresolved)], ["Rays", number(direct.rays)], ["Hits", number(direct.hits)],
       given(direct.odd_rays) && ["Odd rays", number(direct.odd_rays)], given(direct.reverse_mismatches) && ["Opposite view differs", number(direct.reverse_mismatches)],
+      direct.method && ["Method", direct.method.name], direct.method && ["Starts", direct.method.structure ? `pieces, ${direct.method.structure}` : direct.method.starts], direct.method && ["Roots", number(direct.method.roots)],
+      given(direct.method?.rays_without_start) && ["Rays without a start", number(direct.method.rays_without_start)],
       direct.unseen_faces?.length > 0 && ["Faces that no ray hits", number(direct.unseen_face_count ?? direct.unseen_faces.length)]].filter(Boolean)));
 
 export const cameraText = (camera) =>

@@ -105,6 +105,30 @@ test("shadows, occlusion and a ground, and what the mesh does to them", async ()
   noFaults(page);
 });
 
+test("another method for the exact side, and all of them on the plots", async () => {
+  const server = await Server.start();
+  const page = await newTab({ width: 1600, height: 1000 });
+  await page.goto(server.address);
+  await page.click(".options summary");
+  await page.selectOption("#size", "512x512");
+  await page.selectOption("#deflection", "0.01");
+  assert.equal(await page.isVisible("#methods"), false);
+  await page.selectOption("#method", "martin");
+  await drop(page, sample("torus.step"));
+  await state(page, "shown");
+  await pixelsRead(page);
+  const report = await (await fetch(`${server.address}/v1/methods`)).json();
+  const offered = await page.locator("#method option").evaluateAll((all) => all.map((option) => option.value));
+  assert.deepEqual(offered.toSorted(), report.methods.map((method) => method.name).toSorted());
+  assert.match(await page.textContent('[aria-label="Certificates"]'), /martin/);
+  await page.selectOption("#kind", "trade");
+  assert.equal(await page.isVisible("#methods"), true);
+  assert.equal(await page.isVisible("#method"), false);
+  await noViolations(page);
+  await wellLaidOut(page);
+  noFaults(page);
+});
+
 test("a material, and a name that no part has", async () => {
   const server = await Server.start();
   const page = await newTab({ width: 1600, height: 1000 });
