@@ -44,11 +44,11 @@ TEST_F(MethodOptions, TheListHasSourcesAndPromises) {
 }
 
 TEST_F(MethodOptions, ATableOnAFileAndPicturesOfTheErrors) {
-  const ChildOutcome outcome = RunTo({"methods", Sample("sphere.step"), "--size", "64x64", "--methods",
-                                      "certified,newton-cramer,martin"});
+  const ChildOutcome outcome = RunTo(
+      {"methods", Sample("sphere.step"), "--size", "64x64", "--methods", "certified,newton-cramer,martin"});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
-  for (const char* name : {"certified", "newton-cramer, published-map", "newton-cramer, map", "newton-cramer, pieces",
-                           "martin"})
+  for (const char* name :
+       {"certified", "newton-cramer, published-map", "newton-cramer, map", "newton-cramer, pieces", "martin"})
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n") + name));
   const Json view = Report("methods.json").at("views").at(0);
   ASSERT_EQ(view.at("methods").size(), 5u);
@@ -68,8 +68,8 @@ TEST_F(MethodOptions, ATableOnAFileAndPicturesOfTheErrors) {
 }
 
 TEST_F(MethodOptions, RenderSaysWhichMethodTraced) {
-  const ChildOutcome outcome =
-      RunTo({"render", Sample("torus.step"), "--size", "64x64", "--method", "martin", "--structure", "octree"});
+  const ChildOutcome outcome = RunTo(
+      {"render", Sample("torus.step"), "--size", "64x64", "--method", "martin", "--structure", "octree"});
   ASSERT_EQ(outcome.exit_code, kExitDone) << outcome.error_tail;
   const Json report = Report();
   EXPECT_EQ(report.at("options").at("method"), "martin");
@@ -83,8 +83,9 @@ TEST_F(MethodOptions, RenderSaysWhichMethodTraced) {
 }
 
 TEST_F(MethodOptions, AComparisonShowsMethodsOnEitherSide) {
-  const ChildOutcome outcome = RunTo({"compare", Sample("torus.step"), "--size", "64x64", "--method", "robust-clipping",
-                                      "--with", "certified,newton-cramer", "--starts", "map"});
+  const ChildOutcome outcome =
+      RunTo({"compare", Sample("torus.step"), "--size", "64x64", "--method", "robust-clipping", "--with",
+             "certified,newton-cramer", "--starts", "map"});
   // The method of the exact side does not start at a map.
   EXPECT_EQ(outcome.exit_code, kExitUsage);
   EXPECT_THAT(outcome.error_tail, HasSubstr("robust-clipping does not start at a map"));
