@@ -4,16 +4,20 @@
 #include <stdexcept>
 #include <utility>
 
+#include "render/solve/bezier_clipping.h"
+#include "render/solve/coherent_newton.h"
 #include "render/solve/gradient.h"
 #include "render/solve/martin.h"
 #include "render/solve/newton_cramer.h"
+#include "render/solve/robust_clipping.h"
 #include "render/solve/steepest_descent.h"
 
 namespace facetless {
 namespace {
 
 std::vector<SolverInfo> BuiltIn() {
-  return {NewtonCramerInfo(), GradientInfo(), SteepestDescentInfo(), MartinInfo()};
+  return {NewtonCramerInfo(),   GradientInfo(),       SteepestDescentInfo(), MartinInfo(),
+          BezierClippingInfo(), RobustClippingInfo(), CoherentNewtonInfo()};
 }
 
 // Pointers to the elements stay valid: solvers are never removed, and each is allocated on the heap.

@@ -1,0 +1,21 @@
+// The pieces of solvers that search whole patches.
+//
+//     Result<std::vector<SolverPiece>> pieces = WholePatches("bezier-clipping", scene, max_bytes, execution);
+//
+//  1. There is one piece for each patch of the scene, in its order. Its box holds the control points in space, and so the
+//     surface, since weights are positive.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "render/solve/solver.h"
+
+namespace facetless {
+
+// `solver`: its name, for messages. `max_bytes`: 0 means no limit. Errors: kLimitExceeded (the pieces need more than
+// `max_bytes`), kCancelled.
+Result<std::vector<SolverPiece>> WholePatches(std::string_view solver, const SolverScene& scene,
+                                              std::uint64_t max_bytes, const Execution& execution);
+
+}  // namespace facetless
