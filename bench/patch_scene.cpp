@@ -1,75 +1,19 @@
 #include "bench/patch_scene.h"
 
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <random>
 #include <utility>
 
+#include "bench/scene_surfaces.h"
 #include "render/model/builder.h"
-#include "render/model/walk.h"
 
 namespace facetless {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Vec4 Weighted(Vec3 p, double w) {
-  return {w * p.x, w * p.y, w * p.z, w};
-}
-
-std::vector<Span> UnitSpans(int count) {
-  std::vector<Span> spans(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i)
-    spans[static_cast<std::size_t>(i)] = {static_cast<double>(i), i + 1.0, SpanMap::kLinear};
-  return spans;
-}
-
-// Returns the built model with one placement. Our own scenes are valid, so Finish() cannot fail.
-Model Placed(ModelBuilder builder) {
-  builder.AddInstance({});
-  return std::move(builder).Finish().value();
-}
-
-// Adds a uniform bicubic B-spline, split into its columns × rows Bézier patches. Its control points are
-// net(i, j) with i < columns + 3 and j < rows + 3.
-void AddUniformBspline(ModelBuilder& builder, int columns, int rows,
-                       const std::function<Vec4(int, int)>& net) {
-  // This matrix converts the four B-spline control points of a span to its Bézier points, times 6.
-  constexpr double kToBezier[4][4] = {{1, 4, 1, 0}, {0, 4, 2, 0}, {0, 2, 4, 0}, {0, 1, 4, 1}};
-  std::vector<Vec4> points;
-  for (int i = 0; i < columns; ++i)
-    for (int j = 0; j < rows; ++j)
-      for (int k = 0; k < 4; ++k)
-        for (int l = 0; l < 4; ++l) {
-          Vec4 sum{0, 0, 0, 0};
-          for (int a = 0; a < 4; ++a)
-            for (int b = 0; b < 4; ++b) {
-              const double share = kToBezier[k][a] * kToBezier[l][b] / 36;
-              const Vec4 p = net(i + a, j + b);
-              sum = {sum.x + share * p.x, sum.y + share * p.y, sum.z + share * p.z, sum.w + share * p.w};
-            }
-          points.push_back(sum);
-        }
-  builder.AddFace({SurfaceKind::kBspline, 3, 3, UnitSpans(columns), UnitSpans(rows), points});
-}
-
-// Adds a closed tube around z. Its radius and centre depend on the angle and on the share of the height; its
-// weights differ.
-void AddTube(ModelBuilder& builder, int around, int along, double height,
-             const std::function<Vec3(double, double)>& at, std::uint64_t seed) {
-  std::mt19937_64 engine(seed);
-  std::vector<double> weights(static_cast<std::size_t>(around * (along + 3)));
-  for (double& weight : weights) weight = 0.75 + 0.5 * static_cast<double>(engine() >> 11) * 0x1p-53;
-  AddUniformBspline(builder, around, along, [&](int i, int j) {
-    const double angle = 2 * kPi * (i % around) / around, share = (j - 1.0) / along;
-    const Vec3 p = at(angle, share);
-    return Weighted({p.x, p.y, p.z + height * share}, weights[(i % around) * (along + 3) + j]);
-  });
-}
-
 // Returns one free-form body, about 60 mm high.
-ModelBuilder Bird() {
+ModelBuilder BirdBody(bool rational) {
   ModelBuilder builder;
   builder.AddPart("bird");
   AddTube(
@@ -80,7 +24,7 @@ ModelBuilder Bird() {
         return Vec3{belly * wave * std::cos(angle) + 12 * share * share, 0.8 * belly * wave * std::sin(angle),
                     0};
       },
-      1);
+      rational ? 1 : 0);
   // Add a beak.
   AddTube(
       builder, 8, 3, 22,
@@ -88,12 +32,12 @@ ModelBuilder Bird() {
         const double radius = 7 * (1.05 - share) + 0.5;
         return Vec3{20 + 14 * share + radius * std::cos(angle), radius * std::sin(angle), 40};
       },
-      2);
+      rational ? 2 : 0);
   return builder;
 }
 
 Model Birds() {
-  ModelBuilder builder = Bird();
+  ModelBuilder builder = BirdBody(true);
   for (int k = 0; k < 27; ++k) {
     const int column = k % 3, row = k / 3 % 3, layer = k / 9;
     Instance instance;
@@ -195,7 +139,12 @@ Model Flange() {
 }  // namespace
 
 std::vector<NamedScene> PatchScenes() {
-  return {{"bird", Placed(Bird())}, {"27 birds", Birds()}, {"handset", Handset()}, {"flange", Flange()}};
+  return {
+      {"bird", Placed(BirdBody(true))}, {"27 birds", Birds()}, {"handset", Handset()}, {"flange", Flange()}};
+}
+
+Model BezierBird() {
+  return Placed(BirdBody(false));
 }
 
 Model FieldOfFaces(int faces) {
@@ -222,27 +171,6 @@ Model FieldOfFaces(int faces) {
       builder.AddFace({SurfaceKind::kBezier, 3, 3, UnitSpans(1), UnitSpans(1), points});
     }
   return Placed(std::move(builder));
-}
-
-std::vector<ScenePatch> PatchesOf(const Model& model) {
-  std::vector<ScenePatch> patches;
-  for (const Instance& instance : model.instances) {
-    for (const PlacedFace face : WalkPlacedFaces(model, instance)) {
-      const Surface& surface = model.surfaces[model.faces[face.face].surface];
-      for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
-        ScenePatch out;
-        out.degree_u = surface.degree_u;
-        out.degree_v = surface.degree_v;
-        out.placed_face = face.id;
-        for (const Vec4& p : PatchPoints(model, surface, patch)) {
-          const Vec3 placed = instance.placement.Point({p.x / p.w, p.y / p.w, p.z / p.w});
-          out.points.push_back({p.w * placed.x, p.w * placed.y, p.w * placed.z, p.w});
-        }
-        patches.push_back(std::move(out));
-      }
-    }
-  }
-  return patches;
 }
 
 }  // namespace facetless

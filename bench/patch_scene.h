@@ -3,8 +3,6 @@
 // machine element of quadrics and tori. Also fields with a growing number of faces.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,19 +18,11 @@ struct NamedScene {
 // Returns the four scenes, in the order of the table.
 std::vector<NamedScene> PatchScenes();
 
+// The body of the first scene with all weights 1.
+Model BezierBird();
+
 // Returns about `faces` curved bicubic faces on a wavy ground. Each is a patch of its own, and a view from
 // above shows all of them.
 Model FieldOfFaces(int faces);
-
-// A patch of the scene in world coordinates: (w·x, w·y, w·z, w), the index of v varies fastest.
-struct ScenePatch {
-  int degree_u = 1, degree_v = 1;
-  std::vector<std::array<double, 4>> points;
-  std::uint32_t placed_face = 0;
-};
-
-// Returns every patch of every placed face, in the model's order. Requires degrees of at most
-// kMaxSceneDegree.
-std::vector<ScenePatch> PatchesOf(const Model& model);
 
 }  // namespace facetless

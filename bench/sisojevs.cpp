@@ -1,178 +1,351 @@
 #include "bench/sisojevs.h"
 
-#include <optional>
-#include <span>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
 
+#include "bench/method_bench.h"
 #include "bench/statistics.h"
+#include "bench/thesis_scenes.h"
 #include "render/base/parallel.h"
+#include "render/solve/solver.h"
 
 namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
 
-// The published shares: the thesis's time divided by the time of Martin's method, for its scenes "Duck", "27
-// ducks", "Mobile phone" and "Machine element".
-constexpr double kPublishedShare[] = {0.8666, 0.7589, 0.7925, 0.8579};
+// One method on one scene, run by run.
+struct Trial {
+  const SolverInfo* info = nullptr;
+  SolverOptions options;
+  std::vector<double> trace_ms;
+  SolverTrace last;
+};
 
-// Depths that differ by more than this belong to different roots. It is the tolerance of a pixel's residual,
-// magnified by grazing incidence.
-double DepthTolerance(const CameraFrame& frame) {
-  constexpr double kGrazing = 1e3;
-  return kGrazing * kSceneTolerancePx * std::max(frame.pixel_x, frame.pixel_y);
+// The starts that the thesis describes for a method: the map as published.
+SolverOptions PublishedOptions(const SolverInfo& info) {
+  SolverOptions options;
+  options.starts = info.starts == SolverStarts::kMap ? SolverStarts::kPublishedMap : info.starts;
+  return options;
+}
+
+// Runs a method once. Returns why it cannot take the scene; empty: it can.
+Result<std::string> FirstRun(const Scene& scene, const Camera& camera, const Execution& one, Trial* trial) {
+  Result<SolverTrace> traced =
+      TraceWithSolver(scene, camera, *trial->info, trial->options, {.execution = one});
+  if (!traced.ok() && trial->options.starts == SolverStarts::kPublishedMap) {
+    // The scene has more surfaces than 8 bits count.
+    trial->options.starts = SolverStarts::kMap;
+    traced = TraceWithSolver(scene, camera, *trial->info, trial->options, {.execution = one});
+  }
+  if (!traced.ok() && traced.error().code == ErrorCode::kCancelled) return traced.error();
+  if (!traced.ok()) return traced.error().message;
+  trial->last = std::move(traced).value();
+  return std::string();
+}
+
+double PerRay(const ThesisFigures& figures, std::uint64_t count) {
+  return static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(figures.stats.rays, 1));
+}
+
+double PerSolve(const ThesisFigures& figures) {
+  const SolverCounters& counters = figures.stats.counters;
+  return static_cast<double>(counters.iterations) /
+         static_cast<double>(std::max<std::uint64_t>(counters.solves, 1));
+}
+
+double NanosecondsPerIteration(const ThesisFigures& figures) {
+  return 1e6 * figures.trace_ms /
+         static_cast<double>(std::max<std::uint64_t>(figures.stats.counters.iterations, 1));
 }
 
 std::string Percent(double share) {
   return ThreeDigits(100 * share) + " %";
 }
 
-double Share(std::uint64_t part, std::uint64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+std::string StartsName(const ThesisFigures& figures) {
+  return kSolverStartsNames[static_cast<std::size_t>(figures.stats.starts)];
 }
 
-Json ImageJson(const PatchImage& image, double total_ms, double trace_ms,
-               const DepthDifferences& differences) {
-  return {{"total_ms", total_ms},
-          {"trace_ms", trace_ms},
-          {"bytes", image.bytes},
-          {"box_tests", image.box_tests},
-          {"solves", image.solves},
-          {"iterations", image.iterations},
-          {"roots", image.roots},
-          {"hits", image.hits},
-          {"against_direct",
-           {{"both_hit", differences.both_hit},
-            {"only_here", differences.only_first},
-            {"only_direct", differences.only_second},
-            {"apart", differences.apart},
-            {"largest_mm", differences.largest_mm}}}};
+// "0.26 solves per ray, of 12.1 iterations of 105 ns"
+std::string Work(const ThesisFigures& figures) {
+  return ThreeDigits(PerRay(figures, figures.stats.counters.solves)) + " solves per ray, of " +
+         ThreeDigits(PerSolve(figures)) + " iterations of " + ThreeDigits(NanosecondsPerIteration(figures)) +
+         " ns";
 }
 
-std::uint64_t Count(const DepthDifferences& differences) {
-  return differences.only_first + differences.only_second + differences.apart;
+// The sentence about the difference of a method from the published share.
+std::string Difference(const ThesisTable& table, const ThesisScene& scene, std::size_t scene_index,
+                       std::size_t method_index) {
+  const ThesisFigures &figures = scene.methods[method_index], &base = scene.methods[table.base];
+  const double published =
+      table.methods[method_index].published[scene_index] / table.methods[table.base].published[scene_index];
+  const double preparing = 1 - figures.trace_ms / figures.total_ms;
+  // Preparation is worth a word if it takes more than this.
+  constexpr double kMuch = 0.2;
+  return scene.name + ", " + figures.title + ": " + Percent(figures.total_ms / base.total_ms) +
+         " instead of the published " + Percent(published) + " of " + base.title + ", with " + Work(figures) +
+         ", against " + Work(base) +
+         (preparing > kMuch ? ", and " + Percent(preparing) + " of its time for preparation" : "") + ".";
+}
+
+Table TimeTable(const ThesisTable& table, const std::vector<ThesisScene>& scenes) {
+  Table times;
+  times.title = "Sisojevs, table " + std::to_string(table.number) + ": " + table.surfaces + ", " +
+                std::to_string(table.width) + "×" + std::to_string(table.height) +
+                ", time of a picture on one thread";
+  times.columns = {"method"};
+  for (const ThesisScene& scene : scenes)
+    times.columns.insert(times.columns.end(), {scene.name, "share", "published share"});
+  for (std::size_t m = 0; m < table.methods.size(); ++m) {
+    std::vector<std::string> row;
+    for (std::size_t s = 0; s < scenes.size(); ++s) {
+      const ThesisFigures &figures = scenes[s].methods[m], &base = scenes[s].methods[table.base];
+      if (row.empty()) row.push_back(figures.title);
+      const double published = table.methods[m].published[s] / table.methods[table.base].published[s];
+      const bool exists = figures.missing.empty();
+      row.insert(row.end(), {exists ? MillisecondsText(figures.total_ms) : "-",
+                             exists && base.missing.empty() ? Percent(figures.total_ms / base.total_ms) : "-",
+                             Percent(published)});
+    }
+    times.rows.push_back(std::move(row));
+  }
+  std::vector<std::string> direct = {"direct"};
+  for (const ThesisScene& scene : scenes) {
+    const ThesisFigures& base = scene.methods[table.base];
+    direct.insert(direct.end(), {MillisecondsText(scene.direct_ms),
+                                 base.missing.empty() ? Percent(scene.direct_ms / base.total_ms) : "-", "-"});
+  }
+  times.rows.push_back(std::move(direct));
+  for (std::size_t s = 0; s < scenes.size(); ++s)
+    for (std::size_t m = 0; m < table.methods.size(); ++m) {
+      const ThesisFigures& figures = scenes[s].methods[m];
+      if (!figures.missing.empty())
+        times.notes.push_back(scenes[s].name + ", " + figures.title + ": " + figures.missing + ".");
+      else if (m != table.base && scenes[s].methods[table.base].missing.empty())
+        times.notes.push_back(Difference(table, scenes[s], s, m));
+    }
+  times.notes.push_back(
+      "The scenes are our own, and resemble those of the thesis, whose models are not published. \"Direct\" "
+      "is this "
+      "program's renderer in standard precision: leaves with a proof, bitmaps, and eight rays at a time.");
+  return times;
+}
+
+Table CountTable(const ThesisTable& table, const std::vector<ThesisScene>& scenes) {
+  Table counts;
+  counts.title = "Sisojevs, table " + std::to_string(table.number) + ": what the time was spent on";
+  counts.columns = {"scene",         "method", "starts", "tracing",  "solves per ray", "iterations per solve",
+                    "per iteration", "memory", "lost",   "invented", "imprecise",      "unresolved",
+                    "no start"};
+  for (const ThesisScene& scene : scenes) {
+    for (const ThesisFigures& figures : scene.methods) {
+      if (!figures.missing.empty()) continue;
+      const SolverStats& stats = figures.stats;
+      const auto errors = [&](HitError error) { return std::to_string(figures.errors.count(error)); };
+      counts.rows.push_back(
+          {scene.name, figures.title, StartsName(figures), MillisecondsText(figures.trace_ms),
+           ThreeDigits(PerRay(figures, stats.counters.solves)), ThreeDigits(PerSolve(figures)),
+           ThreeDigits(NanosecondsPerIteration(figures)) + " ns", BytesText(static_cast<double>(stats.bytes)),
+           errors(HitError::kLost), errors(HitError::kInvented), errors(HitError::kImprecise),
+           errors(HitError::kUnresolved),
+           stats.starts == SolverStarts::kPieces ? "-" : std::to_string(stats.no_start)});
+    }
+    const double rays = static_cast<double>(std::max<std::uint64_t>(scene.direct.rays, 1)),
+                 solves = static_cast<double>(std::max<std::uint64_t>(scene.direct.solves, 1)),
+                 steps = static_cast<double>(std::max<std::uint64_t>(scene.direct.iterations, 1));
+    counts.rows.push_back(
+        {scene.name, "direct", "-", MillisecondsText(scene.direct_trace_ms), ThreeDigits(solves / rays),
+         ThreeDigits(steps / solves), ThreeDigits(1e6 * scene.direct_trace_ms / steps) + " ns",
+         BytesText(static_cast<double>(scene.direct.scene_bytes)), "-", "-", "-", "-", "-"});
+  }
+  counts.notes = {
+      "The time of an iteration is that of tracing, divided by the number of iterations. It has its share of "
+      "everything "
+      "around them: subdivisions, boxes, trimming and normals. Lost, invented, imprecise and unresolved "
+      "count rays, of " +
+      std::to_string(scenes.empty() ? 0 : scenes[0].direct.rays) +
+      ", judged by the certified image within the tolerance that the method states; \"no start\" counts the "
+      "rays "
+      "without a value in the map, those beside all surfaces included."};
+  return counts;
 }
 
 }  // namespace
 
-Result<ThesisScene> MeasureThesisScene(const NamedScene& scene, int size, int repeats) {
-  const std::vector<ScenePatch> patches = PatchesOf(scene.model);
-  const Result<Camera> camera = NamedView("iso", scene.model.bounds, Projection::kOrthographic, size, size);
-  if (!camera) return camera.error();
-  const Result<CameraFrame> frame = MakeFrame(camera.value(), scene.model.Diagonal());
-  if (!frame) return frame.error();
+std::vector<ThesisTable> ThesisTables() {
+  std::vector<ThesisTable> tables;
+  // Minutes for the teapot, seconds for the duck.
+  tables.push_back({2,
+                    "Bézier surfaces",
+                    640,
+                    480,
+                    0,
+                    {{"gradient", {5.59, 20.39}},
+                     {"bezier-clipping", {6.669, 169.154}},
+                     {"robust-clipping", {6.681, 116.233}},
+                     {"martin", {5.613, 20.922}},
+                     {"coherent-newton", {5.63, 23.968}}},
+                    {{"teapot", TeapotOnAPlane()}, {"bird", BezierBird()}}});
+  // Seconds.
+  tables.push_back({3,
+                    "B-spline surfaces",
+                    512,
+                    512,
+                    2,
+                    {{"steepest-descent", {31.156, 98.313}},
+                     {"gradient", {74.906, 180.234}},
+                     {"martin", {60.750, 205.600}}},
+                    {{"column", FlutedColumn()}, {"water lily", WaterLily()}}});
+  // Minutes.
+  tables.push_back({4,
+                    "B-spline surfaces of a medical object",
+                    512,
+                    512,
+                    2,
+                    {{"steepest-descent", {17.683}}, {"gradient", {24.533}}, {"martin", {25.267}}},
+                    {{"skull and pathology", SkullAndPathology()}}});
+  // Seconds.
+  tables.push_back(
+      {5,
+       "NURBS surfaces",
+       512,
+       512,
+       1,
+       {{"newton-cramer", {5.578, 9.000, 4.297, 1.890}}, {"martin", {6.437, 11.860, 5.422, 2.203}}},
+       PatchScenes()});
+  return tables;
+}
+
+Result<ThesisScene> MeasureThesisScene(const ThesisTable& table, const NamedScene& named,
+                                       const ThesisOptions& options) {
+  const Execution one{1, options.execution.cancel};
+  const Scene scene(named.model);
+  const Result<Camera> camera =
+      NamedView("iso", named.model.bounds, Projection::kOrthographic,
+                std::max(1, table.width / options.divisor), std::max(1, table.height / options.divisor));
+  if (!camera.ok()) return camera.error();
+  const Result<MethodReference> reference = MakeMethodReference(scene, camera.value(), one);
+  if (!reference.ok()) return reference.error();
 
   ThesisScene measured;
-  measured.name = scene.name;
-  measured.patches = patches.size();
-  measured.pieces = BuildPatchTree(patches, kFlattening).pieces.size();
-  std::optional<Result<DirectResult>> direct;
-  std::vector<double> traces[3];
-  DirectOptions options;
-  options.execution.threads = 1;
-  const std::vector<std::vector<double>> ms = TakeTurns(
-      repeats, {[&] {
-                  measured.martin = TraceMartin(patches, frame.value(), size, size);
-                  traces[0].push_back(measured.martin.trace_ms);
-                },
-                [&] {
-                  measured.newton_cramer = TraceNewtonCramer(patches, frame.value(), size, size);
-                  traces[1].push_back(measured.newton_cramer.trace_ms);
-                },
-                [&] {
-                  RunWithThreads(1,
-                                 [&] { direct = TraceDirect(Scene(scene.model), camera.value(), options); });
-                  if (direct->ok()) traces[2].push_back(direct->value().stats.trace_ms);
-                }});
-  if (!direct->ok()) return direct->error();
-  measured.martin_ms = Median(ms[0]);
-  measured.newton_cramer_ms = Median(ms[1]);
-  measured.direct_ms = Median(ms[2]);
-  measured.martin_trace_ms = Median(traces[0]);
-  measured.newton_cramer_trace_ms = Median(traces[1]);
-  measured.direct_trace_ms = Median(traces[2]);
-  measured.direct = direct->value().stats;
-  measured.direct_bytes = measured.direct.scene_bytes;
-  const std::span<const double> exact = direct->value().samples.depth;
-  measured.martin_differences = CompareDepths(measured.martin.depth, exact, DepthTolerance(frame.value()));
-  measured.newton_cramer_differences =
-      CompareDepths(measured.newton_cramer.depth, exact, DepthTolerance(frame.value()));
+  measured.name = named.name;
+  measured.methods.resize(table.methods.size());
+  std::vector<Trial> trials(table.methods.size());
+  std::vector<std::function<void()>> runs;
+  std::vector<std::size_t> runs_of;  // the method of each run
+  std::optional<Error> failed;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    ThesisFigures& figures = measured.methods[m];
+    Trial& trial = trials[m];
+    figures.name = figures.title = table.methods[m].name;
+    trial.info = FindSolver(figures.name);
+    if (trial.info == nullptr) {
+      figures.missing = "there is no method of this name";
+      continue;
+    }
+    figures.title = trial.info->title;
+    trial.options = PublishedOptions(*trial.info);
+    Result<std::string> missing = FirstRun(scene, camera.value(), one, &trial);
+    if (!missing.ok()) return missing.error();
+    figures.missing = std::move(missing).value();
+    if (!figures.missing.empty()) continue;
+    runs_of.push_back(m);
+    runs.emplace_back([&, m] {
+      Result<SolverTrace> traced =
+          TraceWithSolver(scene, camera.value(), *trials[m].info, trials[m].options, {.execution = one});
+      if (!traced.ok()) {
+        failed = traced.error();
+        return;
+      }
+      trials[m].last = std::move(traced).value();
+      trials[m].trace_ms.push_back(trials[m].last.stats.trace_ms);
+    });
+  }
+  DirectOptions direct_options;
+  direct_options.execution = one;
+  std::vector<double> direct_traces;
+  runs.emplace_back([&] {
+    Result<DirectResult> direct = TraceDirect(scene, camera.value(), direct_options);
+    if (!direct.ok()) {
+      failed = direct.error();
+      return;
+    }
+    measured.direct = direct.value().stats;
+    direct_traces.push_back(measured.direct.trace_ms);
+  });
+  std::vector<std::vector<double>> ms;
+  RunWithThreads(1, [&] { ms = TakeTurns(options.repeats, runs); });
+  if (failed) return *failed;
+  for (std::size_t run = 0; run < runs_of.size(); ++run) {
+    ThesisFigures& figures = measured.methods[runs_of[run]];
+    const Trial& trial = trials[runs_of[run]];
+    figures.total_ms = Median(ms[run]);
+    figures.trace_ms = Median(trial.trace_ms);
+    figures.stats = trial.last.stats;
+    figures.errors = JudgeHits({reference.value().view.samples, reference.value().view.frame},
+                               trial.last.samples, trial.info->tolerance_px);
+    figures.errors.of.clear();
+  }
+  measured.direct_ms = Median(ms.back());
+  measured.direct_trace_ms = Median(direct_traces);
   return measured;
 }
 
-std::vector<Table> ThesisTables(const std::vector<ThesisScene>& scenes) {
-  Table times;
-  times.title = "Newton–Cramer (Sisojevs, table 5): time of a picture, one thread";
-  times.columns = {"scene", "patches",         "Martin et al.", "Newton–Cramer",
-                   "share", "published share", "direct",        "share"};
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const ThesisScene& scene = scenes[i];
-    times.rows.push_back({scene.name, std::to_string(scene.patches), MillisecondsText(scene.martin_ms),
-                          MillisecondsText(scene.newton_cramer_ms),
-                          Percent(scene.newton_cramer_ms / scene.martin_ms),
-                          i < std::size(kPublishedShare) ? Percent(kPublishedShare[i]) : "-",
-                          MillisecondsText(scene.direct_ms), Percent(scene.direct_ms / scene.martin_ms)});
-  }
-  times.notes = {
-      "Both methods share pieces, tree, evaluation, tolerance and rules for stopping. So the share shows "
-      "what "
-      "projecting first saves: a component and the quotient rule in each step, and box tests with four "
-      "comparisons. In the thesis the starts came from a rasterised map of parameters instead of a tree, on "
-      "other scenes and another machine.",
-      "The column \"direct\" is this program's renderer in standard precision: leaves with a proof, bitmaps, "
-      "and eight rays at a time."};
-  Table counts;
-  counts.title = "Newton–Cramer: what the time was spent on";
-  counts.columns = {"scene",           "method",
-                    "tracing",         "solves per ray",
-                    "steps per solve", "solves that a pixel shows",
-                    "memory",          "rays unlike direct"};
-  for (const ThesisScene& scene : scenes) {
-    const double rays = static_cast<double>(scene.direct.rays);
-    const auto line = [&](const char* method, double ms, std::uint64_t solves, std::uint64_t iterations,
-                          std::uint64_t hits, std::size_t bytes, const std::string& unlike) {
-      counts.rows.push_back({scene.name, method, MillisecondsText(ms),
-                             ThreeDigits(static_cast<double>(solves) / rays),
-                             ThreeDigits(Share(iterations, solves)), Percent(Share(hits, solves)),
-                             BytesText(static_cast<double>(bytes)), unlike});
-    };
-    line("Martin et al.", scene.martin_trace_ms, scene.martin.solves, scene.martin.iterations,
-         scene.martin.hits, scene.martin.bytes, std::to_string(Count(scene.martin_differences)));
-    line("Newton–Cramer", scene.newton_cramer_trace_ms, scene.newton_cramer.solves,
-         scene.newton_cramer.iterations, scene.newton_cramer.hits, scene.newton_cramer.bytes,
-         std::to_string(Count(scene.newton_cramer_differences)));
-    line("direct", scene.direct_trace_ms, scene.direct.solves, scene.direct.iterations, scene.direct.hits,
-         scene.direct_bytes, "");
-  }
-  counts.notes = {
-      "Martin et al. report that 8 to 31 % of the solves become hits, and 2 to 3 steps per solve.",
-      "The last column counts the rays, of " + std::to_string(scenes.empty() ? 0 : scenes[0].direct.rays) +
-          ", whose answer differs from the direct image. The stopping rules of both methods give up some "
-          "roots "
-          "near silhouettes and borders of patches, by design."};
-  return {times, counts};
+std::vector<Table> ThesisTexts(const ThesisTable& table, const std::vector<ThesisScene>& scenes) {
+  return {TimeTable(table, scenes), CountTable(table, scenes)};
 }
 
-Json ThesisJson(const std::vector<ThesisScene>& scenes) {
-  Json json = Json::array();
-  for (const ThesisScene& scene : scenes)
-    json.push_back(
-        {{"scene", scene.name},
-         {"patches", scene.patches},
-         {"pieces", scene.pieces},
-         {"rays", scene.direct.rays},
-         {"martin",
-          ImageJson(scene.martin, scene.martin_ms, scene.martin_trace_ms, scene.martin_differences)},
-         {"newton_cramer", ImageJson(scene.newton_cramer, scene.newton_cramer_ms,
-                                     scene.newton_cramer_trace_ms, scene.newton_cramer_differences)},
-         {"direct",
-          {{"total_ms", scene.direct_ms},
-           {"trace_ms", scene.direct_trace_ms},
-           {"bytes", scene.direct_bytes},
-           {"leaves", scene.direct.leaves},
-           {"solves", scene.direct.solves},
-           {"iterations", scene.direct.iterations},
-           {"hits", scene.direct.hits},
-           {"certified", scene.direct.certified}}}});
+Json ThesisJson(const ThesisTable& table, const std::vector<ThesisScene>& scenes) {
+  Json json = {
+      {"table", table.number}, {"width", table.width}, {"height", table.height}, {"scenes", Json::array()}};
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    const ThesisScene& scene = scenes[s];
+    Json methods = Json::array();
+    for (std::size_t m = 0; m < scene.methods.size(); ++m) {
+      const ThesisFigures& figures = scene.methods[m];
+      const double published = table.methods[m].published[s] / table.methods[table.base].published[s];
+      Json row = {{"method", figures.name}, {"published_share", published}};
+      if (!figures.missing.empty()) {
+        row["missing"] = figures.missing;
+        methods.push_back(std::move(row));
+        continue;
+      }
+      Json errors = Json::object(), stops = Json::object();
+      for (std::size_t i = 1; i < kHitErrorNames.size(); ++i)
+        errors[kHitErrorNames[i]] = figures.errors.counts[i];
+      for (std::size_t i = 0; i < kSolverStopNames.size(); ++i)
+        stops[kSolverStopNames[i]] = figures.stats.counters.stops[i];
+      row.update({{"starts", StartsName(figures)},
+                  {"total_ms", figures.total_ms},
+                  {"trace_ms", figures.trace_ms},
+                  {"bytes", figures.stats.bytes},
+                  {"pieces", figures.stats.pieces},
+                  {"solves", figures.stats.counters.solves},
+                  {"iterations", figures.stats.counters.iterations},
+                  {"roots", figures.stats.counters.roots},
+                  {"hits", figures.stats.hits},
+                  {"no_start", figures.stats.no_start},
+                  {"stops", std::move(stops)},
+                  {"errors", std::move(errors)},
+                  {"largest_px", figures.errors.largest_px}});
+      methods.push_back(std::move(row));
+    }
+    json["scenes"].push_back({{"scene", scene.name},
+                              {"rays", scene.direct.rays},
+                              {"methods", std::move(methods)},
+                              {"direct",
+                               {{"total_ms", scene.direct_ms},
+                                {"trace_ms", scene.direct_trace_ms},
+                                {"bytes", scene.direct.scene_bytes},
+                                {"leaves", scene.direct.leaves},
+                                {"solves", scene.direct.solves},
+                                {"iterations", scene.direct.iterations},
+                                {"hits", scene.direct.hits},
+                                {"certified", scene.direct.certified}}}});
+  }
   return json;
 }
 

@@ -1,37 +1,79 @@
-// Table 5 of A. Sisojevs, "3D scene rendering": compares Newton–Cramer on projected patches with the method
-// of Martin et al., on scenes of our own, and with the direct renderer on the same rays.
+// Tables 2 to 5 of A. Sisojevs, "3D scene rendering" (2011): the methods of the thesis beside those that it compares with,
+// on scenes of our own, and the direct renderer on the same rays.
+//
+//     for (const ThesisTable& table : ThesisTables())
+//       for (const NamedScene& scene : table.scenes) scenes.push_back(MeasureThesisScene(table, scene, options));
+//
+//  1. A table has the thesis's methods, in its order, by the names of FindSolver, and its image size. The methods of the
+//     thesis begin at the map of preliminary values with 8 bits, or with wide numbers where a scene has more surfaces than
+//     8 bits count. A method that does not exist, or does not take the scene, has no figures, and the table says why.
+//  2. All methods run on one thread and take turns. A time is that of preparation and tracing of one picture, without
+//     reading the model and without light; the median of the runs.
+//  3. Errors are judged by the certified image of the same rays (hit_errors.h).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "bench/patch_tracers.h"
+#include "bench/patch_scene.h"
 #include "bench/table.h"
+#include "render/base/execution.h"
 #include "render/base/result.h"
+#include "render/compare/hit_errors.h"
 #include "render/trace/direct.h"
+#include "render/trace/solver_trace.h"
 
 namespace facetless {
 
-inline constexpr int kThesisSize = 512;  // pixels on a side
+struct ThesisMethod {
+  std::string name;
+  // The published time for each scene of the table, in the unit of that scene.
+  std::vector<double> published;
+};
+
+struct ThesisTable {
+  int number = 0;
+  std::string surfaces;  // "Bézier surfaces"
+  int width = 512, height = 512;
+  std::size_t base = 0;  // the method that has 100 % in the thesis
+  std::vector<ThesisMethod> methods;
+  std::vector<NamedScene> scenes;
+};
+// The four tables. Building the scenes takes a moment.
+std::vector<ThesisTable> ThesisTables();
+
+// What one method needs for a scene.
+struct ThesisFigures {
+  std::string name, title;
+  std::string missing;  // why there are no figures; empty: there are
+  double total_ms = 0, trace_ms = 0;
+  SolverStats stats;
+  HitErrors errors;  // without the samples
+};
 
 struct ThesisScene {
   std::string name;
-  std::size_t patches = 0, pieces = 0;
-  double martin_ms = 0, newton_cramer_ms = 0, direct_ms = 0;  // preparation and tracing, one thread
-  double martin_trace_ms = 0, newton_cramer_trace_ms = 0, direct_trace_ms = 0;  // tracing alone
-  PatchImage martin, newton_cramer;                                             // images of the last run
+  std::vector<ThesisFigures> methods;  // as in the table
+  double direct_ms = 0, direct_trace_ms = 0;
   DirectStats direct;
-  std::size_t direct_bytes = 0;
-  // Differences from the direct image.
-  DepthDifferences martin_differences, newton_cramer_differences;
 };
 
-// Errors: those of TraceDirect.
-Result<ThesisScene> MeasureThesisScene(const NamedScene& scene, int size, int repeats);
+struct ThesisOptions {
+  int repeats = 3;
+  int divisor = 1;           // of the image size; tests take small images
+  Execution execution = {};  // its threads are not used
+};
 
-std::vector<Table> ThesisTables(const std::vector<ThesisScene>& scenes);
-nlohmann::json ThesisJson(const std::vector<ThesisScene>& scenes);
+// Errors: those of TraceDirect, and kCancelled.
+Result<ThesisScene> MeasureThesisScene(const ThesisTable& table, const NamedScene& scene,
+                                       const ThesisOptions& options);
+
+// The times beside the published ones, with a sentence for each difference; and what the times were spent on. Requires a
+// measured scene for each scene of the table.
+std::vector<Table> ThesisTexts(const ThesisTable& table, const std::vector<ThesisScene>& scenes);
+nlohmann::json ThesisJson(const ThesisTable& table, const std::vector<ThesisScene>& scenes);
 
 }  // namespace facetless

@@ -209,15 +209,19 @@ class Bench {
     const std::vector<SkalaCell> skala = MeasureSkala(settings_.repeats);
     json_["published"]["skala"] = SkalaJson(skala);
     for (Table& table : SkalaTables(skala)) tables_.push_back(std::move(table));
-    std::vector<ThesisScene> scenes;
-    for (const NamedScene& scene : PatchScenes()) {
-      Step(scene.name);
-      auto measured = MeasureThesisScene(scene, kThesisSize, settings_.repeats);
-      if (!measured) return measured.error();
-      scenes.push_back(std::move(measured).value());
+    json_["published"]["sisojevs"] = Json::array();
+    for (const ThesisTable& table : ThesisTables()) {
+      std::vector<ThesisScene> scenes;
+      for (const NamedScene& scene : table.scenes) {
+        Step("table " + std::to_string(table.number) + ": " + scene.name);
+        auto measured =
+            MeasureThesisScene(table, scene, {.repeats = settings_.repeats, .execution = context_.execution});
+        if (!measured) return measured.error();
+        scenes.push_back(std::move(measured).value());
+      }
+      json_["published"]["sisojevs"].push_back(ThesisJson(table, scenes));
+      for (Table& text : ThesisTexts(table, scenes)) tables_.push_back(std::move(text));
     }
-    json_["published"]["sisojevs"] = ThesisJson(scenes);
-    for (Table& table : ThesisTables(scenes)) tables_.push_back(std::move(table));
     return {};
   }
 
