@@ -116,11 +116,11 @@ Model FlutedColumn() {
   const auto ring = [](double angle, double radius, double z) {
     return Vec3{radius * std::cos(angle), radius * std::sin(angle), z};
   };
-  // The shaft has 12 flutes of four spans each.
+  // The shaft has 8 flutes of four spans each.
   AddTube(
-      builder, 48, 6, 120,
+      builder, 32, 24, 120,
       [&](double angle, double share) {
-        return ring(angle, (16 - 3 * share) * (1 + 0.07 * std::cos(12 * angle)), 20);
+        return ring(angle, (16 - 3 * share) * (1 + 0.07 * std::cos(8 * angle)), 20);
       },
       0);
   // The base swells twice, and the capital opens.

@@ -8,8 +8,8 @@
 //     goes back to the best point, multiplies h by the inverse of the golden ratio, and continues with step 1.
 //  3. The thesis does not say with which h step 1 begins at a new point. Here h begins at ½ / (|S_s|² + |S_t|²) there,
 //     which reaches the minimum at once along a direction in which alone the surface extends on the screen, and keeps its
-//     smaller value only while the point is the same. If it never grew again, most searches would stand still before they
-//     reach the tolerance.
+//     smaller value only while the point is the same. With an h that never grows again, a third of the hits of a fluted
+//     column is lost after five times the steps, because the steps become too short before the tolerance is reached.
 //  4. The three rules for stopping are: g is below the square of the tolerance (kRoot); the step is below kResolution,
 //     which is a minimum without a root (kDiverged, or kLeft if a step out of the range of parameters was the last that
 //     was refused); kMostDescentSteps evaluations (kSteps). A start or an iterate in a patch that is trimmed away ends
