@@ -20,9 +20,12 @@ using Json = nlohmann::json;
 struct Trial {
   const SolverInfo* info = nullptr;
   SolverOptions options;
-  std::vector<double> trace_ms;
+  std::vector<double> total_ms, trace_ms;
   SolverTrace last;
 };
+
+// A method whose first run takes more than this is not run again.
+constexpr double kSlowMs = 10'000;
 
 // The starts that the thesis describes for a method: the map as published.
 SolverOptions PublishedOptions(const SolverInfo& info) {
@@ -31,18 +34,29 @@ SolverOptions PublishedOptions(const SolverInfo& info) {
   return options;
 }
 
-// Runs a method once. Returns why it cannot take the scene; empty: it can.
+// Runs a method once, and remembers the times.
+Result<void> Run(const Scene& scene, const Camera& camera, const Execution& one, Trial* trial) {
+  Result<SolverTrace> traced = Error{};
+  const double ms = MeasureMilliseconds(
+      [&] { traced = TraceWithSolver(scene, camera, *trial->info, trial->options, {.execution = one}); });
+  if (!traced.ok()) return traced.error();
+  trial->last = std::move(traced).value();
+  trial->total_ms.push_back(ms);
+  trial->trace_ms.push_back(trial->last.stats.trace_ms);
+  return {};
+}
+
+// Finds out whether a method takes the scene, and whether it has to be run again. Returns why it does not take it; empty:
+// it does.
 Result<std::string> FirstRun(const Scene& scene, const Camera& camera, const Execution& one, Trial* trial) {
-  Result<SolverTrace> traced =
-      TraceWithSolver(scene, camera, *trial->info, trial->options, {.execution = one});
-  if (!traced.ok() && trial->options.starts == SolverStarts::kPublishedMap) {
+  Result<void> run = Run(scene, camera, one, trial);
+  if (!run.ok() && trial->options.starts == SolverStarts::kPublishedMap) {
     // The scene has more surfaces than 8 bits count.
     trial->options.starts = SolverStarts::kMap;
-    traced = TraceWithSolver(scene, camera, *trial->info, trial->options, {.execution = one});
+    run = Run(scene, camera, one, trial);
   }
-  if (!traced.ok() && traced.error().code == ErrorCode::kCancelled) return traced.error();
-  if (!traced.ok()) return traced.error().message;
-  trial->last = std::move(traced).value();
+  if (!run.ok() && run.error().code == ErrorCode::kCancelled) return run.error();
+  if (!run.ok()) return run.error().message;
   return std::string();
 }
 
@@ -235,7 +249,6 @@ Result<ThesisScene> MeasureThesisScene(const ThesisTable& table, const NamedScen
   measured.methods.resize(table.methods.size());
   std::vector<Trial> trials(table.methods.size());
   std::vector<std::function<void()>> runs;
-  std::vector<std::size_t> runs_of;  // the method of each run
   std::optional<Error> failed;
   for (std::size_t m = 0; m < trials.size(); ++m) {
     ThesisFigures& figures = measured.methods[m];
@@ -252,16 +265,13 @@ Result<ThesisScene> MeasureThesisScene(const ThesisTable& table, const NamedScen
     if (!missing.ok()) return missing.error();
     figures.missing = std::move(missing).value();
     if (!figures.missing.empty()) continue;
-    runs_of.push_back(m);
+    if (trial.total_ms.front() > kSlowMs) continue;
+    // The first run only warmed the caches.
+    trial.total_ms.clear();
+    trial.trace_ms.clear();
     runs.emplace_back([&, m] {
-      Result<SolverTrace> traced =
-          TraceWithSolver(scene, camera.value(), *trials[m].info, trials[m].options, {.execution = one});
-      if (!traced.ok()) {
-        failed = traced.error();
-        return;
-      }
-      trials[m].last = std::move(traced).value();
-      trials[m].trace_ms.push_back(trials[m].last.stats.trace_ms);
+      if (const Result<void> run = Run(scene, camera.value(), one, &trials[m]); !run.ok())
+        failed = run.error();
     });
   }
   DirectOptions direct_options;
@@ -279,10 +289,11 @@ Result<ThesisScene> MeasureThesisScene(const ThesisTable& table, const NamedScen
   std::vector<std::vector<double>> ms;
   RunWithThreads(1, [&] { ms = TakeTurns(options.repeats, runs); });
   if (failed) return *failed;
-  for (std::size_t run = 0; run < runs_of.size(); ++run) {
-    ThesisFigures& figures = measured.methods[runs_of[run]];
-    const Trial& trial = trials[runs_of[run]];
-    figures.total_ms = Median(ms[run]);
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    ThesisFigures& figures = measured.methods[m];
+    const Trial& trial = trials[m];
+    if (!figures.missing.empty()) continue;
+    figures.total_ms = Median(trial.total_ms);
     figures.trace_ms = Median(trial.trace_ms);
     figures.stats = trial.last.stats;
     figures.errors = JudgeHits({reference.value().view.samples, reference.value().view.frame},

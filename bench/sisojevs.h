@@ -8,7 +8,8 @@
 //     thesis begin at the map of preliminary values with 8 bits, or with wide numbers where a scene has more surfaces than
 //     8 bits count. A method that does not exist, or does not take the scene, has no figures, and the table says why.
 //  2. All methods run on one thread and take turns. A time is that of preparation and tracing of one picture, without
-//     reading the model and without light; the median of the runs.
+//     reading the model and without light; the median of the runs. A method whose first run takes more than ten seconds is
+//     not run again.
 //  3. Errors are judged by the certified image of the same rays (hit_errors.h).
 #pragma once
 
