@@ -46,8 +46,9 @@ namespace facetless {
 // A root on the border of a patch may lie outside of it by this much, in parameters of the patch.
 inline constexpr double kRootBorder = 1e-8;
 
-// The evaluations and subdivisions that a ray may use. No method needs a tenth of them on rays that it can solve.
-inline constexpr std::int64_t kMostRayWork = 200'000;
+// The evaluations and subdivisions that a ray may use. Rays that a method can solve need a hundredth of them; clipping at a
+// collapsed edge would go on without end.
+inline constexpr std::int64_t kMostRayWork = 50'000;
 
 struct SolverRay {
   int column = 0, row = 0;

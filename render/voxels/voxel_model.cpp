@@ -24,9 +24,9 @@ struct Cubes {
     MeanOfVoxels sum;
     for (int child = 0; child < 8; ++child) {
       Voxel voxel;
-      const std::uint64_t filled = Mean({low.x + (child & 1 ? half : 0), low.y + (child & 2 ? half : 0),
-                                         low.z + (child & 4 ? half : 0)},
-                                        level - 1, &voxel);
+      const std::uint64_t filled = Mean(
+          {low.x + (child & 1 ? half : 0), low.y + (child & 2 ? half : 0), low.z + (child & 4 ? half : 0)},
+          level - 1, &voxel);
       sum.Add(voxel, filled);
     }
     *mean = sum.Get();
@@ -52,7 +52,9 @@ void MeanOfVoxels::Add(Voxel voxel, std::uint64_t filled) {
 
 Voxel MeanOfVoxels::Get() const {
   if (filled_ == 0) return {};
-  const auto rounded = [&](std::uint64_t sum) { return static_cast<std::uint32_t>((sum + filled_ / 2) / filled_); };
+  const auto rounded = [&](std::uint64_t sum) {
+    return static_cast<std::uint32_t>((sum + filled_ / 2) / filled_);
+  };
   return {rounded(red_) | rounded(green_) << 8 | rounded(blue_) << 16 | material_};
 }
 

@@ -30,7 +30,8 @@ namespace facetless {
 struct Voxel {
   std::uint32_t bits = 0;
 
-  static constexpr Voxel Of(std::uint8_t red, std::uint8_t green, std::uint8_t blue, std::uint8_t material = 1) {
+  static constexpr Voxel Of(std::uint8_t red, std::uint8_t green, std::uint8_t blue,
+                            std::uint8_t material = 1) {
     return {std::uint32_t{red} | std::uint32_t{green} << 8 | std::uint32_t{blue} << 16 |
             std::uint32_t{material} << 24};
   }
@@ -56,7 +57,8 @@ struct VoxelBox {
   bool empty() const { return low.x >= high.x || low.y >= high.y || low.z >= high.z; }
   std::uint64_t volume() const {
     return empty() ? 0
-                   : std::uint64_t(high.x - low.x) * std::uint64_t(high.y - low.y) * std::uint64_t(high.z - low.z);
+                   : std::uint64_t(high.x - low.x) * std::uint64_t(high.y - low.y) *
+                         std::uint64_t(high.z - low.z);
   }
   bool Holds(VoxelPoint p) const {
     return p.x >= low.x && p.x < high.x && p.y >= low.y && p.y < high.y && p.z >= low.z && p.z < high.z;
@@ -66,7 +68,8 @@ VoxelBox Intersection(const VoxelBox& a, const VoxelBox& b);
 
 // The mean of the voxels of a cube.
 struct VoxelMean {
-  Voxel voxel;       // the mean colour, and the material of the filled voxel that comes first; empty if none is filled
+  Voxel
+      voxel;  // the mean colour, and the material of the filled voxel that comes first; empty if none is filled
   double share = 0;  // of the cube's voxels that are filled, 0 … 1
 };
 
@@ -101,8 +104,8 @@ class VoxelModel {
   // Copies the voxels of `from` in `box`, empty ones included, so that box.low comes to lie at `at`.
   void Copy(const VoxelModel& from, const VoxelBox& box, VoxelPoint at);
 
-  virtual std::uint64_t Count() const;       // filled voxels
-  virtual std::uint64_t bytes() const = 0;   // memory
+  virtual std::uint64_t Count() const;      // filled voxels
+  virtual std::uint64_t bytes() const = 0;  // memory
 
  protected:
   explicit VoxelModel(VoxelPoint size) : size_(size) {}

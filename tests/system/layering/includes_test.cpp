@@ -165,7 +165,7 @@ std::vector<std::string> IncludesUp(const std::string& root, const std::vector<s
 TEST(Layering, FoldersOfRenderFormAChain) {
   EXPECT_THAT(
       IncludesUp("render", {"base", "model", "nurbs", "view", "accel", "solve", "kernels", "trace", "rays",
-                            "baseline", "image", "shade", "lines", "inspect", "compare", "trade"}),
+                            "voxels", "baseline", "image", "shade", "lines", "inspect", "compare", "trade"}),
       IsEmpty());
 }
 
