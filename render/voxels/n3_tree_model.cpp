@@ -144,7 +144,7 @@ VoxelMean N3TreeModel::GetMean(int x, int y, int z, int level) const {
   // The colour is stored; the share is counted.
   if (!box().Holds({x, y, z}) || level > level_) return mean;
   const Found found = Find({x, y, z}, level);
-  if (found.node.leaf() || found.level == level) {
+  if ((found.node.leaf() && found.level >= level) || found.level == level) {
     mean.voxel = found.node.voxel;
   } else if (found.level == m_level_ && level <= m_level_) {
     mean.voxel = InBrick(found.node, {x, y, z}, level);
