@@ -48,7 +48,7 @@ inline constexpr double kRootBorder = 1e-8;
 
 // The evaluations and subdivisions that a ray may use. Rays that a method can solve need a hundredth of them; clipping at a
 // collapsed edge would go on without end.
-inline constexpr std::int64_t kMostRayWork = 50'000;
+inline constexpr std::int64_t kMostRayWork = 20'000;
 
 struct SolverRay {
   int column = 0, row = 0;
