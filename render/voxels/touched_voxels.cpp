@@ -1,0 +1,244 @@
+#include "render/voxels/touched_voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <tuple>
+
+#include "render/base/parallel.h"
+#include "render/kernels/dispatch.h"
+#include "render/model/walk.h"
+#include "render/trace/scene.h"
+
+namespace facetless {
+namespace {
+
+// A piece whose box is no larger than this, in voxels, is not halved.
+constexpr double kPiece = 1;
+// Boxes are made larger by this many voxels, far above the rounding of control points.
+constexpr double kSlack = 0x1p-30;
+// The most halvings of a patch: voxels along an axis, and some more for uneven parameters.
+constexpr int kMostHalvings = 80;
+
+struct Mark {
+  std::uint16_t x, y, z;
+  std::uint32_t placed_face;
+};
+
+// Finds the voxels of one face after another. Each thread has one.
+class Toucher {
+ public:
+  Toucher(const Scene::Data& scene, const NetOperations& nets, const VoxelGrid& grid,
+          std::atomic<std::uint64_t>* marks, std::uint64_t most_marks)
+      : scene_(scene), nets_(nets), grid_(grid), total_(marks), most_marks_(most_marks) {}
+
+  // Returns false if there are too many marks.
+  bool Touch(const Placement& placement, std::uint32_t face, std::uint32_t placed_face) {
+    const Model& model = *scene_.model;
+    const Surface& surface = model.surfaces[model.faces[face].surface];
+    face_ = &scene_.faces[face];
+    placed_face_ = placed_face;
+    const std::size_t before = marks.size();
+    for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
+      if (face_->patches[patch] == RectClass::kOutside) continue;
+      const std::uint32_t i = patch / surface.v_spans.count, j = patch % surface.v_spans.count;
+      u_map_ = &scene_.spans[surface.u_spans.first + i];
+      v_map_ = &scene_.spans[surface.v_spans.first + j];
+      Level(0, 0).SetDegrees(surface.degree_u, surface.degree_v);
+      BezierNet& net = Level(0, 0).net;
+      const std::span<const Vec4> points = PatchPoints(model, surface, patch);
+      for (int k = 0; k < net.points(); ++k) {
+        const Vec4& p = points[static_cast<std::size_t>(k)];
+        const Vec3 placed =
+            (1 / grid_.pitch) * (placement.Point({p.x / p.w, p.y / p.w, p.z / p.w}) - grid_.origin);
+        net.at(k, kX) = p.w * placed.x;
+        net.at(k, kY) = p.w * placed.y;
+        net.at(k, kQ) = p.w * placed.z;
+        net.at(k, kW) = p.w;
+      }
+      Visit({&Level(0, 0), 0, 1, 0, 1, 0}, face_->patches[patch] == RectClass::kInside);
+    }
+    const std::uint64_t added = marks.size() - before;
+    return total_->fetch_add(added, std::memory_order_relaxed) + added <= most_marks_;
+  }
+
+  std::vector<Mark> marks;
+
+ private:
+  struct Piece {
+    OwnedNet* net;
+    double u_low, u_high, v_low, v_high;
+    int level;
+  };
+
+  OwnedNet& Level(int level, int side) {
+    const std::size_t index = 2 * static_cast<std::size_t>(level) + static_cast<std::size_t>(side);
+    while (levels_.size() <= index) levels_.push_back(std::make_unique<OwnedNet>());
+    return *levels_[index];
+  }
+
+  static Vec3 Cartesian(const BezierNet& net, int i) {
+    const double w = net.at(i, kW);
+    return {net.at(i, kX) / w, net.at(i, kY) / w, net.at(i, kQ) / w};
+  }
+
+  void Visit(const Piece& piece, bool inside) {
+    const BezierNet& net = piece.net->net;
+    Box3 box;
+    for (int i = 0; i < net.points(); ++i) box.Add(Cartesian(net, i));
+    const VoxelPoint n = grid_.size;
+    if (!(box.high.x >= 0 && box.high.y >= 0 && box.high.z >= 0 && box.low.x <= n.x && box.low.y <= n.y &&
+          box.low.z <= n.z))
+      return;
+    if (!inside) {
+      const RectClass trim =
+          face_->trim.Classify(u_map_->ToNative(piece.u_low), u_map_->ToNative(piece.u_high),
+                               v_map_->ToNative(piece.v_low), v_map_->ToNative(piece.v_high), 0);
+      if (trim == RectClass::kOutside) return;
+      inside = trim == RectClass::kInside;
+    }
+    const Vec3 side = box.high - box.low;
+    if (std::max({side.x, side.y, side.z}) <= kPiece || piece.level == kMostHalvings)
+      return MarkBox(net, box);
+    const Direction direction = Longer(net);
+    OwnedNet &low = Level(piece.level + 1, 0), &high = Level(piece.level + 1, 1);
+    low.SetDegrees(net.degree_u, net.degree_v);
+    high.SetDegrees(net.degree_u, net.degree_v);
+    nets_.halve(net, direction, &low.net, &high.net);
+    // The upper half is visited first, and its children take the places of the next level; the lower half keeps its own.
+    const bool along_u = direction == Direction::kU;
+    const double middle = along_u ? 0.5 * (piece.u_low + piece.u_high) : 0.5 * (piece.v_low + piece.v_high);
+    Piece lower = piece, upper = piece;
+    (along_u ? lower.u_high : lower.v_high) = middle;
+    (along_u ? upper.u_low : upper.v_low) = middle;
+    lower.net = &low;
+    upper.net = &high;
+    lower.level = upper.level = piece.level + 1;
+    Visit(upper, inside);
+    Visit(lower, inside);
+  }
+
+  // The direction in which the control polygon is longer.
+  static Direction Longer(const BezierNet& net) {
+    const int last_u = net.degree_u * net.stride(), last_v = net.degree_v;
+    const auto length = [&](int from, int to, int step) {
+      double sum = 0;
+      for (int i = from; i < to; i += step) sum += Length(Cartesian(net, i + step) - Cartesian(net, i));
+      return sum;
+    };
+    const double u = std::max(length(0, last_u, net.stride()), length(last_v, last_u + last_v, net.stride())),
+                 v = std::max(length(0, last_v, 1), length(last_u, last_u + last_v, 1));
+    return u >= v ? Direction::kU : Direction::kV;
+  }
+
+  void MarkBox(const BezierNet& net, const Box3& box) {
+    const auto first = [](double low) { return std::max(static_cast<int>(std::floor(low - kSlack)), 0); };
+    const auto last = [](double high, int n) {
+      return std::min(static_cast<int>(std::floor(high + kSlack)), n - 1);
+    };
+    const VoxelPoint low{first(box.low.x), first(box.low.y), first(box.low.z)},
+        high{last(box.high.x, grid_.size.x), last(box.high.y, grid_.size.y), last(box.high.z, grid_.size.z)};
+    // The piece lies in a slab across the normal of its corners.
+    const int last_u = net.degree_u * net.stride(), last_v = net.degree_v;
+    const Vec3 p = Cartesian(net, 0);
+    Vec3 normal = Cross(Cartesian(net, last_u + last_v) - p, Cartesian(net, last_v) - Cartesian(net, last_u));
+    const double length = Length(normal);
+    double near = -INFINITY, far = INFINITY;
+    if (length > 0) {
+      normal = (1 / length) * normal;
+      near = INFINITY, far = -INFINITY;
+      for (int i = 0; i < net.points(); ++i) {
+        const double at = Dot(normal, Cartesian(net, i));
+        near = std::min(near, at);
+        far = std::max(far, at);
+      }
+    }
+    const double half = 0.5 * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z)) + kSlack;
+    for (int x = low.x; x <= high.x; ++x)
+      for (int y = low.y; y <= high.y; ++y)
+        for (int z = low.z; z <= high.z; ++z) {
+          const double at = Dot(normal, Vec3{x + 0.5, y + 0.5, z + 0.5});
+          if (length > 0 && (at + half < near || at - half > far)) continue;
+          const Mark mark{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+                          static_cast<std::uint16_t>(z), placed_face_};
+          // Neighbouring pieces mostly touch the same voxels.
+          if (!marks.empty() &&
+              std::tie(marks.back().x, marks.back().y, marks.back().z) == std::tie(mark.x, mark.y, mark.z))
+            continue;
+          marks.push_back(mark);
+        }
+  }
+
+  const Scene::Data& scene_;
+  const NetOperations& nets_;
+  const VoxelGrid& grid_;
+  std::atomic<std::uint64_t>* total_;
+  const std::uint64_t most_marks_;
+  const FaceData* face_ = nullptr;
+  std::uint32_t placed_face_ = 0;
+  const SpanParameter *u_map_ = nullptr, *v_map_ = nullptr;
+  std::vector<std::unique_ptr<OwnedNet>> levels_;
+};
+
+Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid, std::uint64_t max_bytes,
+                                      const Execution& execution) {
+  const Result<Kernels>& kernels = ActiveKernels();
+  if (!kernels.ok()) return kernels.error();
+  const Model& model = scene.model();
+  struct Task {
+    std::uint32_t instance, face, placed_face;
+  };
+  std::vector<Task> tasks;
+  for (std::uint32_t instance = 0; instance < model.instances.size(); ++instance)
+    for (const PlacedFace face : WalkPlacedFaces(model, model.instances[instance]))
+      tasks.push_back({instance, face.face, face.id});
+  // A mark is kept twice while the slabs are made.
+  const std::uint64_t most_marks = max_bytes / (sizeof(Mark) + sizeof(TouchedVoxel));
+  std::atomic<std::uint64_t> marks{0};
+  std::atomic<bool> full{false};
+  PerThread<Toucher> touchers(
+      [&] { return Toucher(scene.data(), *kernels.value().nets, grid, &marks, most_marks); });
+  ParallelFor(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+    if (execution.cancelled() || full) return;
+    const Task& task = tasks[i];
+    if (!touchers.local().Touch(model.instances[task.instance].placement, task.face, task.placed_face))
+      full = true;
+  });
+  if (execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while marking voxels"};
+  if (full)
+    return Error{ErrorCode::kLimitExceeded, "the voxels that the surfaces touch need more than " +
+                                                std::to_string(max_bytes >> 20) +
+                                                " MB; use fewer voxels, or raise --max-view-memory"};
+  std::vector<TouchedSlab> slabs(static_cast<std::size_t>(grid.size.x));
+  for (Toucher& toucher : touchers) {
+    for (const Mark& mark : toucher.marks) slabs[mark.x].push_back({mark.y, mark.z, mark.placed_face});
+    std::vector<Mark>().swap(toucher.marks);
+  }
+  ParallelFor(std::size_t{0}, slabs.size(), [&](std::size_t x) { SortTouched(&slabs[x]); });
+  return slabs;
+}
+
+}  // namespace
+
+void SortTouched(TouchedSlab* slab) {
+  std::sort(slab->begin(), slab->end(), [](const TouchedVoxel& a, const TouchedVoxel& b) {
+    return std::tie(a.y, a.z, a.placed_face) < std::tie(b.y, b.z, b.placed_face);
+  });
+  slab->erase(
+      std::unique(slab->begin(), slab->end(),
+                  [](const TouchedVoxel& a, const TouchedVoxel& b) { return a.y == b.y && a.z == b.z; }),
+      slab->end());
+  slab->shrink_to_fit();
+}
+
+Result<std::vector<TouchedSlab>> FindTouchedVoxels(const Scene& scene, const VoxelGrid& grid,
+                                                   std::uint64_t max_bytes, const Execution& execution) {
+  std::optional<Result<std::vector<TouchedSlab>>> result;
+  RunWithThreads(execution.threads, [&] { result = Find(scene, grid, max_bytes, execution); });
+  return *std::move(result);
+}
+
+}  // namespace facetless

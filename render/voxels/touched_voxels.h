@@ -1,0 +1,37 @@
+// The voxels that the faces of a model touch (voxelize.h, law 2).
+//
+//     Result<std::vector<TouchedSlab>> slabs = FindTouchedVoxels(scene, grid, execution);
+//     for (const TouchedVoxel& voxel : slabs.value()[x]) Mark(x, voxel.y, voxel.z);
+//
+//  1. Patches are halved until their boxes are no larger than a voxel, and pieces that are proven to be trimmed away are
+//     dropped. A piece touches the voxels that meet its box, except those that lie on one side of all its control points
+//     along the normal in its middle. So a voxel that is not listed is met by no face; one that is listed may be missed by
+//     a part of a voxel.
+//  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/base/execution.h"
+#include "render/trace/direct.h"
+#include "render/voxels/voxel_grid.h"
+
+namespace facetless {
+
+struct TouchedVoxel {
+  std::uint16_t y, z;
+  std::uint32_t placed_face;
+};
+
+// All touched voxels of one x.
+using TouchedSlab = std::vector<TouchedVoxel>;
+
+// Sorts a slab, and lists each voxel once (law 2).
+void SortTouched(TouchedSlab* slab);
+
+// Returns a slab for each x of the grid. Errors: kCancelled, kLimitExceeded (they need more than `max_bytes`).
+Result<std::vector<TouchedSlab>> FindTouchedVoxels(const Scene& scene, const VoxelGrid& grid,
+                                                   std::uint64_t max_bytes, const Execution& execution);
+
+}  // namespace facetless
