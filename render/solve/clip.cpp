@@ -81,6 +81,18 @@ void RestrictNumbers(double* numbers, int degree_u, int degree_v, ClipAxis axis,
   }
 }
 
+// The sum of the absolute values that a projected point is computed from: the components of the point and of the eye, seen
+// from the middle of the scene, in pixels. In a perspective view, W is computed from them, too, and is multiplied by the
+// pixel's coordinate.
+double ProjectionTerms(const SolverScene& scene, const Vec4& point, double coordinate) {
+  const CameraFrame& frame = scene.frame();
+  const Vec3 eye = frame.eye - scene.origin();
+  const double sum = std::fabs(point.x) + std::fabs(point.y) + std::fabs(point.z) +
+                     point.w * (std::fabs(eye.x) + std::fabs(eye.y) + std::fabs(eye.z));
+  const double pixels = 1 / std::min(frame.pixel_x, frame.pixel_y);
+  return sum * (frame.projection == Projection::kPerspective ? pixels + coordinate : pixels);
+}
+
 }  // namespace
 
 int MostPoints(const SolverScene& scene) {
@@ -123,7 +135,9 @@ bool NetStack::Load(const SolverScene& scene, const SolverPatch& patch, const So
     largest = std::max({largest, std::fabs(net.f[k]), std::fabs(net.g[k])});
     finite = finite && std::isfinite(net.f[k]) && std::isfinite(net.g[k]);
     if (net.terms != nullptr)
-      net.terms[k] = std::max(std::fabs(p.x) + std::fabs(xw), std::fabs(p.y) + std::fabs(yw));
+      net.terms[k] =
+          std::max(std::fabs(p.x) + std::fabs(xw), std::fabs(p.y) + std::fabs(yw)) +
+          ProjectionTerms(scene, scene.space(patch)[k], std::max(std::fabs(ray.x), std::fabs(ray.y)));
   }
   if (!finite) return false;
   count_ = 1;

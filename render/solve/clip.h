@@ -50,8 +50,9 @@ struct RayNet {
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
   double* f = nullptr;
   double* g = nullptr;
-  // The net of |X| + |x·W| or |Y| + |y·W|, whichever is more; null if the method does not ask for it. The rounding error of
-  // f and g is at most `roundings` times 2^-53 of its value: it is small where weights are small, as f and g are.
+  // The net of the sums of the absolute values that f or g is computed from, whichever is more: those of the projection,
+  // X, and x·W. It is null if the method does not ask for it. The rounding error of f and g is at most `roundings` times
+  // 2^-53 of its value: it is small where weights are small, as f and g are.
   double* terms = nullptr;
   double roundings = 0;
   Vec2 normal_u, normal_v;  // the lines of the last clips, if the method keeps them

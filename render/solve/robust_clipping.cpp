@@ -24,6 +24,9 @@ constexpr double kNoise = 8;
 // angle is below the same number.
 constexpr double kPoor = 0.25;
 
+// The roundings of a parameter, which is the sum of the cuts.
+constexpr double kParameterRoundings = 16;
+
 // A root, and the part of the patch that it stands for.
 struct FoundPart {
   double u_low, u_high, v_low, v_high;
@@ -125,14 +128,16 @@ class RobustClipping final : public Solver {
           continue;
         }
         if (!state.Work()) return SolverStop::kWork;
-        const Candidate candidate = Judge(surface, ray, net, largest / nets.scale(), error / nets.scale());
-        if (candidate != Candidate::kLarge || noise || finest) {
+        // The finest part is as exact as parameters can be.
+        const double allowed = (finest ? std::max(largest, kNoise * error) : kNoise * error) / nets.scale();
+        const Candidate candidate = Judge(surface, ray, net, largest / nets.scale(), allowed);
+        if (candidate != Candidate::kLarge) {
           if (candidate == Candidate::kRoot) {
             if (found == most) return SolverStop::kSteps;
             state.found[found++] = {net.u_low, net.u_high, net.v_low, net.v_high};
             state.AddRoot({patch, net.middle_u(), net.middle_v()});
           }
-          off = off || candidate == Candidate::kOff || candidate == Candidate::kLarge;
+          off = off || candidate == Candidate::kOff;
           nets.Pop();
           continue;
         }
@@ -170,23 +175,26 @@ class RobustClipping final : public Solver {
     nets.Halve(longer);
   }
 
-  // Evaluates the surface at the middle of a part (law 4). `largest` and `error` are those of the net, in pixels times W.
+  // Evaluates the surface at the middle of a part (law 4). `largest` is that of the net, and `allowed` is how far rounding
+  // may move it, in pixels times W.
   Candidate Judge(const SolverPatch& surface, const SolverRay& ray, const RayNet& net, double largest,
-                  double error) const {
+                  double allowed) const {
     const PatchJet<3> jet = EvaluatePatch<3>(&scene_.screen(surface)->x, surface.degree_u, surface.degree_v,
                                              net.middle_u(), net.middle_v());
     const double w = std::fabs(jet.value[2]);
-    const double residual = std::max(std::fabs(jet.value[0] - ray.x * jet.value[2]),
-                                     std::fabs(jet.value[1] - ray.y * jet.value[2]));
-    if (!(largest <= std::max(0.5 * kTolerancePx * w, kNoise * error))) return Candidate::kLarge;
-    if (!(residual <= std::max(kTolerancePx * w, kNoise * error))) return Candidate::kOff;
+    const auto off = [&](const std::array<double, 3>& p) {
+      return std::max(std::fabs(p[0] - ray.x * p[2]), std::fabs(p[1] - ray.y * p[2]));
+    };
+    // The parameters have been rounded in each cut.
+    const double rounded = kParameterRoundings * 0x1p-53 * (off(jet.du) + off(jet.dv));
+    if (!(largest <= std::max({0.5 * kTolerancePx * w, allowed, rounded}))) return Candidate::kLarge;
+    if (!(off(jet.value) <= std::max({kTolerancePx * w, allowed, rounded}))) return Candidate::kOff;
     return jet.value[2] > 0 ? Candidate::kRoot : Candidate::kBehind;
   }
 
   // Whether the part touches that of an earlier root, which then stands for both.
   static bool Known(const RayNet& net, std::vector<FoundPart>& parts, std::size_t count) {
-    const double margin_u = kRobustParameters + net.size(ClipAxis::kU);
-    const double margin_v = kRobustParameters + net.size(ClipAxis::kV);
+    const double margin_u = kFinest + net.size(ClipAxis::kU), margin_v = kFinest + net.size(ClipAxis::kV);
     for (std::size_t i = 0; i < count; ++i) {
       FoundPart& part = parts[i];
       if (net.u_low > part.u_high + margin_u || net.u_high < part.u_low - margin_u) continue;

@@ -26,10 +26,11 @@
 //
 // What the method does not promise:
 //
-//  6. Nothing is proven. Where the rounding error of the control points is more than tolerance_px (patches of more than
-//     about 10^6 pixels), roots are only as exact as the error; they are reported nevertheless. Rays that miss the surface
-//     by less than the rounding error may be reported as hits.
-//  7. Two roots that are closer to each other in parameters than 2^-40, or than rounding can distinguish, are one.
+//  6. Nothing is proven. Where the rounding error of the projected control points, or a step of the parameters, is more
+//     than tolerance_px (patches of more than about 10^6 pixels, steep weights), roots are only as exact as that; they are
+//     reported nevertheless. Rays that miss the surface by less than the rounding error may be reported as hits. At a
+//     root of multiplicity n, parameters are only as exact as the n-th root of the rounding error.
+//  7. Two roots that rounding cannot distinguish, or whose parameters are equal to 2^-49, are one.
 //  8. If a whole curve of the surface lies on the ray (a surface that is seen edge-on), the search ends with kSteps at the
 //     number of simple roots that a patch can have, 2·degree_u·degree_v, or with kWork.
 #pragma once
