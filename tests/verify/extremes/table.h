@@ -11,6 +11,10 @@ struct TableOptions {
   bool list = false;  // only name the rows
 };
 
+// The table of docs/method-extremes.md: what each method gets wrong. Writes to standard output. Returns false if a method
+// gives samples that are not numbers; standard error names the rows. `size`: the most pixels of a picture in each direction.
+bool WriteMethodTable(const TableOptions& options, int size);
+
 // Writes to standard output, and failures to standard error as they occur. Returns false if a row fails.
 bool WriteTables(const TableOptions& options);
 
