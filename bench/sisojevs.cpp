@@ -83,9 +83,9 @@ std::string StartsName(const ThesisFigures& figures) {
   return kSolverStartsNames[static_cast<std::size_t>(figures.stats.starts)];
 }
 
-// "0.26 solves per ray, of 12.1 iterations of 105 ns"
+// "0.26 solves of 12.1 iterations of 105 ns"
 std::string Work(const ThesisFigures& figures) {
-  return ThreeDigits(PerRay(figures, figures.stats.counters.solves)) + " solves per ray, of " +
+  return ThreeDigits(PerRay(figures, figures.stats.counters.solves)) + " solves of " +
          ThreeDigits(PerSolve(figures)) + " iterations of " + ThreeDigits(NanosecondsPerIteration(figures)) +
          " ns";
 }
@@ -97,12 +97,15 @@ std::string Difference(const ThesisTable& table, const ThesisScene& scene, std::
   const double published =
       table.methods[method_index].published[scene_index] / table.methods[table.base].published[scene_index];
   const double preparing = 1 - figures.trace_ms / figures.total_ms;
+  const std::uint64_t unresolved = figures.errors.count(HitError::kUnresolved);
   // Preparation is worth a word if it takes more than this.
   constexpr double kMuch = 0.2;
-  return scene.name + ", " + figures.title + ": " + Percent(figures.total_ms / base.total_ms) +
-         " instead of the published " + Percent(published) + " of " + base.title + ", with " + Work(figures) +
-         ", against " + Work(base) +
-         (preparing > kMuch ? ", and " + Percent(preparing) + " of its time for preparation" : "") + ".";
+  std::string text = scene.name + ", " + figures.title + ": " + Percent(figures.total_ms / base.total_ms) +
+                     " instead of the published " + Percent(published) + ", because a ray takes " +
+                     Work(figures) + ", and with " + base.title + " " + Work(base);
+  if (unresolved > 0) text += "; " + std::to_string(unresolved) + " rays end at the limit of their work";
+  if (preparing > kMuch) text += "; preparation is " + Percent(preparing) + " of the time";
+  return text + ".";
 }
 
 Table TimeTable(const ThesisTable& table, const std::vector<ThesisScene>& scenes) {
@@ -133,18 +136,19 @@ Table TimeTable(const ThesisTable& table, const std::vector<ThesisScene>& scenes
                                  base.missing.empty() ? Percent(scene.direct_ms / base.total_ms) : "-", "-"});
   }
   times.rows.push_back(std::move(direct));
-  for (std::size_t s = 0; s < scenes.size(); ++s)
-    for (std::size_t m = 0; m < table.methods.size(); ++m) {
-      const ThesisFigures& figures = scenes[s].methods[m];
-      if (!figures.missing.empty())
-        times.notes.push_back(scenes[s].name + ", " + figures.title + ": " + figures.missing + ".");
-      else if (m != table.base && scenes[s].methods[table.base].missing.empty())
-        times.notes.push_back(Difference(table, scenes[s], s, m));
-    }
   times.notes.push_back(
       "The scenes are our own, and resemble those of the thesis, whose models are not published. \"Direct\" "
       "is this "
       "program's renderer in standard precision: leaves with a proof, bitmaps, and eight rays at a time.");
+  // The sentences are a list, in Markdown and in text.
+  for (std::size_t s = 0; s < scenes.size(); ++s)
+    for (std::size_t m = 0; m < table.methods.size(); ++m) {
+      const ThesisFigures& figures = scenes[s].methods[m];
+      if (!figures.missing.empty())
+        times.notes.push_back("- " + scenes[s].name + ", " + figures.title + ": " + figures.missing + ".");
+      else if (m != table.base && scenes[s].methods[table.base].missing.empty())
+        times.notes.push_back("- " + Difference(table, scenes[s], s, m));
+    }
   return times;
 }
 

@@ -146,7 +146,8 @@ struct SolverInfo {
   int max_degree = kMaxDegree;                  // the highest degree that it claims, in each direction
   bool rational = true;                         // whether it claims rational surfaces
   double tolerance_px = 1e-8;  // a reported root lies within this distance of the ray, in pixels
-  // Prepares the solver. The scene must outlive it. Requires that the scene's degrees and weights are claimed (CheckClaims).
+  // Prepares the solver. The scene must outlive it. `max_bytes`: 0 is any number. Requires that the scene's degrees and
+  // weights are claimed (CheckClaims).
   // Errors: kLimitExceeded (`max_bytes`), kCancelled.
   Result<std::unique_ptr<const Solver>> (*make)(const SolverScene& scene, std::uint64_t max_bytes,
                                                 const Execution& execution) = nullptr;
