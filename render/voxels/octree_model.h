@@ -18,6 +18,9 @@
 
 namespace facetless {
 
+// The largest level of a root: 2^16 voxels on a side.
+inline constexpr int kMostOctreeLevels = 16;
+
 struct OctreeNode {
   Voxel voxel;                 // of a leaf; the mean of an inner node
   std::uint32_t children = 0;  // of an inner node: the index of its block, which is never 0; 0: a leaf

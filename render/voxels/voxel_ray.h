@@ -1,0 +1,122 @@
+// VoxelRay: a ray through the voxels of a model, prepared for walks.
+//
+//     VoxelRay ray;
+//     if (!ray.Enter(origin, direction, 0, model.size())) return miss;   // coordinates of the model
+//     VoxelPoint cell = ray.CellAt(ray.t_first());
+//
+//  1. The plane at p of an axis is passed at Pass(axis, p) = (p − o)·(1/d), which is monotone in p as it is rounded. All walks
+//     decide by these numbers alone, so that all of them visit the same voxels.
+//  2. At t, the ray is in the voxel whose lower plane it has passed at or before t, and whose upper plane it passes after t,
+//     on every axis. So each t between the first and the last belongs to exactly one voxel, and voxels that the ray only
+//     touches are not visited. Along an axis without a component of the direction, the ray stays in the voxel of its origin.
+//  3. A hit is the first visited voxel that is filled, at the t at which the ray enters it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/base/vec.h"
+#include "render/voxels/voxel_model.h"
+
+namespace facetless {
+
+struct VoxelHit {
+  double t = INFINITY;  // infinite: nothing was hit
+  VoxelPoint at;        // the voxel
+  Voxel voxel;          // its value; of a level above 0, the mean
+  int side = -1;        // the side that was entered: 0, 1, 2 for x, y, z; −1: the ray began in the voxel
+  int level = 0;        // the hit is a cube of 2^level voxels on a side
+  bool hit() const { return t < INFINITY; }
+};
+
+class VoxelRay {
+ public:
+  // Prepares a ray, and clips it to the model. Returns false if it misses the model, or if it is not finite.
+  bool Enter(Vec3 origin, Vec3 direction, double t_first, VoxelPoint size) {
+    const double o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
+    const int n[3] = {size.x, size.y, size.z};
+    t_first_ = t_first;
+    t_last_ = INFINITY;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!std::isfinite(o[axis]) || !std::isfinite(d[axis])) return false;
+      origin_[axis] = o[axis];
+      inverse_[axis] = 1 / d[axis];
+      // A component whose inverse is not finite moves the ray by less than it can be far from any plane.
+      sign_[axis] = !std::isfinite(inverse_[axis]) ? 0 : d[axis] > 0 ? 1 : -1;
+      if (sign_[axis] == 0) {
+        if (!(o[axis] >= 0 && o[axis] < n[axis])) return false;
+        fixed_[axis] = static_cast<int>(o[axis]);
+        continue;
+      }
+      const double low = Pass(axis, 0), high = Pass(axis, n[axis]);
+      t_first_ = std::max(t_first_, std::min(low, high));
+      t_last_ = std::min(t_last_, std::max(low, high));
+    }
+    return t_first_ < t_last_ && t_first_ < INFINITY;
+  }
+
+  double t_first() const { return t_first_; }
+  double t_last() const { return t_last_; }  // infinite only if the direction is zero
+  int sign(int axis) const { return sign_[axis]; }
+  double Pass(int axis, int plane) const { return (plane - origin_[axis]) * inverse_[axis]; }
+
+  // Whether the ray is above the plane at t: in the voxel whose lower plane it is, or beyond.
+  bool IsAbove(int axis, int plane, double t) const {
+    if (sign_[axis] == 0) return fixed_[axis] >= plane;
+    return sign_[axis] > 0 ? Pass(axis, plane) <= t : Pass(axis, plane) > t;
+  }
+  // When the ray leaves the interval of planes low … high of an axis; infinite without a component along it.
+  double Leave(int axis, int low, int high) const {
+    return sign_[axis] == 0 ? INFINITY : Pass(axis, sign_[axis] > 0 ? high : low);
+  }
+  double Leave(const VoxelPoint& low, int edge) const {
+    return std::min(std::min(Leave(0, low.x, low.x + edge), Leave(1, low.y, low.y + edge)),
+                    Leave(2, low.z, low.z + edge));
+  }
+  // The index along an axis at t. The guess is mostly right, or one off.
+  int IndexAt(int axis, double t, int guess) const {
+    if (sign_[axis] == 0) return fixed_[axis];
+    int low = -1, high = kMostVoxelsPerAxis + 1;  // the index lies in low … high − 1
+    for (int step = 1; low + 1 < high; step *= 2) {
+      const int at = std::clamp(guess, low + 1, high - 1);
+      (IsAbove(axis, at, t) ? low : high) = at;
+      if (low + 1 < high) guess = low == at ? at + step : at - step;
+    }
+    return low;
+  }
+  // The voxel at t. Requires t_first() ≤ t < t_last().
+  VoxelPoint CellAt(double t) const {
+    const auto index = [&](int axis) {
+      return sign_[axis] == 0
+                 ? fixed_[axis]
+                 : IndexAt(axis, t,
+                           static_cast<int>(
+                               std::clamp(std::floor(origin_[axis] + t / inverse_[axis]), -1.0, kMostIndex)));
+    };
+    return {index(0), index(1), index(2)};
+  }
+  // The hit of a voxel, or a cube, that the ray enters at t.
+  VoxelHit HitAt(double t, Voxel voxel, int level) const {
+    VoxelHit hit;
+    hit.t = t;
+    hit.at = CellAt(t);
+    hit.voxel = voxel;
+    hit.level = level;
+    const VoxelPoint low{hit.at.x >> level << level, hit.at.y >> level << level, hit.at.z >> level << level};
+    const int corner[3] = {low.x, low.y, low.z};
+    for (int axis = 0; axis < 3 && hit.side < 0; ++axis)
+      if (sign_[axis] != 0 && Pass(axis, sign_[axis] > 0 ? corner[axis] : corner[axis] + (1 << level)) == t)
+        hit.side = axis;
+    return hit;
+  }
+
+ private:
+  static constexpr double kMostIndex = kMostVoxelsPerAxis;
+
+  double origin_[3], inverse_[3];
+  int sign_[3];        // of the direction; 0: no component along the axis
+  int fixed_[3] = {};  // the index along an axis without a component
+  double t_first_ = 0, t_last_ = 0;
+};
+
+}  // namespace facetless
