@@ -9,12 +9,13 @@
 
 #include "render/compare/exact_methods.h"
 #include "render/compare/solved_surfaces.h"
+#include "render/compare/voxel_method.h"
 
 namespace facetless {
 namespace {
 
 std::vector<Method> BuiltIn() {
-  return {ExactMethod(), FastMethod()};
+  return {ExactMethod(), FastMethod(), VoxelMethod()};
 }
 
 bool IsName(const std::string& name) {

@@ -77,6 +77,15 @@ writes report.json, report.html, the plots trade-time and trade-memory (.svg, .p
 --out. Standard output gets the path of report.json; standard error gets a table and the answers. docs/trade.md describes the
 method.)";
 
+constexpr const char* kVoxelizeFooter = R"(Examples:
+  facetless voxelize part.step --resolution 256 --out part.nrrd
+  facetless voxelize part.step --pitch-mm 0.1 --fill conservative --out part.vti      a thin wall never vanishes
+  facetless voxelize part.step --resolution 1024 --out part.oct
+  facetless compare part.step --out report --with voxels:256                          the voxels beside the exact image
+
+The suffix selects the format: .oct, .vxl, .raw, .nrrd or .vti. The command prints what it made, and how much of it is proven,
+as JSON. docs/voxels.md describes the fills and the formats.)";
+
 constexpr const char* kMethodsFooter = R"(Examples:
   facetless methods                                      all methods, their sources, and what they do not promise
   facetless methods part.step                            what each costs on this part, and what it gets wrong
@@ -253,6 +262,12 @@ int RunCommandLine(int argc, char** argv) {
   CLI::App* trade = AddFileCommand(app, "trade", "Measure the speed of both tracers against their accuracy",
                                    kTradeFooter, arguments);
   CLI::App* methods = AddMethodsCommand(app, arguments);
+  CLI::App* voxelize =
+      AddFileCommand(app, "voxelize", "Write the voxels of the exact solids: .oct, .vxl, .raw, .nrrd, .vti",
+                     kVoxelizeFooter, arguments);
+  voxelize->add_option("--out", arguments.out, "The file to write; its suffix selects the format")
+      ->required()
+      ->type_name("FILE");
   CLI::App* bench =
       app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
   bench->footer(kBenchFooter);
@@ -293,6 +308,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {compare, kCompare},
                                      {trade, kTrade},
                                      {methods, kMethods},
+                                     {voxelize, kVoxelize},
                                      {bench, kBench},
                                      {regress, kRegress}}) {
     AddOptions(command, bit, options);
@@ -321,6 +337,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {compare, &CompareCommand},
                                      {trade, &TradeCommand},
                                      {methods, &MethodsCommand},
+                                     {voxelize, &VoxelizeCommand},
                                      {bench, &BenchCommand},
                                      {regress, &RegressCommand}}) {
     if (*command) return Dispatch(run, arguments, options);

@@ -21,6 +21,7 @@
 #include "server/run/run.h"
 #include "server/run/trade.h"
 #include "server/run/verdict.h"
+#include "server/run/voxel_output.h"
 
 namespace facetless {
 namespace {
@@ -212,6 +213,20 @@ int MethodsCommand(const CommandArguments& arguments) {
       RunMethods(imported.value(), arguments.options, arguments.out, ToContext(arguments, progress));
   if (!measured) return PrintError(measured.error());
   std::fputs(measured.value().text.c_str(), stdout);
+  return LossExitCode(arguments.options, *imported.value().model);
+}
+
+int VoxelizeCommand(const CommandArguments& arguments) {
+  // Refuse an unknown suffix before the import.
+  if (const auto format = VoxelFormatOf(arguments.out); !format) return PrintError(format.error());
+  Progress progress(arguments.progress);
+  auto imported = Import(ToImportRequest(arguments, progress));
+  if (!imported) return PrintError(imported.error());
+  auto made = RunVoxelize(imported.value(), arguments.options, arguments.out, ToContext(arguments, progress));
+  if (!made) return PrintError(made.error());
+  Print(JsonText(made.value().json));
+  for (const std::string& warning : made.value().warnings)
+    std::fprintf(stderr, "facetless: warning: %s\n", Printable(warning).c_str());
   return LossExitCode(arguments.options, *imported.value().model);
 }
 

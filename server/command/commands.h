@@ -30,6 +30,7 @@ int MeshCommand(const CommandArguments& arguments);
 int CompareCommand(const CommandArguments& arguments);
 int TradeCommand(const CommandArguments& arguments);
 int MethodsCommand(const CommandArguments& arguments);
+int VoxelizeCommand(const CommandArguments& arguments);
 int BenchCommand(const CommandArguments& arguments);
 int RegressCommand(const CommandArguments& arguments);
 

@@ -261,8 +261,9 @@ OptionBinding MethodsBinding() {
             if (json == "all" || json == Json::array({"all"})) {
               // The sweep has the settings of the certified tracer anyway.
               words = Json::array();
+              // Methods with a number are other representations.
               for (const Method* method : Methods())
-                if (method != &CertifiedMethod()) words.push_back(method->name);
+                if (method != &CertifiedMethod() && method->setting.empty()) words.push_back(method->name);
             }
             return StoreInto(ParseMethods(row, words), o.trade.methods);
           },

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 
 // The commands that make pictures, that take cameras, and that import a file.
 constexpr Commands kShown = kRender | kCompare, kCamera = kShown | kTrade | kBench | kMethods,
-                   kImporting = kCamera | kInspect | kContinuity | kMesh | kRegress;
+                   kImporting = kCamera | kInspect | kContinuity | kMesh | kRegress | kVoxelize;
 // A lower bound that means "more than 0".
 constexpr double kAboveZero = std::numeric_limits<double>::min();
 
@@ -134,7 +134,7 @@ OptionTable AccuracyRows() {
       {.name = "threads",
        .kind = OptionKind::kInteger,
        .group = kGroup,
-       .commands = (kCamera & ~kMethods) | kRegress,
+       .commands = (kCamera & ~kMethods) | kRegress | kVoxelize,
        .value = "N",
        .help = "Number of threads; 0 means one per core",
        .low = 0,
@@ -145,7 +145,7 @@ OptionTable AccuracyRows() {
       {.name = "timeout",
        .kind = OptionKind::kNumber,
        .group = kGroup,
-       .commands = kCamera & ~kBench,
+       .commands = (kCamera & ~kBench) | kVoxelize,
        .value = "S",
        .help = "Time limit in seconds for everything after the import; 0 means no limit",
        .usual_words = "600; 3600 for trade",
@@ -154,7 +154,7 @@ OptionTable AccuracyRows() {
       {.name = "max_view_memory",
        .kind = OptionKind::kNumber,
        .group = kGroup,
-       .commands = kShown | kMethods | kManifest,
+       .commands = kShown | kMethods | kVoxelize | kManifest,
        .value = "MB",
        .help = "Memory limit of a view in megabytes, for its leaves and the mesh's search tree",
        .low = 1,
@@ -387,7 +387,7 @@ OptionTable PictureRows() {
       {.name = "parts",
        .kind = OptionKind::kWords,
        .group = kGroup,
-       .commands = kShown | kMethods,
+       .commands = kShown | kMethods | kVoxelize,
        .value = "NAME",
        .help =
            "Show only occurrences whose path contains NAME or matches it as a pattern (* and ?); repeatable",
@@ -397,7 +397,7 @@ OptionTable PictureRows() {
       {.name = "hide",
        .kind = OptionKind::kWords,
        .group = kGroup,
-       .commands = kShown | kMethods,
+       .commands = kShown | kMethods | kVoxelize,
        .value = "NAME",
        .help = "Do not show occurrences whose path contains or matches NAME, as in --parts; repeatable",
        .usual_words = "none",
@@ -406,7 +406,7 @@ OptionTable PictureRows() {
       {.name = "explode",
        .kind = OptionKind::kNumber,
        .group = kGroup,
-       .commands = kShown | kMethods,
+       .commands = kShown | kMethods | kVoxelize,
        .value = "FACTOR",
        .help = "Exploded view: move occurrences apart; 1 doubles their distance from the centre",
        .low = 0,
@@ -416,7 +416,7 @@ OptionTable PictureRows() {
       {.name = "show_hidden",
        .kind = OptionKind::kFlag,
        .group = kGroup,
-       .commands = kShown | kMesh | kTrade | kMethods | kManifest,
+       .commands = kShown | kMesh | kTrade | kMethods | kVoxelize | kManifest,
        .value = "",
        .help = "Also show what the file hides: invisible items and layers, and blanked entities",
        .usual = false,
@@ -555,6 +555,43 @@ OptionTable MeshRows() {
        .choices = {"y", "z"},
        .usual_words = "glTF y, STL z",
        .binding = Bound([](auto& o) -> auto& { return o.mesh_up; })},
+  };
+}
+
+OptionTable VoxelRows() {
+  const std::string kGroup = "Voxels";
+  return {
+      {.name = "resolution",
+       .kind = OptionKind::kInteger,
+       .group = kGroup,
+       .commands = kVoxelize,
+       .value = "N",
+       .help = "Voxels along the longest side of the model",
+       .low = 2,
+       .high = kMostVoxelsPerAxis,
+       .usual = 256,
+       .excludes = {"pitch_mm"},
+       .binding = Bound([](auto& o) -> auto& { return o.voxels.resolution; })},
+      {.name = "pitch_mm",
+       .kind = OptionKind::kNumber,
+       .group = kGroup,
+       .commands = kVoxelize,
+       .value = "P",
+       .help = "Side of a voxel in mm, instead of --resolution",
+       .low = kAboveZero,
+       .high = 1e12,
+       .binding = Bound([](auto& o) -> auto& { return o.voxels.pitch_mm; })},
+      {.name = "fill",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kVoxelize,
+       .value = "NAME",
+       .help = "What is filled: voxels whose centres lie in a solid, those and whatever a surface touches, "
+               "or surfaces alone "
+               "(26- or 6-separating)",
+       .choices = {kVoxelFillNames.begin(), kVoxelFillNames.end()},
+       .usual = "solid",
+       .binding = Bound([](auto& o) -> auto& { return o.voxels.fill; })},
   };
 }
 
@@ -743,8 +780,9 @@ OptionTable ImportRows() {
 const OptionTable& AllOptions() {
   static const OptionTable table = [] {
     OptionTable all;
-    for (OptionTable rows : {CameraRows(), MethodRows(), AccuracyRows(), AppearanceRows(), LightRows(),
-                             PictureRows(), MeshRows(), TradeRows(), VerdictRows(), ImportRows()})
+    for (OptionTable rows :
+         {CameraRows(), MethodRows(), AccuracyRows(), AppearanceRows(), LightRows(), PictureRows(),
+          MeshRows(), VoxelRows(), TradeRows(), VerdictRows(), ImportRows()})
       for (OptionRow& row : rows) all.push_back(std::move(row));
     return all;
   }();

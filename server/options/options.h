@@ -26,6 +26,7 @@
 #include "render/trace/direct.h"
 #include "render/trade/trade_answers.h"
 #include "render/view/camera.h"
+#include "render/voxels/voxelize.h"
 #include "server/importer/import_process.h"
 #include "server/options/option_table.h"
 #include "server/options/picture_options.h"
@@ -52,6 +53,13 @@ struct TradeOptions {
 
 // The default time limits for everything after the import, seconds. No input can keep a run going endlessly.
 inline constexpr double kRunTimeoutS = 600, kTradeTimeoutS = 3600;
+
+// How `facetless voxelize` makes voxels.
+struct VoxelRunOptions {
+  int resolution = 256;
+  std::optional<double> pitch_mm;  // instead of the resolution
+  VoxelFill fill = VoxelFill::kSolid;
+};
 
 struct RunOptions {
   std::vector<std::string> views = {"iso"};
@@ -84,6 +92,7 @@ struct RunOptions {
   bool strict = false;
   Thresholds fail;
   TradeOptions trade;
+  VoxelRunOptions voxels;
 
   bool WantsAov(const std::string& name) const;
 };

@@ -1,0 +1,128 @@
+#include "render/compare/voxel_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "render/base/parallel.h"
+#include "render/base/stopwatch.h"
+#include "render/voxels/voxel_walk.h"
+#include "render/voxels/voxelize.h"
+
+namespace facetless {
+namespace {
+
+Result<std::unique_ptr<const Representation>> MakeVoxels(const MethodInput& input, double setting) {
+  if (!input.direct.sections.empty())
+    return Error{ErrorCode::kBadUsage,
+                 "section: voxels are not cut; leave out section, or the method voxels"};
+  const Stopwatch stopwatch;
+  if (!(setting >= 2 && setting <= kMostVoxelsPerAxis && setting == std::floor(setting)))
+    return Error{ErrorCode::kBadUsage,
+                 "voxels: the number of voxels along the longest side is a whole number from 2 to 65536"};
+  const Result<VoxelGrid> grid = GridOfResolution(input.scene.model().bounds, static_cast<int>(setting));
+  if (!grid.ok()) return grid.error();
+  VoxelizeOptions options;
+  options.accuracy.max_bytes = input.max_bytes;
+  Result<Voxels> voxels = Voxelize(input.scene, grid.value(), options, input.execution);
+  if (!voxels.ok()) return voxels.error();
+  OctreeModel octree(voxels.value().model);
+  return std::unique_ptr<const Representation>(std::make_unique<VoxelSurface>(
+      std::move(octree), grid.value(), stopwatch.Milliseconds(), input.name, input.title));
+}
+
+}  // namespace
+
+std::vector<RepresentationFact> VoxelSurface::facts() const {
+  const std::uint64_t count = model_.Count();
+  return {{"pitch_mm", grid_.pitch},
+          {"voxels", static_cast<double>(count)},
+          {"volume_mm_cubed", static_cast<double>(count) * grid_.voxel_mm3()},
+          {"octree_bytes", static_cast<double>(model_.bytes())}};
+}
+
+Vec3 VoxelSurface::NormalAt(VoxelPoint at, int side, Vec3 direction) const {
+  // The mean direction from filled to empty neighbours.
+  Vec3 sum{0, 0, 0};
+  for (int x = -kNormalReach; x <= kNormalReach; ++x)
+    for (int y = -kNormalReach; y <= kNormalReach; ++y)
+      for (int z = -kNormalReach; z <= kNormalReach; ++z) {
+        const Vec3 offset{double(x), double(y), double(z)};
+        const double square = Dot(offset, offset);
+        if (square == 0 || model_.Get(at.x + x, at.y + y, at.z + z).filled()) continue;
+        sum = sum + (1 / square) * offset;
+      }
+  constexpr double kNothing = 1e-6;
+  if (Length(sum) > kNothing && Dot(sum, direction) < 0) return Normalized(sum);
+  Vec3 normal{0, 0, 0};
+  double Vec3::*const axes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+  if (side < 0) return -Normalized(direction);
+  normal.*axes[side] = direction.*axes[side] > 0 ? -1 : 1;
+  return normal;
+}
+
+Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest& request,
+                                       const Execution& execution) const {
+  if (request.leave_out != nullptr)
+    return Error{ErrorCode::kBadUsage, "voxels name no faces, so that transparent ones cannot be left out"};
+  const Result<CameraFrame> made = MakeFrame(camera, grid_.bounds().diagonal());
+  if (!made.ok()) return made.error();
+  TracedView view;
+  view.frame = made.value();
+  const CameraFrame& frame = view.frame;
+  view.samples.Resize(camera.width_px, camera.height_px);
+  const bool perspective = frame.projection == Projection::kPerspective;
+  // Rays of orthographic views begin in front of the grid.
+  const Box3 bounds = grid_.bounds();
+  const double before = perspective ? 0 : Dot(bounds.center() - frame.eye, frame.forward) - bounds.diagonal();
+  const double scale = 1 / grid_.pitch, pixel = std::max(frame.pixel_x, frame.pixel_y) * scale;
+  const Stopwatch tracing;
+  struct Worker {
+    WalkCounters counters;
+    std::uint64_t hits = 0;
+  };
+  PerThread<Worker> workers;
+  RunWithThreads(execution.threads, [&] {
+    ParallelFor(0, camera.height_px, [&](int row) {
+      if (execution.cancelled()) return;
+      Worker& worker = workers.local();
+      for (int column = 0; column < camera.width_px; ++column) {
+        const Ray line = PixelRay(frame, column + 0.5, row + 0.5);
+        const Vec3 origin = scale * (line.origin + before * line.direction - grid_.origin),
+                   direction = scale * line.direction;
+        VoxelRay ray;
+        if (!ray.Enter(origin, direction, perspective ? frame.near_mm : 0, model_.size())) continue;
+        const WalkOptions options{perspective ? 0 : pixel, perspective ? pixel : 0};
+        const VoxelHit hit = WalkDescent(model_, ray, options, &worker.counters);
+        if (!hit.hit()) continue;
+        const std::size_t out = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width_px) +
+                                static_cast<std::size_t>(column);
+        const Vec3 normal = NormalAt(hit.at, hit.side, line.direction);
+        view.samples.depth[out] = before + hit.t;
+        view.samples.face[out] = 0;
+        view.samples.normal[out] = {float(normal.x), float(normal.y), float(normal.z)};
+        ++worker.hits;
+      }
+    });
+  });
+  if (execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while tracing"};
+  view.counters.trace_ms = tracing.Milliseconds();
+  view.counters.rays = view.samples.size();
+  for (const Worker& worker : workers) view.counters.hits += worker.hits;
+  view.structure_bytes = model_.bytes();
+  return view;
+}
+
+Method VoxelMethod() {
+  return {.name = "voxels",
+          .title = "Voxels",
+          .help = "The voxels whose centres lie inside the exact solids, in an octree.",
+          .source = "P. Procházka 2013 (octree, level of detail); Facetless (columns of certified crossings)",
+          .does_not = "A part thinner than a voxel may vanish, and open shells have no inside.",
+          .setting = "voxels along the longest side",
+          .usual = {64, 128, 256, 512},
+          .make = MakeVoxels};
+}
+
+}  // namespace facetless

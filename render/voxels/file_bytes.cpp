@@ -1,0 +1,54 @@
+#include "render/voxels/file_bytes.h"
+
+#include <bit>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+namespace facetless {
+
+static_assert(std::endian::native == std::endian::little,
+              "voxel files are read and written as they lie in memory");
+
+VoxelFileWriter::VoxelFileWriter(std::string path)
+    : path_(std::move(path)),
+      partial_(path_ + ".partial"),
+      stream_(partial_, std::ios::binary | std::ios::trunc) {}
+
+VoxelFileWriter::~VoxelFileWriter() {
+  if (!finished_) std::remove(partial_.c_str());
+}
+
+Result<void> VoxelFileWriter::Finish() {
+  stream_.close();
+  if (!stream_ || std::rename(partial_.c_str(), path_.c_str()) != 0)
+    return Error{ErrorCode::kWriteFailed, path_ + ": cannot be written; is the disk full?"};
+  finished_ = true;
+  return {};
+}
+
+Result<std::vector<unsigned char>> ReadVoxelBytes(const std::string& path, std::uint64_t max_bytes) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(path, failed))
+    return Error{ErrorCode::kFileUnreadable,
+                 path + ": " + (failed ? failed.message() : std::string("not a file"))};
+  const std::uintmax_t size = std::filesystem::file_size(path, failed);
+  std::ifstream stream(path, std::ios::binary);
+  if (failed || !stream) return Error{ErrorCode::kFileUnreadable, path + ": cannot be opened for reading"};
+  if (size > max_bytes)
+    return Error{ErrorCode::kLimitExceeded, path + ": has " + std::to_string(size >> 20) + " MB, but " +
+                                                std::to_string(max_bytes >> 20) +
+                                                " MB are allowed; raise --max-view-memory"};
+  std::vector<unsigned char> bytes(size);
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
+    return Error{ErrorCode::kFileUnreadable, path + ": cannot be read to its end"};
+  return bytes;
+}
+
+std::uint64_t Checksum(std::span<const unsigned char> bytes) {
+  std::uint64_t sum = 0xcbf29ce484222325u;
+  for (const unsigned char byte : bytes) sum = (sum ^ byte) * 0x100000001b3u;
+  return sum;
+}
+
+}  // namespace facetless

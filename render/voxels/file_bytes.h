@@ -1,0 +1,74 @@
+// Reading and writing the bytes of voxel files, little-endian.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/base/result.h"
+
+namespace facetless {
+
+// Writes a file next to its target and renames it, so that readers see the whole file or none.
+class VoxelFileWriter {
+ public:
+  explicit VoxelFileWriter(std::string path);
+  ~VoxelFileWriter();
+  VoxelFileWriter(const VoxelFileWriter&) = delete;
+  VoxelFileWriter& operator=(const VoxelFileWriter&) = delete;
+
+  void Text(const std::string& text) {
+    stream_.write(text.data(), static_cast<std::streamsize>(text.size()));
+  }
+  // An integer or a floating-point number.
+  template <typename T>
+  void Number(T value) {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    stream_.write(bytes, sizeof(T));
+  }
+  // Error: kWriteFailed.
+  Result<void> Finish();
+
+ private:
+  const std::string path_, partial_;
+  std::ofstream stream_;
+  bool finished_ = false;
+};
+
+// Reads numbers from bytes, and knows where they end.
+class VoxelFileReader {
+ public:
+  explicit VoxelFileReader(std::span<const unsigned char> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  bool Number(T* value) {
+    if (bytes_.size() - at_ < sizeof(T)) return false;
+    std::memcpy(value, bytes_.data() + at_, sizeof(T));
+    at_ += sizeof(T);
+    return true;
+  }
+  bool Skip(std::size_t count) {
+    if (bytes_.size() - at_ < count) return false;
+    at_ += count;
+    return true;
+  }
+  std::size_t left() const { return bytes_.size() - at_; }
+  std::size_t at() const { return at_; }
+  std::span<const unsigned char> rest() const { return bytes_.subspan(at_); }
+
+ private:
+  std::span<const unsigned char> bytes_;
+  std::size_t at_ = 0;
+};
+
+// Errors: kFileUnreadable, kLimitExceeded (larger than `max_bytes`).
+Result<std::vector<unsigned char>> ReadVoxelBytes(const std::string& path, std::uint64_t max_bytes);
+
+// The checksum of stored trees: FNV-1a, 64 bits (G. Fowler, L. Noll, K.-P. Vo).
+std::uint64_t Checksum(std::span<const unsigned char> bytes);
+
+}  // namespace facetless

@@ -1,0 +1,113 @@
+#include "server/run/voxel_output.h"
+
+#include "render/base/stopwatch.h"
+#include "render/voxels/voxelize.h"
+#include "server/base/interrupt.h"
+#include "server/base/version.h"
+#include "server/run/shown_model.h"
+
+namespace facetless {
+namespace {
+
+using Json = nlohmann::json;
+
+Json VectorJson(Vec3 v) {
+  return {v.x, v.y, v.z};
+}
+
+Json DoubtsJson(const VoxelStats& stats) {
+  Json doubts = Json::object();
+  for (std::size_t bit = 0; bit < stats.doubts.size(); ++bit)
+    if (stats.doubts[bit] > 0) doubts[kDoubtNames[bit]] = stats.doubts[bit];
+  return doubts;
+}
+
+std::vector<std::string> WarningsOf(const VoxelStats& stats, const VoxelFormat& format, VoxelFill fill) {
+  std::vector<std::string> warnings;
+  if (!format.loses.empty()) warnings.emplace_back(format.loses);
+  if (stats.open_faces > 0) {
+    std::string names;
+    for (const std::string& name : stats.open_face_names) names += (names.empty() ? "" : ", ") + name;
+    warnings.push_back(std::to_string(stats.open_faces) +
+                       " faces belong to no closed solid, so that nothing is inside them" +
+                       (fill == VoxelFill::kSolid ? " and they fill no voxel" : "") + ": " + names +
+                       (stats.open_faces > stats.open_face_names.size() ? " and others" : ""));
+  }
+  if (stats.columns_in_doubt > 0)
+    warnings.push_back(std::to_string(stats.columns_in_doubt) + " of " + std::to_string(stats.columns) +
+                       " columns are not proven; voxels.doubts has the reasons");
+  return warnings;
+}
+
+}  // namespace
+
+Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptions& options,
+                                   const std::string& path, const RunContext& context) {
+  const Result<const VoxelFormat*> format = VoxelFormatOf(path);
+  if (!format) return format.error();
+  const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
+  if (!shown) return shown.error();
+  const Model& model = *shown.value().imported().model;
+  const VoxelRunOptions& request = options.voxels;
+  const Result<VoxelGrid> grid = request.pitch_mm ? GridOfPitch(model.bounds, *request.pitch_mm)
+                                                  : GridOfResolution(model.bounds, request.resolution);
+  if (!grid) return grid.error();
+  const double timeout_s = options.timeout_s.value_or(kRunTimeoutS);
+  const Deadline deadline(timeout_s, context.execution.cancel);
+  const Execution execution = context.execution.WithFlag(deadline.flag());
+  if (context.progress) context.progress("voxels", 0);
+  const Stopwatch stopwatch;
+  const Scene scene(model);
+  Result<Voxels> voxels =
+      Voxelize(scene, grid.value(), {.fill = request.fill, .accuracy = options.accuracy}, execution);
+  if (!voxels) {
+    if (voxels.error().code != ErrorCode::kCancelled || !deadline.expired()) return voxels.error();
+    return Error{ErrorCode::kLimitExceeded, model.info.file + ": the voxels took longer than " +
+                                                std::to_string(static_cast<int>(timeout_s)) +
+                                                " s; use --timeout to allow more, or fewer voxels"};
+  }
+  const double voxelize_ms = stopwatch.Milliseconds();
+  if (context.progress) context.progress("voxels", 0.5);
+  const Stopwatch writing;
+  if (auto written = format.value()->write(path, voxels.value().model, grid.value()); !written)
+    return written.error();
+  if (context.progress) context.progress("voxels", 1);
+
+  const VoxelStats& stats = voxels.value().stats;
+  const VoxelGrid& g = grid.value();
+  const std::uint64_t filled = voxels.value().model.Count();
+  VoxelizeResult result;
+  result.json = {{"facetless", ProgramJson(context.execution.threads)},
+                 {"command", "voxelize"},
+                 {"model", ImportedModelJson(imported)},
+                 {"file", path},
+                 {"voxels",
+                  {{"size", {g.size.x, g.size.y, g.size.z}},
+                   {"pitch_mm", g.pitch},
+                   {"origin_mm", VectorJson(g.origin)},
+                   {"fill", kVoxelFillNames[static_cast<std::size_t>(request.fill)]},
+                   {"filled", filled},
+                   {"volume_mm3", static_cast<double>(filled) * g.voxel_mm3()},
+                   {"touched", request.fill == VoxelFill::kSolid ? Json(nullptr) : Json(stats.touched)},
+                   {"certified", stats.certified},
+                   {"not_certified", stats.not_certified},
+                   {"columns", stats.columns},
+                   {"columns_in_doubt", stats.columns_in_doubt},
+                   {"columns_odd", stats.columns_odd},
+                   {"doubts", DoubtsJson(stats)},
+                   {"crossings", stats.crossings},
+                   {"solids", stats.solids},
+                   {"open_faces", stats.open_faces},
+                   {"runs_bytes", voxels.value().model.bytes()},
+                   {"peak_bytes", stats.peak_bytes + voxels.value().model.bytes()}}},
+                 {"timing_ms",
+                  {{"voxelize", voxelize_ms},
+                   {"trace", stats.trace_ms},
+                   {"touch", stats.touch_ms},
+                   {"write", writing.Milliseconds()}}}};
+  if (!shown.value().report().is_null()) result.json["arrangement"] = shown.value().report();
+  result.warnings = WarningsOf(stats, *format.value(), request.fill);
+  return result;
+}
+
+}  // namespace facetless

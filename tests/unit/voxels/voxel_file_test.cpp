@@ -1,0 +1,190 @@
+// Files of voxels: what is written is read again, and what is no such file is one error.
+#include "render/voxels/voxel_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/voxels/random_voxels.h"
+
+namespace facetless {
+namespace {
+
+using testing::AnyModel;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
+
+std::string Bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void Store(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+RC_GTEST_PROP(VoxelFiles, AreReadAsTheyWereWritten, ()) {
+  const TemporaryFolder folder;
+  const RunModel model = AnyModel(12);
+  const VoxelGrid grid{{0.1 * *rc::gen::inRange(-50, 50), 1e6, -3e-5},
+                       std::exp2(*rc::gen::inRange(-30, 30)) / 3,
+                       model.size()};
+  for (const VoxelFormat& format : VoxelFormats()) {
+    const std::string path = folder.File("a" + std::string(format.suffix));
+    RC_ASSERT(WriteVoxels(path, model, grid).ok());
+    const Result<VoxelFile> read = ReadVoxels(path, kMemory);
+    RC_ASSERT(read.ok());
+    const VoxelModel& other = *read.value().model;
+    if (format.suffix == ".vxl") {
+      // The model stands on a layer that is solid down to the bottom, and is 256 voxels high.
+      const int shift = 256 - model.size().z;
+      for (int x = 0; x < model.size().x; ++x)
+        for (int y = 0; y < model.size().y; ++y) {
+          RC_ASSERT(other.Get(x, y, shift - 1).filled() && other.Get(x, y, 0).filled());
+          for (int z = 0; z < model.size().z; ++z) {
+            const Voxel a = model.Get(x, y, z), b = other.Get(x, y, z + shift);
+            RC_ASSERT(a.filled() == b.filled());
+            bool visible = false;
+            for (const auto& [dx, dy, dz] :
+                 {std::tuple{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}})
+              visible = visible || (!model.Get(x + dx, y + dy, z + dz).filled() && z + dz >= 0);
+            if (a.filled() && visible) RC_ASSERT((a.bits & 0xffffffu) == (b.bits & 0xffffffu));
+          }
+        }
+      continue;
+    }
+    RC_ASSERT((other.size() == model.size()));
+    RC_ASSERT(read.value().grid.has_value());
+    RC_ASSERT(read.value().grid->pitch == grid.pitch);
+    RC_ASSERT(Length(read.value().grid->origin - grid.origin) <= 1e-9 * (1 + grid.pitch));
+    if (format.suffix == ".nrrd") {
+      for (int x = 0; x < model.size().x; ++x)
+        for (int y = 0; y < model.size().y; ++y)
+          for (int z = 0; z < model.size().z; ++z)
+            RC_ASSERT(other.Get(x, y, z).material() == model.Get(x, y, z).material());
+    } else {
+      RC_ASSERT(SameVoxels(other, model));
+    }
+  }
+}
+
+TEST(VoxelFiles, EveryFormatSaysWhatItLoses) {
+  for (const VoxelFormat& format : VoxelFormats())
+    EXPECT_EQ(format.loses.empty(), format.suffix != ".vxl" && format.suffix != ".nrrd") << format.name;
+  const auto unknown = VoxelFormatOf("part.stl");
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(unknown.error().message, HasSubstr(".oct, .vxl, .raw, .nrrd, .vti"));
+  EXPECT_TRUE(VoxelFormatOf("PART.NRRD"));
+}
+
+RunModel Sample() {
+  RunModel model({7, 6, 5});
+  model.Fill({{1, 1, 1}, {6, 5, 4}}, Voxel::Of(10, 200, 30, 4));
+  model.Set(3, 3, 3, {});
+  model.Set(0, 5, 4, Voxel::Of(1, 2, 3, 9));
+  return model;
+}
+
+// Every prefix of a file, and every file with one changed byte, is read as a model or is an error that names the file.
+TEST(VoxelFiles, ThatAreCutOrChangedAreOneError) {
+  const TemporaryFolder folder;
+  for (const VoxelFormat& format : VoxelFormats()) {
+    const std::string path = folder.File("a" + std::string(format.suffix));
+    ASSERT_TRUE(WriteVoxels(path, Sample(), {{0, 0, 0}, 1, {7, 6, 5}}));
+    const std::string whole = Bytes(path);
+    const bool vti = format.suffix == ".vti";  // bytes may be missing after its arrays
+    for (std::size_t length = 0; length < whole.size(); length += 1 + length / 40) {
+      Store(path, whole.substr(0, length));
+      const Result<VoxelFile> read = ReadVoxels(path, kMemory);
+      if (vti && length + 40 > whole.size()) continue;
+      ASSERT_FALSE(read) << path << " of " << length << " bytes";
+      EXPECT_THAT(read.error().message, StartsWith(path));
+    }
+    for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 400)
+      for (const int mask : {1, 0x80, 0xff}) {
+        std::string changed = whole;
+        changed[at] = static_cast<char>(changed[at] ^ mask);
+        Store(path, changed);
+        const Result<VoxelFile> read = ReadVoxels(path, kMemory);
+        if (format.suffix == ".oct" && at >= 8) {
+          // Nearly all of an octree is covered by its checksum; its size and place are not.
+          EXPECT_TRUE(!read || at < 56) << at;
+        }
+        if (!read) {
+          EXPECT_THAT(read.error().message, StartsWith(path));
+        }
+      }
+  }
+}
+
+TEST(VoxelFiles, HostileSizesAreNotAllocated) {
+  const TemporaryFolder folder;
+  const std::string nrrd = folder.File("a.nrrd");
+  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 65536 65536 65536\nencoding: raw\n\nabc");
+  EXPECT_EQ(ReadVoxels(nrrd, kMemory).error().code, ErrorCode::kLimitExceeded);
+  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: -1 2 3\nencoding: raw\n\nabc");
+  EXPECT_EQ(ReadVoxels(nrrd, kMemory).error().code, ErrorCode::kFormatBroken);
+  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\nabc");
+  EXPECT_THAT(ReadVoxels(nrrd, kMemory).error().message, HasSubstr("encoding raw"));
+  const std::string raw = folder.File("a.raw");
+  Store(raw, "12345678");
+  EXPECT_THAT(ReadVoxels(raw, kMemory).error().message, HasSubstr("needs the header beside it"));
+  Store(raw + ".json", R"({"format":"facetless-raw-voxels","version":1,"size":[1,1,1e9]})");
+  EXPECT_EQ(ReadVoxels(raw, kMemory).error().code, ErrorCode::kFormatBroken);
+  Store(raw + ".json", R"({"format":"facetless-raw-voxels","version":1,"size":[1,1,3]})");
+  EXPECT_THAT(ReadVoxels(raw, kMemory).error().message, HasSubstr("needs 12 bytes"));
+  Store(raw + ".json", R"({"format":"facetless-raw-voxels","version":1,"size":[1,1,2]})");
+  EXPECT_TRUE(ReadVoxels(raw, kMemory));
+  EXPECT_EQ(ReadVoxels(raw, 4).error().code, ErrorCode::kLimitExceeded);
+  EXPECT_EQ(ReadVoxels(folder.File("none.oct"), kMemory).error().code, ErrorCode::kFileUnreadable);
+}
+
+TEST(VoxelFiles, AVoxlapFileOfOthers) {
+  // One column: a floor of two voxels at 3 and 4, hidden down to 9, a ceiling of one voxel at 9, air to 200, then the ground.
+  const TemporaryFolder folder;
+  std::string bytes;
+  const auto number = [&]<typename T>(T value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  number(std::uint32_t{0x09072000});
+  number(std::uint32_t{1});
+  number(std::uint32_t{1});
+  for (int i = 0; i < 12; ++i) number(0.0);
+  bytes += std::string("\x04\x03\x04\x00", 4);
+  for (const std::uint32_t color : {0x80112233u, 0x80445566u, 0x80778899u}) number(color);
+  bytes += std::string("\x00\xc8\xc8\x0a", 4);
+  number(0x80aabbccu);
+  const std::string path = folder.File("a.vxl");
+  Store(path, bytes);
+  const Result<VoxelFile> read = ReadVoxels(path, kMemory);
+  ASSERT_TRUE(read) << read.error().message;
+  const VoxelModel& model = *read.value().model;
+  const auto at = [&](int z_down) { return model.Get(0, 0, 255 - z_down); };
+  EXPECT_FALSE(at(2).filled());
+  EXPECT_EQ(at(3), Voxel::Of(0x11, 0x22, 0x33));
+  EXPECT_EQ(at(4), Voxel::Of(0x44, 0x55, 0x66));
+  EXPECT_TRUE(at(8).filled());
+  EXPECT_EQ(at(9), Voxel::Of(0x77, 0x88, 0x99));
+  EXPECT_FALSE(at(10).filled());
+  EXPECT_FALSE(at(199).filled());
+  EXPECT_EQ(at(200), Voxel::Of(0xaa, 0xbb, 0xcc));
+  EXPECT_TRUE(at(255).filled());
+}
+
+TEST(VoxelFiles, TooHighForVoxlap) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(WriteVoxels(folder.File("a.vxl"), RunModel({2, 2, 255}), {}).error().code, ErrorCode::kBadUsage);
+  EXPECT_EQ(WriteVoxels("/nowhere/a.oct", Sample(), {}).error().code, ErrorCode::kWriteFailed);
+}
+
+}  // namespace
+}  // namespace facetless
