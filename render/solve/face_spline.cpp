@@ -5,33 +5,27 @@
 namespace facetless {
 namespace {
 
-// The shares of de Boor's algorithm: level r = 1 … degree, and within it entry j = r … degree.
-class Shares {
- public:
-  // `knots`: the first of the 2·degree knots around the span that holds t.
-  Shares(const double* knots, int degree, double t) {
-    double* out = shares_.data();
-    for (int r = 1; r <= degree; ++r)
-      for (int j = r; j <= degree; ++j) *out++ = (t - knots[j - 1]) / (knots[j + degree - r] - knots[j - 1]);
-  }
+// The B-spline basis functions that are not zero in a span, and their derivatives, by the recursion of Cox and de Boor.
+struct SplineBasis {
+  std::array<double, kMaxDegree + 1> value, slope;
 
-  // Replaces the control points by those of the last level but one, which are entries degree − 1 and degree. Returns
-  // the share of the last level.
-  template <typename Point>
-  double Run(Point* points, int degree) const {
-    const double* share = shares_.data();
-    for (int r = 1; r < degree; ++r, share += degree - r + 1) {
-      for (int j = degree; j >= r; --j) {
-        const double a = share[j - r];
-        for (std::size_t c = 0; c < points[j].size(); ++c)
-          points[j][c] = (1 - a) * points[j - 1][c] + a * points[j][c];
+  // `knots`: the 2·degree knots around the span that holds t. `reciprocals`: of that span.
+  SplineBasis(const double* knots, const double* reciprocals, int degree, double t) {
+    value[0] = 1;
+    for (int d = 1; d <= degree; ++d) {
+      // The last level gives the slopes, too: degree times the differences of what is multiplied by t.
+      double before = 0, share_before = 0;
+      for (int r = 0; r < d; ++r) {
+        const double share = value[r] * *reciprocals++;
+        if (d == degree) slope[r] = degree * (share_before - share);
+        value[r] = before + (knots[degree + r] - t) * share;
+        before = (t - knots[degree - d + r]) * share;
+        share_before = share;
       }
+      value[d] = before;
+      if (d == degree) slope[d] = degree * share_before;
     }
-    return *share;
   }
-
- private:
-  std::array<double, kMaxDegree*(kMaxDegree + 1) / 2> shares_;
 };
 
 }  // namespace
@@ -54,6 +48,12 @@ FaceSpline::FaceSpline(const SolverScene& scene, const SolverFace& face) : scene
       const double knot = k + 1 == breaks.size() ? axis.spans : scale * (breaks[k] - breaks.front());
       axis.knots.insert(axis.knots.end(), static_cast<std::size_t>(axis.degree + end), knot);
     }
+    for (std::uint32_t span = 0; span < axis.spans; ++span) {
+      const double* around = axis.Around(span);
+      for (int d = 1; d <= axis.degree; ++d)
+        for (int r = 0; r < d; ++r)
+          axis.reciprocals.push_back(1 / (around[axis.degree + r] - around[axis.degree - d + r]));
+    }
   }
 }
 
@@ -69,6 +69,12 @@ double FaceSpline::Axis::InSpan(double s, std::uint32_t span) const {
 
 bool FaceSpline::Axis::Find(double s, std::uint32_t* span) const {
   if (!(s >= 0 && s <= spans)) return false;
+  // With even spans, this is the answer.
+  const std::uint32_t likely = std::min(static_cast<std::uint32_t>(s), spans - 1);
+  if (s >= Break(likely) && s < Break(likely + 1)) {
+    *span = likely;
+    return true;
+  }
   std::uint32_t low = 0, high = spans;
   while (high - low > 1) {
     const std::uint32_t middle = low + (high - low) / 2;
@@ -88,41 +94,28 @@ bool FaceSpline::Locate(double s, double t, Place* place, bool* inside) const {
   return place->patch != kNoIndex;
 }
 
-// De Boor's algorithm along v for each row of the control points, and then along u. Since inner knots occur as often as the
-// degree says, the control points of a span are those of its patch.
+// Since inner knots occur as often as the degree says, the control points of a span are those of its patch.
 template <bool kJet>
 PatchJet<3> FaceSpline::Evaluate(const Place& place) const {
   const SolverPatch& patch = scene_.patches()[place.patch];
-  const ViewProjection::Point* points = scene_.screen(patch);
-  const int du = u_.degree, dv = v_.degree;
-  // The knots around span i begin one after the first of the degree + 1 (or degree) equal ones.
-  const double* const knots_u = u_.knots.data() + static_cast<std::size_t>(du) * place.i + 1;
-  const double* const knots_v = v_.knots.data() + static_cast<std::size_t>(dv) * place.j + 1;
-  const Shares in_u(knots_u, du, place.s), in_v(knots_v, dv, place.t);
-  // With derivatives, a point has three more numbers, which are its derivative along v.
-  using Point = std::array<double, kJet ? 6 : 3>;
-  std::array<Point, kMaxDegree + 1> column;
-  std::array<std::array<double, 3>, kMaxDegree + 1> row;
-  const double slope_v = dv / (knots_v[dv] - knots_v[dv - 1]), slope_u = du / (knots_u[du] - knots_u[du - 1]);
-  for (int k = 0; k <= du; ++k) {
-    for (int l = 0; l <= dv; ++l, ++points)
-      row[static_cast<std::size_t>(l)] = {points->x, points->y, points->w};
-    const double share = in_v.Run(row.data(), dv);
-    const auto &a = row[static_cast<std::size_t>(dv - 1)], &b = row[static_cast<std::size_t>(dv)];
-    Point& out = column[static_cast<std::size_t>(k)];
-    for (std::size_t c = 0; c < 3; ++c) {
-      out[c] = (1 - share) * a[c] + share * b[c];
-      if constexpr (kJet) out[3 + c] = slope_v * (b[c] - a[c]);
-    }
-  }
-  const double share = in_u.Run(column.data(), du);
-  const Point &a = column[static_cast<std::size_t>(du - 1)], &b = column[static_cast<std::size_t>(du)];
+  const double* point = &scene_.screen(patch)->x;
+  const SplineBasis in_u(u_.Around(place.i), u_.reciprocals.data() + u_.shares() * place.i, u_.degree,
+                         place.s),
+      in_v(v_.Around(place.j), v_.reciprocals.data() + v_.shares() * place.j, v_.degree, place.t);
   PatchJet<3> jet;
-  for (std::size_t c = 0; c < 3; ++c) {
-    jet.value[c] = (1 - share) * a[c] + share * b[c];
-    if constexpr (kJet) {
-      jet.du[c] = slope_u * (b[c] - a[c]);
-      jet.dv[c] = (1 - share) * a[3 + c] + share * b[3 + c];
+  for (int k = 0; k <= u_.degree; ++k) {
+    std::array<double, 3> row{}, row_slope{};
+    for (int l = 0; l <= v_.degree; ++l, point += 4)
+      for (int c = 0; c < 3; ++c) {
+        row[c] += in_v.value[l] * point[c];
+        if constexpr (kJet) row_slope[c] += in_v.slope[l] * point[c];
+      }
+    for (int c = 0; c < 3; ++c) {
+      jet.value[c] += in_u.value[k] * row[c];
+      if constexpr (kJet) {
+        jet.du[c] += in_u.slope[k] * row[c];
+        jet.dv[c] += in_u.value[k] * row_slope[c];
+      }
     }
   }
   return jet;

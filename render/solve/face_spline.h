@@ -1,4 +1,5 @@
-// FaceSpline: a face's projected surface as one B-spline, evaluated by de Boor's algorithm over its knot vectors.
+// FaceSpline: a face's projected surface as one B-spline, evaluated with the basis functions of its knot vectors, by the
+// recursion of C. de Boor and M. Cox (1972).
 //
 //     const FaceSpline spline(scene, face);
 //     FaceSpline::Place at;
@@ -47,7 +48,7 @@ class FaceSpline {
   SolverRoot Root(const Place& place) const {
     return {place.patch, u_.InSpan(place.s, place.i), v_.InSpan(place.t, place.j)};
   }
-  std::uint64_t bytes() const { return (u_.knots.size() + v_.knots.size()) * sizeof(double); }
+  std::uint64_t bytes() const { return (u_.numbers() + v_.numbers()) * sizeof(double); }
 
  private:
   // The knots in one direction.
@@ -55,6 +56,15 @@ class FaceSpline {
     int degree = 1;
     std::uint32_t spans = 1;
     std::vector<double> knots;
+    // The reciprocals of the differences of knots that the recursion divides by, for each span: level d = 1 … degree, and
+    // within it the d basis functions of the level before.
+    std::vector<double> reciprocals;
+    std::size_t numbers() const { return knots.size() + reciprocals.size(); }
+    std::size_t shares() const { return static_cast<std::size_t>(degree * (degree + 1) / 2); }
+    // The first of the 2·degree knots around a span: one after the first of the equal knots at its begin.
+    const double* Around(std::uint32_t span) const {
+      return knots.data() + static_cast<std::size_t>(degree) * span + 1;
+    }
     double Break(std::uint32_t span) const {
       return knots[static_cast<std::size_t>(degree) * span + (span > 0 ? 1 : 0)];
     }

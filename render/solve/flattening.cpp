@@ -148,10 +148,4 @@ Result<std::vector<SolverPiece>> FlattenedPieces(const SolverScene& scene, Solve
   return MakePieces(scene, unit, grids, max_bytes, execution);
 }
 
-Result<std::vector<SolverPiece>> WholePieces(const SolverScene& scene, SolverUnit unit,
-                                             std::uint64_t max_bytes, const Execution& execution) {
-  std::vector<PatchGrid> grids(scene.patches().size());
-  return MakePieces(scene, unit, grids, max_bytes, execution);
-}
-
 }  // namespace facetless

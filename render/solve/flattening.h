@@ -35,8 +35,4 @@ inline constexpr int kMostPieces = 64;
 Result<std::vector<SolverPiece>> FlattenedPieces(const SolverScene& scene, SolverUnit unit,
                                                  std::uint64_t max_bytes, const Execution& execution);
 
-// One piece for each patch, for methods that need no flatness. Errors: the same.
-Result<std::vector<SolverPiece>> WholePieces(const SolverScene& scene, SolverUnit unit,
-                                             std::uint64_t max_bytes, const Execution& execution);
-
 }  // namespace facetless

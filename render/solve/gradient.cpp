@@ -5,12 +5,14 @@
 #include <cmath>
 #include <utility>
 
-#include "render/solve/flattening.h"
 #include "render/solve/ray_random.h"
 #include "render/solve/screen_distance.h"
+#include "render/solve/whole_patches.h"
 
 namespace facetless {
 namespace {
+
+constexpr const char* kName = "gradient";
 
 // An iterate may leave its patch by this much.
 constexpr double kBeyond = 0.1;
@@ -127,7 +129,7 @@ class Gradient final : public Solver {
 
 Result<std::unique_ptr<const Solver>> MakeGradient(const SolverScene& scene, std::uint64_t max_bytes,
                                                    const Execution& execution) {
-  Result<std::vector<SolverPiece>> pieces = WholePieces(scene, SolverUnit::kPatch, max_bytes, execution);
+  Result<std::vector<SolverPiece>> pieces = WholePatches(kName, scene, max_bytes, execution);
   if (!pieces.ok()) return pieces.error();
   return std::unique_ptr<const Solver>(std::make_unique<Gradient>(scene, std::move(pieces).value()));
 }
@@ -136,7 +138,7 @@ Result<std::unique_ptr<const Solver>> MakeGradient(const SolverScene& scene, std
 
 SolverInfo GradientInfo() {
   return {
-      .name = "gradient",
+      .name = kName,
       .title = "gradient method",
       .source = "A. Sisojevs, 3D scene rendering, 2011, equations 1 to 4",
       .does =

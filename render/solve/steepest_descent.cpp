@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "render/solve/face_spline.h"
-#include "render/solve/flattening.h"
 #include "render/solve/gradient.h"
 #include "render/solve/screen_distance.h"
+#include "render/solve/whole_patches.h"
 
 namespace facetless {
 namespace {
+
+constexpr const char* kName = "steepest-descent";
 
 // The inverse of the golden ratio.
 constexpr double kGoldenCut = 0.6180339887498949;
@@ -97,7 +99,8 @@ class SteepestDescent final : public Solver {
 
 Result<std::unique_ptr<const Solver>> MakeSteepestDescent(const SolverScene& scene, std::uint64_t max_bytes,
                                                           const Execution& execution) {
-  Result<std::vector<SolverPiece>> pieces = WholePieces(scene, SolverUnit::kFace, max_bytes, execution);
+  Result<std::vector<SolverPiece>> pieces =
+      WholePatches(kName, scene, max_bytes, execution, SolverUnit::kFace);
   if (!pieces.ok()) return pieces.error();
   return std::unique_ptr<const Solver>(std::make_unique<SteepestDescent>(scene, std::move(pieces).value()));
 }
@@ -106,7 +109,7 @@ Result<std::unique_ptr<const Solver>> MakeSteepestDescent(const SolverScene& sce
 
 SolverInfo SteepestDescentInfo() {
   return {
-      .name = "steepest-descent",
+      .name = kName,
       .title = "steepest descent",
       .source = "A. Sisojevs, 3D scene rendering, 2011, equations 7 to 9",
       .does =

@@ -1,7 +1,7 @@
 // The method of steepest descent: A. Sisojevs, "3D scene rendering" (doctoral thesis, Riga Technical University, 2011),
 // section on B-spline surfaces, equations 7 to 9 and steps 1 to 4.
 //
-//  1. The surface of a face is one B-spline (face_spline.h), evaluated by de Boor's algorithm. g is the squared distance
+//  1. The surface of a face is one B-spline (face_spline.h), evaluated from its knots. g is the squared distance
 //     from the ray on the screen, as in gradient.h, with the same extension to rational surfaces.
 //  2. Step 1 computes the direction −(∂g/∂s, ∂g/∂t) at a point. Step 2 moves by the weight h times the direction. Step 3
 //     repeats that with the same direction while g falls, so that no derivative is needed. When g does not fall, step 4

@@ -4,6 +4,7 @@
 //
 //  1. There is one piece for each patch of the scene, in its order. Its box holds the control points in space, and so the
 //     surface, since weights are positive.
+//  2. With SolverUnit::kFace, a piece names its face, and its rectangle is in parameters of the face.
 #pragma once
 
 #include <string_view>
@@ -16,6 +17,7 @@ namespace facetless {
 // `solver`: its name, for messages. `max_bytes`: 0 means no limit. Errors: kLimitExceeded (the pieces need more than
 // `max_bytes`), kCancelled.
 Result<std::vector<SolverPiece>> WholePatches(std::string_view solver, const SolverScene& scene,
-                                              std::uint64_t max_bytes, const Execution& execution);
+                                              std::uint64_t max_bytes, const Execution& execution,
+                                              SolverUnit unit = SolverUnit::kPatch);
 
 }  // namespace facetless

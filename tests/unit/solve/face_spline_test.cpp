@@ -1,4 +1,4 @@
-// De Boor's algorithm over the knots of a face gives the points and the derivatives of its patches.
+// The basis functions over the knots of a face give the points and the derivatives of its patches.
 #include "render/solve/face_spline.h"
 
 #include <gtest/gtest.h>
