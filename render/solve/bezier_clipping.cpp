@@ -73,7 +73,6 @@ SolverStop ClipPatch(const SolverScene& scene, std::uint32_t patch, const Solver
   if (!nets.Load(scene, surface, ray)) return SolverStop::kNoRoot;
   const std::size_t first = state.roots.size();
   const std::size_t most = static_cast<std::size_t>(2 * surface.degree_u * surface.degree_v);
-  ClipAxis axis = ClipAxis::kU;
   while (!nets.empty()) {
     RayNet& net = nets.top();
     TurnLines(net);
@@ -84,25 +83,24 @@ SolverStop ClipPatch(const SolverScene& scene, std::uint32_t patch, const Solver
         state.AddRoot({patch, net.middle_u(), net.middle_v()});
       }
       nets.Pop();
-      axis = ClipAxis::kU;
       continue;
     }
     if (!state.Work()) return SolverStop::kWork;
     ++state.counters.iterations;
+    const ClipAxis axis = net.next;
     const ClipInterval clip = Clip(net, axis);
     if (clip.empty()) {
       nets.Pop();
-      axis = ClipAxis::kU;
       continue;
     }
-    // Halve what the clip has hardly made smaller.
+    net.next = Other(axis);
+    // Halve what the clip has hardly made smaller. Both halves go on with the other axis.
     if (!IsDone(net, axis)) {
       if (clip.size() > kClipShare)
         nets.Halve(axis);
       else
         Restrict(net, axis, clip.low, clip.high);
     }
-    axis = Other(axis);
   }
   return state.roots.size() > first ? SolverStop::kRoot : SolverStop::kNoRoot;
 }
@@ -118,8 +116,8 @@ SolverInfo BezierClippingInfo() {
       "It bounds the parameters of the roots by the convex hulls of distance polynomials, and cuts the patch "
       "down.";
   info.does_not =
-      "Rounding can lose roots on borders and reports some twice; along folds it reports roots that do not "
-      "lie on the ray.";
+      "Rounding loses roots on borders, and some are reported twice; on surfaces that are seen edge-on, "
+      "roots are invented.";
   info.make = Make;
   return info;
 }

@@ -23,11 +23,9 @@
 //  5. Rounding at the border of a clip, or of the patch, can lose a root: a ray through the border of two patches may meet
 //     neither.
 //  6. A root exactly on the border of two halves is reported by both, and a multiple root several times.
-//  7. Where a tangent of a fold passes through the ray, L_u and L_v both run along it, and both distances are nearly zero
-//     although the surface is elsewhere (S. Campagna, P. Slusallek, H.-P. Seidel, "Ray tracing of spline surfaces", 1997,
-//     describe such wrong intersections). The method divides these places thousands of times before it drops them. If the
-//     surface is seen edge-on and its plane holds the ray, it reports them: roots that do not lie on the ray. A patch has
-//     at most 2·degree_u·degree_v simple roots (Bézout's theorem); the search ends with kSteps when it has reported as many.
+//  7. If the surface is seen edge-on and its plane holds the ray, L_u and L_v both lie in the plane, and both distances are
+//     zero everywhere: the method reports roots that do not lie on the ray. A patch has at most 2·degree_u·degree_v simple
+//     roots (Bézout's theorem); the search ends with kSteps when it has reported as many.
 //  8. If the sides of a net cancel or are collapsed, a line has no direction, and the method only halves.
 //  9. The tolerance is one of parameters, so that a root is less exact where the surface moves by more than
 //     kClipSlope pixels per unit of a parameter.

@@ -66,21 +66,6 @@ void KeepUpper(double* rows, int degree, int width, double t) {
     }
 }
 
-void RestrictNumbers(double* numbers, int degree_u, int degree_v, ClipAxis axis, double low, double high) {
-  // Cut off what lies above, then what lies below.
-  const double rest = high > 0 ? std::min(low / high, 1.0) : 0;
-  const int width = degree_v + 1;
-  if (axis == ClipAxis::kU) {
-    if (high < 1) KeepLower(numbers, degree_u, width, high);
-    if (rest > 0) KeepUpper(numbers, degree_u, width, rest);
-    return;
-  }
-  for (int i = 0; i <= degree_u; ++i) {
-    if (high < 1) KeepLower(numbers + i * width, degree_v, 1, high);
-    if (rest > 0) KeepUpper(numbers + i * width, degree_v, 1, rest);
-  }
-}
-
 // The sum of the absolute values that a projected point is computed from: the components of the point and of the eye, seen
 // from the middle of the scene, in pixels. In a perspective view, W is computed from them, too, and is multiplied by the
 // pixel's coordinate.
@@ -124,6 +109,7 @@ bool NetStack::Load(const SolverScene& scene, const SolverPatch& patch, const So
   net.degree_v = patch.degree_v;
   net.u_low = net.v_low = 0;
   net.u_high = net.v_high = 1;
+  net.next = ClipAxis::kU;
   const ViewProjection::Point* points = scene.screen(patch);
   double largest = 0;
   bool finite = true;
@@ -221,6 +207,21 @@ ClipInterval ZeroInterval(const DistanceBand& band, double slack) {
   // ends round.
   const double from = std::max(below.low, above.low), to = std::min(below.high, above.high);
   return {std::min(from, to), std::max(from, to)};
+}
+
+void RestrictNumbers(double* numbers, int degree_u, int degree_v, ClipAxis axis, double low, double high) {
+  // Cut off what lies above, then what lies below.
+  const double rest = high > 0 ? std::min(low / high, 1.0) : 0;
+  const int width = degree_v + 1;
+  if (axis == ClipAxis::kU) {
+    if (high < 1) KeepLower(numbers, degree_u, width, high);
+    if (rest > 0) KeepUpper(numbers, degree_u, width, rest);
+    return;
+  }
+  for (int i = 0; i <= degree_u; ++i) {
+    if (high < 1) KeepLower(numbers + i * width, degree_v, 1, high);
+    if (rest > 0) KeepUpper(numbers + i * width, degree_v, 1, rest);
+  }
 }
 
 void Restrict(RayNet& net, ClipAxis axis, double low, double high) {

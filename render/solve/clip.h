@@ -55,7 +55,9 @@ struct RayNet {
   // 2^-53 of its value: it is small where weights are small, as f and g are.
   double* terms = nullptr;
   double roundings = 0;
-  Vec2 normal_u, normal_v;  // the lines of the last clips, if the method keeps them
+  // If the method keeps them: the lines of the last clips, and the axis of the next one.
+  Vec2 normal_u, normal_v;
+  ClipAxis next = ClipAxis::kU;
   int points() const { return (degree_u + 1) * (degree_v + 1); }
   int degree(ClipAxis axis) const { return axis == ClipAxis::kU ? degree_u : degree_v; }
   // The size of the part along an axis, in parameters of the patch.
@@ -117,5 +119,7 @@ ClipInterval ZeroInterval(const DistanceBand& band, double slack);
 // Cuts the net down to [low, high] of its own parameters along an axis, by de Casteljau's algorithm. Requires 0 ≤ low ≤
 // high ≤ 1.
 void Restrict(RayNet& net, ClipAxis axis, double low, double high);
+// The same for a net of single numbers.
+void RestrictNumbers(double* numbers, int degree_u, int degree_v, ClipAxis axis, double low, double high);
 
 }  // namespace facetless

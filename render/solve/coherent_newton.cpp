@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/solve/clip.h"
+#include "render/solve/patch_cells.h"
 #include "render/solve/patch_jet.h"
 #include "render/solve/whole_patches.h"
 
@@ -31,11 +32,14 @@ void ForEachDifference(const RayNet& net, ClipAxis axis, const Visit& visit) {
 
 class CoherentNewton final : public Solver {
  public:
-  CoherentNewton(const SolverScene& scene, std::vector<SolverPiece> pieces)
-      : scene_(scene), pieces_(std::move(pieces)), most_points_(MostPoints(scene)) {}
+  CoherentNewton(const SolverScene& scene, std::vector<SolverPiece> pieces, PatchCells cells)
+      : scene_(scene),
+        pieces_(std::move(pieces)),
+        cells_(std::move(cells)),
+        most_points_(MostPoints(scene)) {}
 
   std::span<const SolverPiece> pieces() const override { return pieces_; }
-  std::uint64_t bytes() const override { return pieces_.size() * sizeof(SolverPiece); }
+  std::uint64_t bytes() const override { return pieces_.size() * sizeof(SolverPiece) + cells_.bytes(); }
   std::unique_ptr<SolverState> MakeState() const override {
     return std::make_unique<CoherentNewtonState>(most_points_, scene_.patches().size());
   }
@@ -44,6 +48,11 @@ class CoherentNewton final : public Solver {
   void Solve(const SolverRay& ray, const SolverStart& start, SolverState& base) const override {
     auto& state = static_cast<CoherentNewtonState&>(base);
     ++state.counters.solves;
+    const CellBlock block = cells_.Around(start.surface, ray.x, ray.y);
+    if (block.empty()) {
+      ++state.missed;
+      return state.End(SolverStop::kNoRoot);
+    }
     CoherentNewtonState::Kept& kept = state.kept[start.surface];
     if (kept.row != state.row) {
       ++state.first;
@@ -51,7 +60,7 @@ class CoherentNewton final : public Solver {
       // Look for a second root, then iterate from the root of the neighbour.
       const SolverPatch& patch = scene_.patches()[start.surface];
       if (!state.Work()) return state.End(SolverStop::kWork);
-      if (!state.nets.Load(scene_, patch, ray) || !HasAtMostOneRoot(state.nets.top())) {
+      if (!IsUnobstructed(patch, ray, block, state)) {
         ++state.obstructed;
       } else if (Iterate(ray, patch, kept, state)) {
         ++state.by_newton;
@@ -68,6 +77,16 @@ class CoherentNewton final : public Solver {
   }
 
  private:
+  // The test of law 3.
+  bool IsUnobstructed(const SolverPatch& patch, const SolverRay& ray, const CellBlock& block,
+                      CoherentNewtonState& state) const {
+    if (!state.nets.Load(scene_, patch, ray)) return false;
+    RayNet& net = state.nets.top();
+    Restrict(net, ClipAxis::kU, block.u_low(), block.u_high());
+    Restrict(net, ClipAxis::kV, block.v_low(), block.v_high());
+    return HasAtMostOneRoot(net);
+  }
+
   // Newton's method from `at`. Returns true, with the root in `at`, if it arrives.
   bool Iterate(const SolverRay& ray, const SolverPatch& patch, CoherentNewtonState::Kept& at,
                CoherentNewtonState& state) const {
@@ -113,6 +132,7 @@ class CoherentNewton final : public Solver {
 
   const SolverScene& scene_;
   std::vector<SolverPiece> pieces_;
+  PatchCells cells_;
   int most_points_;
 };
 
@@ -120,7 +140,13 @@ Result<std::unique_ptr<const Solver>> Make(const SolverScene& scene, std::uint64
                                            const Execution& execution) {
   Result<std::vector<SolverPiece>> pieces = WholePatches(kName, scene, max_bytes, execution);
   if (!pieces.ok()) return pieces.error();
-  return std::unique_ptr<const Solver>(std::make_unique<CoherentNewton>(scene, std::move(pieces).value()));
+  const std::uint64_t used = pieces.value().size() * sizeof(SolverPiece);
+  Result<PatchCells> cells =
+      PatchCells::Make(scene, max_bytes == 0 ? 0 : std::max<std::uint64_t>(max_bytes - used, 1), execution);
+  if (!cells.ok() && cells.error().code == ErrorCode::kLimitExceeded) return PiecesTooLarge(kName, max_bytes);
+  if (!cells.ok()) return cells.error();
+  return std::unique_ptr<const Solver>(
+      std::make_unique<CoherentNewton>(scene, std::move(pieces).value(), std::move(cells).value()));
 }
 
 }  // namespace

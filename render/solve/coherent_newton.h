@@ -15,21 +15,24 @@
 //     g = Y − y·W = 0 with Cramer's rule, until the point lies within tolerance_px of the ray, and then takes one more step.
 //     If it does not within kMostCoherentSteps steps, leaves the patch, or meets a singular Jacobian, it has failed.
 //  3. Newton's root must be the first one on the patch. The paper asks whether something obstructs it. The test used here
-//     is: let p be the differences of the net (f, g) along u, and q those along v. If Cross(p, q) has the same sign for all
-//     pairs, then f and g together are zero at one point of the patch at most, because the difference of two points is a
-//     sum of such p and q with factors of one sign each, and p and q are never parallel. So nothing on the patch is in
-//     front of the root, or behind it. The test takes two rounds through the net: of each set only the two outermost
-//     vectors matter. It does not depend on Newton's root, and is made first.
-//  4. Bézier clipping answers where the test does not pass (patches that fold or bend much on the screen), or where Newton's
+//     shows that nothing else on the patch lies on the ray at all, so that a root behind it, which counts if the first one is
+//     trimmed away, is not missed either. First, the patch is cut down to the block of its cells whose boxes on the screen
+//     hold the ray (render/solve/patch_cells.h). Then, let p be the differences of the net (f, g) of this block along u, and
+//     q those along v. If Cross(p, q) has the same sign for all pairs, f and g together are zero at one point of the block at
+//     most, because the difference of the values at two points is a sum of such p and q with factors of one sign each, and
+//     p and q are never parallel. Of each set only the two outermost vectors matter. The test does not depend on Newton's
+//     root, and is made first.
+//  4. Bézier clipping answers where the test does not pass (near folds, and where two parts of the patch are behind each other), or where Newton's
 //     method has failed.
-//  5. The state of a thread has a root for each patch, with the stamp of the row in which it was found. BeginRow takes a new
+//  5. A ray that passes beside the boxes of all cells has no root.
+//  6. The state of a thread has a root for each patch, with the stamp of the row in which it was found. BeginRow takes a new
 //     stamp, so that it costs the same for any number of patches.
 //
 // What the method does not promise:
 //
-//  6. It has the weaknesses of Bézier clipping wherever that answers, among them the first root of each row.
-//  7. The test of law 3 is not rounded with bounds, and nothing is proven.
-//  8. The root of a ray depends on its neighbours on the left, within the tolerance.
+//  7. It has the weaknesses of Bézier clipping wherever that answers, among them the first root of each row.
+//  8. The test of law 3 is not rounded with bounds, and nothing is proven.
+//  9. The root of a ray depends on its neighbours on the left, within the tolerance.
 #pragma once
 
 #include <cstdint>
@@ -51,9 +54,9 @@ struct CoherentNewtonState final : ClipState {
   };
   std::vector<Kept> kept;  // of each patch
   std::uint64_t row = 1;   // the stamp of the present row
-  // How solves were answered: without a root of a neighbour; by Newton's method; by clipping because a second root could
+  // How solves were answered: by the boxes of the cells; without a root of a neighbour; by Newton's method; by clipping because a second root could
   // not be excluded, and because Newton's method failed.
-  std::uint64_t first = 0, by_newton = 0, obstructed = 0, failed = 0;
+  std::uint64_t missed = 0, first = 0, by_newton = 0, obstructed = 0, failed = 0;
 };
 
 SolverInfo CoherentNewtonInfo();

@@ -24,6 +24,10 @@ constexpr double kNoise = 8;
 // angle is below the same number.
 constexpr double kPoor = 0.25;
 
+// The most that a shift by rounding makes parts of roots larger. At a double root, it is the square root of the error.
+constexpr double kMostShift = 0x1p-24;
+// Parts that are not farther apart than this, and twice their size, stand for the same root.
+constexpr double kSameRoot = 0x1p-44;
 // The roundings of a parameter, which is the sum of the cuts.
 constexpr double kParameterRoundings = 16;
 
@@ -130,11 +134,13 @@ class RobustClipping final : public Solver {
         if (!state.Work()) return SolverStop::kWork;
         // The finest part is as exact as parameters can be.
         const double allowed = (finest ? std::max(largest, kNoise * error) : kNoise * error) / nets.scale();
-        const Candidate candidate = Judge(surface, ray, net, largest / nets.scale(), allowed);
+        const PatchJet<3> jet = EvaluatePatch<3>(&scene_.screen(surface)->x, surface.degree_u,
+                                                 surface.degree_v, net.middle_u(), net.middle_v());
+        const Candidate candidate = Judge(jet, ray, largest / nets.scale(), allowed);
         if (candidate != Candidate::kLarge) {
           if (candidate == Candidate::kRoot) {
             if (found == most) return SolverStop::kSteps;
-            state.found[found++] = {net.u_low, net.u_high, net.v_low, net.v_high};
+            state.found[found++] = PartOf(net, jet, ray, error / nets.scale());
             state.AddRoot({patch, net.middle_u(), net.middle_v()});
           }
           off = off || candidate == Candidate::kOff;
@@ -175,12 +181,9 @@ class RobustClipping final : public Solver {
     nets.Halve(longer);
   }
 
-  // Evaluates the surface at the middle of a part (law 4). `largest` is that of the net, and `allowed` is how far rounding
-  // may move it, in pixels times W.
-  Candidate Judge(const SolverPatch& surface, const SolverRay& ray, const RayNet& net, double largest,
-                  double allowed) const {
-    const PatchJet<3> jet = EvaluatePatch<3>(&scene_.screen(surface)->x, surface.degree_u, surface.degree_v,
-                                             net.middle_u(), net.middle_v());
+  // Judges the point of the surface at the middle of a part (law 4). `largest` is that of the net, and `allowed` is how far
+  // rounding may move it, in pixels times W.
+  static Candidate Judge(const PatchJet<3>& jet, const SolverRay& ray, double largest, double allowed) {
     const double w = std::fabs(jet.value[2]);
     const auto off = [&](const std::array<double, 3>& p) {
       return std::max(std::fabs(p[0] - ray.x * p[2]), std::fabs(p[1] - ray.y * p[2]));
@@ -192,9 +195,23 @@ class RobustClipping final : public Solver {
     return jet.value[2] > 0 ? Candidate::kRoot : Candidate::kBehind;
   }
 
+  // The part of a root, and around it what rounding makes of the root: the error, as a shift of the parameters.
+  static FoundPart PartOf(const RayNet& net, const PatchJet<3>& jet, const SolverRay& ray, double error) {
+    const double fu = jet.du[0] - ray.x * jet.du[2], fv = jet.dv[0] - ray.x * jet.dv[2];
+    const double gu = jet.du[1] - ray.y * jet.du[2], gv = jet.dv[1] - ray.y * jet.dv[2];
+    const double shift = error / std::fabs(fu * gv - fv * gu);
+    // The comparisons also hold for what is not a number.
+    const auto bounded = [](double x) { return x < kMostShift ? x : kMostShift; };
+    const double du = bounded(kNoise * shift * (std::fabs(fv) + std::fabs(gv)));
+    const double dv = bounded(kNoise * shift * (std::fabs(fu) + std::fabs(gu)));
+    return {net.u_low - du, net.u_high + du, net.v_low - dv, net.v_high + dv};
+  }
+
   // Whether the part touches that of an earlier root, which then stands for both.
   static bool Known(const RayNet& net, std::vector<FoundPart>& parts, std::size_t count) {
-    const double margin_u = kFinest + net.size(ClipAxis::kU), margin_v = kFinest + net.size(ClipAxis::kV);
+    // Clips of what rounding leaves of a root may take out pieces between two parts.
+    const double margin_u = kSameRoot + 2 * net.size(ClipAxis::kU),
+                 margin_v = kSameRoot + 2 * net.size(ClipAxis::kV);
     for (std::size_t i = 0; i < count; ++i) {
       FoundPart& part = parts[i];
       if (net.u_low > part.u_high + margin_u || net.u_high < part.u_low - margin_u) continue;

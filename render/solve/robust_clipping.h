@@ -18,7 +18,7 @@
 //  4. The end. A part is a candidate when it is small in parameters (kRobustParameters) and on the screen (half of
 //     tolerance_px), or when it is smaller than its rounding error and cannot be divided further with any sense. The
 //     candidate is its middle, and a root if the surface, evaluated there, lies within the tolerance of the ray.
-//  5. Equivalent intersections. A candidate whose part touches the part of an earlier root is the same root: one on the
+//  5. Equivalent intersections. A candidate whose part (nearly) touches the part of an earlier root is the same root: one on the
 //     border of two halves, a double root, or a pole that all of a collapsed edge describes. It is reported once.
 //
 // The paper's preparation of NURBS surfaces, its hierarchy of boxes, and its trimming are not part of this file: all methods
@@ -30,9 +30,8 @@
 //     than tolerance_px (patches of more than about 10^6 pixels, steep weights), roots are only as exact as that; they are
 //     reported nevertheless. Rays that miss the surface by less than the rounding error may be reported as hits. At a
 //     root of multiplicity n, parameters are only as exact as the n-th root of the rounding error.
-//  7. Two roots that rounding cannot distinguish, or whose parameters are equal to 2^-49, are one.
-//  8. If a whole curve of the surface lies on the ray (a surface that is seen edge-on), the search ends with kSteps at the
-//     number of simple roots that a patch can have, 2·degree_u·degree_v, or with kWork.
+//  7. Two roots that rounding cannot distinguish, or whose parameters are equal to 2^-44, are one.
+//  8. If a whole curve of the surface lies on the ray (a surface that is seen edge-on), the work limit ends the search.
 #pragma once
 
 #include "render/solve/solver.h"

@@ -20,4 +20,7 @@ Result<std::vector<SolverPiece>> WholePatches(std::string_view solver, const Sol
                                               std::uint64_t max_bytes, const Execution& execution,
                                               SolverUnit unit = SolverUnit::kPatch);
 
+// The error of a method whose preparation needs more than the limit.
+Error PiecesTooLarge(std::string_view solver, std::uint64_t max_bytes);
+
 }  // namespace facetless

