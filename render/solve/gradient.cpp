@@ -139,7 +139,7 @@ Result<std::unique_ptr<const Solver>> MakeGradient(const SolverScene& scene, std
 SolverInfo GradientInfo() {
   return {
       .name = kName,
-      .title = "gradient method",
+      .title = "Gradient method",
       .source = "A. Sisojevs, 3D scene rendering, 2011, equations 1 to 4",
       .does =
           "Descends the squared distance from the ray on the screen along its gradient, from one preliminary "

@@ -110,7 +110,7 @@ Result<std::unique_ptr<const Solver>> MakeSteepestDescent(const SolverScene& sce
 SolverInfo SteepestDescentInfo() {
   return {
       .name = kName,
-      .title = "steepest descent",
+      .title = "Steepest descent",
       .source = "A. Sisojevs, 3D scene rendering, 2011, equations 7 to 9",
       .does =
           "Descends the squared distance from the ray on a B-spline as a whole, and keeps a direction while "

@@ -153,7 +153,12 @@ std::string MethodsText() {
   for (const Method* method : Methods()) {
     text += method->name + "  (" + method->title + ")\n";
     const auto line = [&](const char* label, const std::string& sentence) {
-      if (!sentence.empty()) text += Wrapped(std::string("    ") + label + ": " + sentence) + "\n";
+      if (sentence.empty()) return;
+      // Wrapped lines are indented.
+      text += "    ";
+      for (const char c : Wrapped(std::string(label) + ": " + sentence))
+        text += c == '\n' ? std::string("\n      ") : std::string(1, c);
+      text += '\n';
     };
     line("what it does", method->help);
     line("source", method->source);
