@@ -27,9 +27,11 @@ struct Trial {
 // A method whose first run takes more than this is not run again.
 constexpr double kSlowMs = 10'000;
 
-// The starts that the thesis describes for a method: the map as published.
-SolverOptions PublishedOptions(const SolverInfo& info) {
+// The starts that the thesis describes for a method, the map as published, unless the table says others.
+SolverOptions PublishedOptions(const ThesisMethod& method, const SolverInfo& info) {
   SolverOptions options;
+  options.starts = method.starts;
+  if (options.starts) return options;
   options.starts = info.starts == SolverStarts::kMap ? SolverStarts::kPublishedMap : info.starts;
   return options;
 }
@@ -58,6 +60,12 @@ Result<std::string> FirstRun(const Scene& scene, const Camera& camera, const Exe
   if (!run.ok() && run.error().code == ErrorCode::kCancelled) return run.error();
   if (!run.ok()) return run.error().message;
   return std::string();
+}
+
+// The published share of a method; nothing if the thesis does not have it.
+std::optional<double> PublishedShare(const ThesisTable& table, std::size_t method, std::size_t scene) {
+  if (table.methods[method].published.empty()) return std::nullopt;
+  return table.methods[method].published[scene] / table.methods[table.base].published[scene];
 }
 
 double PerRay(const ThesisFigures& figures, std::uint64_t count) {
@@ -94,15 +102,14 @@ std::string Work(const ThesisFigures& figures) {
 std::string Difference(const ThesisTable& table, const ThesisScene& scene, std::size_t scene_index,
                        std::size_t method_index) {
   const ThesisFigures &figures = scene.methods[method_index], &base = scene.methods[table.base];
-  const double published =
-      table.methods[method_index].published[scene_index] / table.methods[table.base].published[scene_index];
+  const std::optional<double> published = PublishedShare(table, method_index, scene_index);
   const double preparing = 1 - figures.trace_ms / figures.total_ms;
   const std::uint64_t unresolved = figures.errors.count(HitError::kUnresolved);
   // Preparation is worth a word if it takes more than this.
   constexpr double kMuch = 0.2;
   std::string text = scene.name + ", " + figures.title + ": " + Percent(figures.total_ms / base.total_ms) +
-                     " instead of the published " + Percent(published) + ", because a ray takes " +
-                     Work(figures) + ", and with " + base.title + " " + Work(base);
+                     (published ? " instead of the published " + Percent(*published) : std::string()) +
+                     ", because a ray takes " + Work(figures) + ", and with " + base.title + " " + Work(base);
   if (unresolved > 0) text += "; " + std::to_string(unresolved) + " rays end at the limit of their work";
   if (preparing > kMuch) text += "; preparation is " + Percent(preparing) + " of the time";
   return text + ".";
@@ -121,11 +128,11 @@ Table TimeTable(const ThesisTable& table, const std::vector<ThesisScene>& scenes
     for (std::size_t s = 0; s < scenes.size(); ++s) {
       const ThesisFigures &figures = scenes[s].methods[m], &base = scenes[s].methods[table.base];
       if (row.empty()) row.push_back(figures.title);
-      const double published = table.methods[m].published[s] / table.methods[table.base].published[s];
+      const std::optional<double> published = PublishedShare(table, m, s);
       const bool exists = figures.missing.empty();
       row.insert(row.end(), {exists ? MillisecondsText(figures.total_ms) : "-",
                              exists && base.missing.empty() ? Percent(figures.total_ms / base.total_ms) : "-",
-                             Percent(published)});
+                             published ? Percent(*published) : "-"});
     }
     times.rows.push_back(std::move(row));
   }
@@ -226,14 +233,15 @@ std::vector<ThesisTable> ThesisTables() {
                     {{"steepest-descent", {17.683}}, {"gradient", {24.533}}, {"martin", {25.267}}},
                     {{"skull and pathology", SkullAndPathology()}}});
   // Seconds.
-  tables.push_back(
-      {5,
-       "NURBS surfaces",
-       512,
-       512,
-       1,
-       {{"newton-cramer", {5.578, 9.000, 4.297, 1.890}}, {"martin", {6.437, 11.860, 5.422, 2.203}}},
-       PatchScenes()});
+  tables.push_back({5,
+                    "NURBS surfaces",
+                    512,
+                    512,
+                    1,
+                    {{"newton-cramer", {5.578, 9.000, 4.297, 1.890}},
+                     {"martin", {6.437, 11.860, 5.422, 2.203}},
+                     {"newton-cramer", {}, SolverStarts::kPieces}},
+                    PatchScenes()});
   return tables;
 }
 
@@ -264,7 +272,10 @@ Result<ThesisScene> MeasureThesisScene(const ThesisTable& table, const NamedScen
       continue;
     }
     figures.title = trial.info->title;
-    trial.options = PublishedOptions(*trial.info);
+    trial.options = PublishedOptions(table.methods[m], *trial.info);
+    if (table.methods[m].starts)
+      figures.title +=
+          std::string(", ") + kSolverStartsNames[static_cast<std::size_t>(*table.methods[m].starts)];
     Result<std::string> missing = FirstRun(scene, camera.value(), one, &trial);
     if (!missing.ok()) return missing.error();
     figures.missing = std::move(missing).value();
@@ -321,8 +332,9 @@ Json ThesisJson(const ThesisTable& table, const std::vector<ThesisScene>& scenes
     Json methods = Json::array();
     for (std::size_t m = 0; m < scene.methods.size(); ++m) {
       const ThesisFigures& figures = scene.methods[m];
-      const double published = table.methods[m].published[s] / table.methods[table.base].published[s];
-      Json row = {{"method", figures.name}, {"published_share", published}};
+      const std::optional<double> published = PublishedShare(table, m, s);
+      Json row = {{"method", figures.name},
+                  {"published_share", published ? Json(*published) : Json(nullptr)}};
       if (!figures.missing.empty()) {
         row["missing"] = figures.missing;
         methods.push_back(std::move(row));

@@ -31,8 +31,10 @@ namespace facetless {
 
 struct ThesisMethod {
   std::string name;
-  // The published time for each scene of the table, in the unit of that scene.
-  std::vector<double> published;
+  // The published time for each scene of the table, in the unit of that scene. Empty: the thesis does not have this
+  // variant, which is there to tell what the difference comes from.
+  std::vector<double> published = {};
+  std::optional<SolverStarts> starts = {};  // nothing: those that the thesis describes
 };
 
 struct ThesisTable {

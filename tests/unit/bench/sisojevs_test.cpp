@@ -21,7 +21,9 @@ TEST(ThesisTables, HaveThePublishedMethodsAndShares) {
     numbers.insert(table.number);
     EXPECT_EQ(table.width, table.number == 2 ? 640 : 512);
     for (const ThesisMethod& method : table.methods)
-      EXPECT_EQ(method.published.size(), table.scenes.size()) << method.name;
+      EXPECT_TRUE(method.published.size() == table.scenes.size() ||
+                  (method.published.empty() && method.starts == SolverStarts::kPieces))
+          << method.name;
     for (const NamedScene& scene : table.scenes) {
       EXPECT_TRUE(Validate(scene.model).ok()) << scene.name;
       // Only table 5 is about rational surfaces.
