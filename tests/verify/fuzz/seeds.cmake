@@ -1,6 +1,6 @@
 # cmake -DIMPORTER=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: writes the seeds of the fuzz targets,
 # made from the project's own samples.
-file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/views ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http)
+file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/views ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http ${OUTPUT}/voxel_file)
 file(COPY ${SAMPLES}/sphere.step ${SAMPLES}/trimmed.iges ${SAMPLES}/broken/mesh.stl DESTINATION ${OUTPUT})
 file(RENAME ${OUTPUT}/sphere.step ${OUTPUT}/step_text/sphere.step)
 file(RENAME ${OUTPUT}/trimmed.iges ${OUTPUT}/iges_text/trimmed.iges)
@@ -29,3 +29,10 @@ string(LENGTH "${body}" length)
 file(WRITE ${OUTPUT}/http/json "POST /v1/renders HTTP/1.1${end}${host}Content-Type: application/json${end}Authorization: Bearer facetless_0_0${end}traceparent: 00-0123456789abcdef0123456789abcdef-0123456789abcdef-01${end}Content-Length: ${length}${end}${end}${body}")
 file(WRITE ${OUTPUT}/http/chunked "POST /v1/models?name=a.step HTTP/1.1${end}${host}Content-Type: application/octet-stream${end}Transfer-Encoding: chunked${end}${end}5${end}ISO-1${end}3;x=y${end}030${end}0${end}${end}")
 file(WRITE ${OUTPUT}/http/expect "POST /v1/models HTTP/1.1${end}${host}Expect: 100-continue${end}Content-Type: application/octet-stream${end}Content-Encoding: gzip${end}Content-Length: 4${end}${end}abcd")
+# Voxel files of a few voxels. The bytes of the octree and of the column are letters, since CMake writes no zeros: the target
+# completes the header of an octree.
+file(WRITE ${OUTPUT}/voxel_file/labels.nrrd "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\nabcdefgh")
+file(WRITE ${OUTPUT}/voxel_file/labels.vti "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" header_type=\"UInt64\"><ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><CellData><DataArray type=\"UInt8\" Name=\"material\" format=\"appended\" offset=\"0\"/></CellData></ImageData><AppendedData encoding=\"raw\">_12345678a</AppendedData></VTKFile>")
+string(REPEAT "a" 80 letters)
+file(WRITE ${OUTPUT}/voxel_file/tree.oct "FLVXOCT\n${letters}")
+file(WRITE ${OUTPUT}/voxel_file/column.vxl "${letters}${letters}")

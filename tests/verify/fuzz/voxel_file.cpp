@@ -1,0 +1,47 @@
+// Fuzz target: voxel files of all formats. A file that can be read is walked through, encoded in all ways, and counted.
+#include <cstring>
+#include <vector>
+
+#include "render/voxels/file_bytes.h"
+#include "render/voxels/octree_model.h"
+#include "render/voxels/voxel_file.h"
+#include "render/voxels/voxel_walk.h"
+#include "tests/verify/fuzz/target.h"
+
+namespace facetless {
+namespace {
+
+// Gives an octree's file the length and the checksum of its tree, so that mutants reach the reader of trees.
+void Seal(std::vector<std::uint8_t>& bytes) {
+  constexpr std::size_t kLengthAt = 56, kTreeAt = 72;
+  if (bytes.size() < kTreeAt) return;
+  const std::uint64_t numbers[2] = {bytes.size() - kTreeAt, Checksum(std::span(bytes).subspan(kTreeAt))};
+  std::memcpy(bytes.data() + kLengthAt, numbers, sizeof numbers);
+}
+
+}  // namespace
+}  // namespace facetless
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace facetless;
+  static const InputFile file;
+  constexpr std::uint64_t kMemory = 1 << 20;
+  std::vector<std::uint8_t> bytes(data, data + size);
+  Seal(bytes);
+  const std::string path = file.Write(bytes.data(), bytes.size());
+  for (const VoxelFormat& format : VoxelFormats()) {
+    const Result<VoxelFile> read = format.read(path, kMemory);
+    if (!read.ok()) continue;
+    const VoxelModel& model = *read.value().model;
+    // Wide models of few voxels take long to encode.
+    if (model.box().volume() > kMemory) continue;
+    const auto octree = Converted(model, "octree", kMemory * 64);
+    Require(octree.ok() && SameVoxels(model, *octree.value()) && octree.value()->Count() == model.Count());
+    VoxelRay ray;
+    if (!ray.Enter({-1, 0.5, 0.5}, {1, 0.25, 0.125}, 0, model.size())) continue;
+    WalkCounters counters;
+    const VoxelHit hit = WalkDescent(dynamic_cast<const OctreeModel&>(*octree.value()), ray, {}, &counters);
+    Require(!hit.hit() || model.Get(hit.at.x, hit.at.y, hit.at.z) == hit.voxel);
+  }
+  return 0;
+}
