@@ -173,6 +173,16 @@ CLI::App* AddMethodsCommand(CLI::App& app, CommandArguments& arguments) {
   return methods;
 }
 
+CLI::App* AddVoxelizeCommand(CLI::App& app, CommandArguments& arguments) {
+  CLI::App* voxelize =
+      AddFileCommand(app, "voxelize", "Write the voxels of the exact solids: .oct, .vxl, .raw, .nrrd, .vti",
+                     kVoxelizeFooter, arguments);
+  voxelize->add_option("--out", arguments.out, "The file to write; its suffix selects the format")
+      ->required()
+      ->type_name("FILE");
+  return voxelize;
+}
+
 // The subcommands of keys.
 struct KeyCommands {
   CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
@@ -262,12 +272,7 @@ int RunCommandLine(int argc, char** argv) {
   CLI::App* trade = AddFileCommand(app, "trade", "Measure the speed of both tracers against their accuracy",
                                    kTradeFooter, arguments);
   CLI::App* methods = AddMethodsCommand(app, arguments);
-  CLI::App* voxelize =
-      AddFileCommand(app, "voxelize", "Write the voxels of the exact solids: .oct, .vxl, .raw, .nrrd, .vti",
-                     kVoxelizeFooter, arguments);
-  voxelize->add_option("--out", arguments.out, "The file to write; its suffix selects the format")
-      ->required()
-      ->type_name("FILE");
+  CLI::App* voxelize = AddVoxelizeCommand(app, arguments);
   CLI::App* bench =
       app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
   bench->footer(kBenchFooter);

@@ -570,6 +570,7 @@ OptionTable VoxelRows() {
        .low = 2,
        .high = kMostVoxelsPerAxis,
        .usual = 256,
+       .owner = OptionOwner::kCommandLine,
        .excludes = {"pitch_mm"},
        .binding = Bound([](auto& o) -> auto& { return o.voxels.resolution; })},
       {.name = "pitch_mm",
@@ -580,6 +581,7 @@ OptionTable VoxelRows() {
        .help = "Side of a voxel in mm, instead of --resolution",
        .low = kAboveZero,
        .high = 1e12,
+       .owner = OptionOwner::kCommandLine,
        .binding = Bound([](auto& o) -> auto& { return o.voxels.pitch_mm; })},
       {.name = "fill",
        .kind = OptionKind::kChoice,
@@ -591,6 +593,7 @@ OptionTable VoxelRows() {
                "(26- or 6-separating)",
        .choices = {kVoxelFillNames.begin(), kVoxelFillNames.end()},
        .usual = "solid",
+       .owner = OptionOwner::kCommandLine,
        .binding = Bound([](auto& o) -> auto& { return o.voxels.fill; })},
   };
 }

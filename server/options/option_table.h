@@ -50,9 +50,10 @@ inline constexpr Commands kInspect = 1, kContinuity = 2, kRender = 4, kMesh = 8,
 inline constexpr Commands kManifest = 256;
 
 enum class OptionOwner {
-  kCaller,    // the option is accepted on the command line and in HTTP requests
-  kOperator,  // the option concerns the machine; the operator of the service sets it for HTTP requests
-  kPart,      // in HTTP requests, it is a part of the multipart body
+  kCaller,       // the option is accepted on the command line and in HTTP requests
+  kOperator,     // the option concerns the machine; the operator of the service sets it for HTTP requests
+  kPart,         // in HTTP requests, it is a part of the multipart body
+  kCommandLine,  // the option belongs to a command that the service does not have
 };
 
 // Stores the value of an option in RunOptions, and reads it back.

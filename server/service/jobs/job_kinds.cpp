@@ -89,6 +89,8 @@ Result<void> CheckOptionNames(const JobKindRow& row, const nlohmann::json& optio
                       "; the options of " + Collection(row) + " are " + Joined(taken));
     if (option->owner == OptionOwner::kOperator)
       return BadUsage(option->name + " is not an option of a request; the operator of the service sets it");
+    if (option->owner == OptionOwner::kCommandLine)
+      return BadUsage(option->name + " is not an option of a request; it is one of the command line alone");
     if (option->owner == OptionOwner::kPart)
       return BadUsage(option->name + " is not an option of a request; it is a part of the body, which " +
                       PathsOf(*option) + " takes");

@@ -25,10 +25,11 @@ std::string TranslateToHttpTerms(const std::string& sentence) {
     }
     const std::string flag = sentence.substr(i, end - i);
     const OptionRow* row = FindOption(flag.substr(2));
-    text += row == nullptr                         ? flag
-            : row->owner == OptionOwner::kCaller   ? row->name
-            : row->owner == OptionOwner::kOperator ? "the service's own option " + flag
-                                                   : "the part " + row->name;
+    text += row == nullptr                            ? flag
+            : row->owner == OptionOwner::kCaller      ? row->name
+            : row->owner == OptionOwner::kOperator    ? "the service's own option " + flag
+            : row->owner == OptionOwner::kCommandLine ? flag
+                                                      : "the part " + row->name;
     i = end;
   }
   return text;

@@ -94,6 +94,10 @@ TEST(JobKinds, TakeTheOptionsOfTheirCommandAndRefuseTheOthersByName) {
         EXPECT_THAT(said, HasSubstr("the operator of the service sets it"));
         continue;
       }
+      if (option.owner == OptionOwner::kCommandLine) {
+        EXPECT_THAT(said, HasSubstr("of the command line alone"));
+        continue;
+      }
       // The message must name the addresses that accept the option.
       for (const JobKindRow& other : JobKinds())
         if ((other.commands & option.commands) != 0)

@@ -97,9 +97,9 @@ TEST_F(WithBox, TradeMeasuresEverySetting) {
 
 TEST_F(WithBox, WhatCannotBeMadeIsSaid) {
   EXPECT_THAT(Run({"--help"}).out, Not(HasSubstr("box:")));
-  EXPECT_THAT(Run({"compare", "--help"}).out, HasSubstr("box:NUMBER, fast"));
+  EXPECT_THAT(Run({"compare", "--help"}).out, HasSubstr("bezier-clipping, box:NUMBER, certified,"));
   for (const auto& [with, sentence] :
-       {std::pair{"voxel", "there is no method 'voxel'; there are: box, fast"},
+       {std::pair{"voxel", "there is no method 'voxel'; there are: bezier-clipping, box:NUMBER, certified,"},
         {"fast:2", "the method 'fast' takes no number; write 'fast' instead of 'fast:2'"},
         {"box:", "'box:' names no number of size, per cent; write for example 'box:50'"},
         {"box:50,box:5e1", "with lists \"box:50\" twice"},
