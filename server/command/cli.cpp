@@ -183,6 +183,16 @@ CLI::App* AddVoxelizeCommand(CLI::App& app, CommandArguments& arguments) {
   return voxelize;
 }
 
+CLI::App* AddStoreCheckCommand(CLI::App& app, CommandArguments& arguments) {
+  CLI::App* store = app.add_subcommand("store", "Check the data directory of the service");
+  store->require_subcommand(1);
+  CLI::App* store_check = store->add_subcommand(
+      "check", "Verify that the database and the files agree, while the service is stopped (JSON)");
+  store_check->footer(kStoreCheckFooter);
+  store_check->add_option("DIR", arguments.file, "Data directory")->required();
+  return store_check;
+}
+
 // The subcommands of keys.
 struct KeyCommands {
   CLI::App *create = nullptr, *list = nullptr, *revoke = nullptr;
@@ -285,12 +295,7 @@ int RunCommandLine(int argc, char** argv) {
   ServeConfig serve(serve_command);
   KeyArguments key;
   const KeyCommands keys = AddKeyCommands(app, key);
-  CLI::App* store = app.add_subcommand("store", "Check the data directory of the service");
-  store->require_subcommand(1);
-  CLI::App* store_check = store->add_subcommand(
-      "check", "Verify that the database and the files agree, while the service is stopped (JSON)");
-  store_check->footer(kStoreCheckFooter);
-  store_check->add_option("DIR", arguments.file, "Data directory")->required();
+  CLI::App* store_check = AddStoreCheckCommand(app, arguments);
 
   // Add their options.
   for (CLI::App* command : {render, compare, trade})
