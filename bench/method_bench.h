@@ -2,14 +2,14 @@
 //
 //     const Result<MethodReference> reference = MakeMethodReference(scene, camera, execution);
 //     for (const MethodTrial& trial : MethodTrials(choices))
-//       figures.push_back(MeasureMethod(scene, reference.value(), trial, options));
-//     Print(TableText(MethodTable(figures), TableStyle::kText));
+//       figures.push_back(MeasureMethod(scene, reference.value(), trial, options).value());
+//     Print(TableText(MethodTable("part.step", figures), TableStyle::kText));
 //
-//  1. All times are those of one thread, for a view of one sample per pixel, without light. A run that takes less than a
-//     second is repeated, and the median is reported.
+//  1. All times are those of one thread, for a view of one sample per pixel, without light. A method is run three times,
+//     or until a run takes more than a second, and the median is reported.
 //  2. A method that may start at the map of preliminary values is measured with the map of 8 bits, with the wide map, and
 //     with the pieces that a structure finds.
-//  3. A method that cannot take the model is listed with the reason.
+//  3. A method that cannot trace the model is listed with the reason.
 #pragma once
 
 #include <optional>
@@ -43,13 +43,13 @@ std::vector<MethodTrial> MethodTrials(const std::vector<MethodChoice>& choices);
 
 struct MethodFigures {
   MethodTrial trial;
-  std::string missing;  // why there are no figures; empty: there are
+  std::string missing;  // why there are no figures; empty if there are
   int repetitions = 0;
   double prepare_ms = 0, trace_ms = 0;
   std::uint64_t rays = 0, hits = 0, solves = 0, iterations = 0, bytes = 0;
   HitErrors errors;
-  // Of a map, among the samples at which the reference has a certified hit: those without a start, and those whose start
-  // lies on another face.
+  // With a map: of the samples at which the reference has a certified hit, those without a start, and those whose start
+  // lies on another face. Nothing without a map.
   std::optional<std::uint64_t> no_start, wrong_start;
 };
 

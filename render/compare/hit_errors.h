@@ -6,10 +6,11 @@
 //
 //  1. A sample is judged if the reference has a certificate for it. The distance of two hits is measured along the
 //     normal of the reference: the difference of the depths times the cosine between the ray and the normal.
-//  2. A hit is *lost* if the method shows nothing, or something farther away; it is *invented* if the reference shows
-//     nothing, or something farther away. Such hits are at least kOtherRootPx pixels apart.
-//  3. A hit is *imprecise* if it is the right one, but off by more than the tolerance that the method states (times
-//     kToleranceSlack, since the surface is curved) and the bound of the reference.
+//  2. A hit is *lost* if the method shows nothing, or a hit farther away. It is *invented* if the reference shows nothing,
+//     or a hit farther away. Two hits count as different if they are at least kOtherRootPx pixels apart: along the normal
+//     if they lie on the same face, and otherwise along the ray.
+//  3. A hit is *imprecise* if it is the right one, but off by more than the sum of the tolerance that the method states
+//     (times kToleranceSlack, since the surface is curved) and the depth error of the reference.
 //  4. A sample is *unresolved* if the method says so itself.
 #pragma once
 
@@ -35,7 +36,7 @@ struct HitErrors {
   int width = 0, height = 0;
   std::vector<HitError> of;  // each sample
   std::array<std::uint64_t, kHitErrorNames.size()> counts{};
-  double largest_px = 0;  // the largest distance among the right hits, in pixels
+  double largest_px = 0;  // the largest distance among the hits without an error, in pixels
 
   std::uint64_t count(HitError error) const { return counts[static_cast<std::size_t>(error)]; }
   // The samples that are wrong, or that the method left open.
@@ -54,9 +55,9 @@ struct HitReference {
 // Requires samples of the same size.
 HitErrors JudgeHits(const HitReference& reference, const SampleBuffer& samples, double tolerance_px);
 
-// Turns the picture, which has a pixel for each sample, grey, and marks each error by a square of 3×3 pixels: lost
+// Turns a picture grey, which has a pixel for each sample, and marks each error by a square of 3×3 pixels: lost
 // vermilion, invented blue, imprecise yellow, unresolved purple (M. Okabe and K. Ito's colours, which colour-blind
-// people tell apart).
+// people can tell apart).
 void MarkHitErrors(const HitErrors& errors, Image8* picture);
 
 }  // namespace facetless

@@ -1,5 +1,5 @@
-// The exact surfaces of a scene, traced with a solver by name (render/trace/solver_trace.h): a representation like the
-// certified one, so that pictures, differences and plots of methods can be made.
+// SolvedSurfaces: the exact surfaces of a scene, traced with a named solver (render/trace/solver_trace.h). It is a
+// representation like the certified one, so that pictures, differences and plots of methods can be made.
 #pragma once
 
 #include <memory>
@@ -30,7 +30,7 @@ class SolvedSurfaces final : public Representation {
   // The errors of TraceWithSolver; kBadUsage (an audit, which only the certified tracer can make).
   Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                            const Execution& execution) const override;
-  // Light is cast on the exact surfaces by proven rays, whatever the method of the view: the solvers trace views only.
+  // The rays of light are those of ExactSurfaces, with their proofs, whatever the solver is: solvers trace views only.
   Result<std::unique_ptr<SecondaryRays>> MakeRays(const SecondaryRaysRequest& request,
                                                   const Execution& execution) const override;
 

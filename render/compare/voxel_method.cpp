@@ -19,8 +19,9 @@ Result<std::unique_ptr<const Representation>> MakeVoxels(const MethodInput& inpu
                  "section: voxels are not cut; leave out section, or the method voxels"};
   const Stopwatch stopwatch;
   if (!(setting >= 2 && setting <= kMostVoxelsPerAxis && setting == std::floor(setting)))
-    return Error{ErrorCode::kBadUsage,
-                 "voxels: the number of voxels along the longest side is a whole number from 2 to 65536"};
+    return Error{
+        ErrorCode::kBadUsage,
+        "voxels: the number of voxels along the longest side must be a whole number from 2 to 65536"};
   const Result<VoxelGrid> grid = GridOfResolution(input.scene.model().bounds, static_cast<int>(setting));
   if (!grid.ok()) return grid.error();
   VoxelizeOptions options;

@@ -1,4 +1,4 @@
-// The method "voxels": a model as voxels of its exact solids (render/voxels/voxelize.h), in an octree.
+// The method "voxels": a model is shown as the voxels of its exact solids (render/voxels/voxelize.h), in an octree.
 #pragma once
 
 #include <memory>
@@ -11,12 +11,12 @@
 
 namespace facetless {
 
-// Voxels that a camera looks at.
+// Voxels as a representation that cameras trace.
 //
-//  1. A ray shows the first filled voxel that it enters, at the depth at which it enters it. Where a pixel is wider than a
-//     voxel, it shows a cube of voxels no larger than the pixel.
-//  2. The normal is that of the surface between filled and empty voxels within kNormalReach voxels, and that of the
-//     entered side where there is none.
+//  1. A ray shows the first filled voxel that it enters, at the depth at which it enters it. Where a pixel is at least two
+//     voxels wide, the ray may show a cube of voxels instead, which is no wider than the pixel.
+//  2. The normal is the mean direction to the empty voxels within kNormalReach voxels along each axis. Where this direction
+//     vanishes or points away from the eye, the normal is that of the side through which the ray entered.
 //  3. Voxels name no faces: a picture has the colours of the faces that the reference shows there.
 class VoxelSurface final : public Representation {
  public:

@@ -12,11 +12,11 @@
 //     with u. The distances are the coefficients of a polynomial. The convex hull of its control points over u meets the
 //     axis in an interval [u_min, u_max], outside of which there is no root; the net is cut down to it (render/solve/clip.h).
 //     The same is done for v with line L_v, and so on in turn.
-//  3. If a clip takes away less than 20 % of the interval, the part may hold several roots: it is halved in this
-//     direction, and both halves are searched, depth first.
-//  4. A part is a root when both its sides are below kClipTolerance and both distances still have zeros: the root is its
-//     middle. A clip leaves at least half of kClipTolerance. A direction that is done is not cut any more, and its sides,
-//     which have no length, no longer turn a line.
+//  3. If a clip takes away less than 20 % of the interval, the part of the patch may hold several roots. It is halved in
+//     this direction, and both halves are searched, depth first.
+//  4. A part whose sides in u and v are both below kClipTolerance is a root if both distances still have zeros: the root is
+//     its middle. A clip leaves at least half of kClipTolerance. A direction in which the part is that small is not cut any
+//     more, and its line keeps the direction that it had, because the sides of the net have no length there.
 //
 // The arithmetic is plain, as in the paper. What the method does not promise:
 //
@@ -25,7 +25,7 @@
 //  6. A root exactly on the border of two halves is reported by both, and a multiple root several times.
 //  7. If the surface is seen edge-on and its plane holds the ray, L_u and L_v both lie in the plane, and both distances are
 //     zero everywhere: the method reports roots that do not lie on the ray. A patch has at most 2·degree_u·degree_v simple
-//     roots (Bézout's theorem); the search ends with kSteps when it has reported as many.
+//     roots (Bézout's theorem); the search ends with kSteps when it would report more.
 //  8. If the sides of a net cancel or are collapsed, a line has no direction, and the method only halves.
 //  9. The tolerance is one of parameters, so that a root is less exact where the surface moves by more than
 //     kClipSlope pixels per unit of a parameter.

@@ -8,7 +8,7 @@
 //       const Vec2 side = SideSum(net, ClipAxis::kV);
 //       const ClipInterval roots = ZeroInterval(Distances(net, ClipAxis::kU, {-side.y, side.x}), 0);
 //       if (roots.empty()) nets.Pop();
-//       else Restrict(net, ClipAxis::kU, roots.low, roots.high);
+//       else Restrict(net, ClipAxis::kU, roots.low, roots.high);  // then the same along v; halve, or report a root
 //     }
 //
 //  1. A net has two numbers for each control point: f = X − x·W and g = Y − y·W of the projected homogeneous point. The
@@ -50,9 +50,10 @@ struct RayNet {
   double u_low = 0, u_high = 1, v_low = 0, v_high = 1;
   double* f = nullptr;
   double* g = nullptr;
-  // The net of the sums of the absolute values that f or g is computed from, whichever is more: those of the projection,
-  // X, and x·W. It is null if the method does not ask for it. The rounding error of f and g is at most `roundings` times
-  // 2^-53 of its value: it is small where weights are small, as f and g are.
+  // A net of bounds for the rounding of f and g; null if the method does not ask for it. Each of its numbers is the sum of
+  // the absolute values of the terms from which f or g is computed, whichever is more: those of the projection, X or Y,
+  // and x·W or y·W. The rounding error of f and g is at most `roundings`·2^-53 times this net. It is small where weights
+  // are small, as f and g are.
   double* terms = nullptr;
   double roundings = 0;
   // If the method keeps them: the lines of the last clips, and the axis of the next one.
@@ -72,7 +73,7 @@ int MostPoints(const SolverScene& scene);
 // The parts of a patch that are still to be searched, with the next one on top.
 class NetStack {
  public:
-  // A part is halved until it is smaller than 2^-51 along both axes, at most.
+  // No part is halved along an axis along which it is smaller than 2^-51.
   static constexpr int kMostNets = 2 * 52 + 1;
 
   explicit NetStack(int most_points, bool with_terms = false);

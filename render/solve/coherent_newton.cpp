@@ -187,12 +187,10 @@ SolverInfo CoherentNewtonInfo() {
   info.title = "Newton with coherence";
   info.source =
       "S.-W. Wang, Z.-C. Shih, R.-C. Chang, An efficient and stable ray tracing algorithm for parametric "
-      "surfaces, "
-      "Journal of Information Science and Engineering 18, 2002";
+      "surfaces, Journal of Information Science and Engineering 18, 2002";
   info.does =
       "It starts Newton's method at the root of the ray on the left where the patch has one root at most, "
-      "and clips "
-      "elsewhere.";
+      "and clips elsewhere.";
   info.does_not = "Where it clips, it loses and invents roots as bezier-clipping does.";
   info.tolerance_px = kTolerancePx;
   info.make = Make;

@@ -10,28 +10,32 @@
 // How it works:
 //
 //  1. The first root of a row on a patch is found by Bézier clipping (render/solve/bezier_clipping.h), which reports all
-//     roots of the patch. The nearest to the eye is kept for the next ray.
+//     roots that it finds on the patch. The solver keeps the nearest of them for the next ray.
 //  2. The next rays of the row start Newton's iteration at the kept root of the same patch. It solves f = X − x·W = 0 and
-//     g = Y − y·W = 0 with Cramer's rule, until the point lies within tolerance_px of the ray, and then takes one more step.
-//     If it does not within kMostCoherentSteps steps, leaves the patch, or meets a singular Jacobian, it has failed.
+//     g = Y − y·W = 0 with Cramer's rule, until the point lies within tolerance_px of the ray, and then takes one more
+//     step. Newton's method has failed if it needs more than kMostCoherentSteps steps, if an iterate is outside the patch
+//     by more than the length of the patch, if the root is outside by more than kRootBorder, or if the Jacobian is
+//     singular.
 //  3. Newton's root must be the first one on the patch. The paper asks whether something obstructs it. The test used here
-//     shows that nothing else on the patch lies on the ray at all, so that a root behind it, which counts if the first one is
-//     trimmed away, is not missed either. First, the patch is cut down to the block of its cells whose boxes on the screen
-//     hold the ray (render/solve/patch_cells.h). Then, let p be the differences of the net (f, g) of this block along u, and
-//     q those along v. If Cross(p, q) has the same sign for all pairs, f and g together are zero at one point of the block at
-//     most, because the difference of the values at two points is a sum of such p and q with factors of one sign each, and
-//     p and q are never parallel. Of each set only the two outermost vectors matter. The test does not depend on Newton's
-//     root, and is made first.
-//  4. Bézier clipping answers where the test does not pass (near folds, and where two parts of the patch are behind each other), or where Newton's
-//     method has failed.
-//  5. A ray that passes beside the boxes of all cells has no root.
+//     asks for more: no other point of the patch may lie on the ray. So a root behind the first one is not missed either,
+//     which counts if the first one is trimmed away. First, the patch is cut down to the block of its cells whose boxes on
+//     the screen hold the ray (render/solve/patch_cells.h). Then, let p be the differences of the net (f, g) of this block
+//     along u, and q those along v. The test passes if Cross(p, q) has the same sign for all pairs. Then f and g are both
+//     zero at one point of the block at most: the difference of their values at two points is a sum of such p, with
+//     factors of one sign, plus a sum of such q, with factors of one sign, and the two sums are never parallel. Of the
+//     vectors p, only the two outermost need be compared with every q. The test does not depend on Newton's root, and is
+//     made first.
+//  4. Bézier clipping answers where the test does not pass (near folds, and where one part of the patch hides another),
+//     and where Newton's method has failed.
+//  5. A ray that meets the box of no cell has no root.
 //  6. The state of a thread has a root for each patch, with the stamp of the row in which it was found. BeginRow takes a new
-//     stamp, so that it costs the same for any number of patches.
+//     stamp, so that its cost does not depend on the number of patches.
 //
 // What the method does not promise:
 //
-//  7. It has the weaknesses of Bézier clipping wherever that answers, among them the first root of each row.
-//  8. The test of law 3 is not rounded with bounds, and nothing is proven.
+//  7. It has the weaknesses of Bézier clipping wherever that answers, which includes the first ray of each row that meets
+//     a patch.
+//  8. The test of law 3 does not bound its own rounding, and so it proves nothing.
 //  9. The root of a ray depends on its neighbours on the left, within the tolerance.
 #pragma once
 
@@ -54,8 +58,9 @@ struct CoherentNewtonState final : ClipState {
   };
   std::vector<Kept> kept;  // of each patch
   std::uint64_t row = 1;   // the stamp of the present row
-  // How solves were answered: by the boxes of the cells; without a root of a neighbour; by Newton's method; by clipping because a second root could
-  // not be excluded, and because Newton's method failed.
+  // How solves were answered: by the boxes of the cells; by clipping, because no ray of this row had found a root on the
+  // patch; by Newton's method; by clipping, because a second root could not be excluded; and by clipping, because
+  // Newton's method failed.
   std::uint64_t missed = 0, first = 0, by_newton = 0, obstructed = 0, failed = 0;
 };
 

@@ -5,13 +5,13 @@
 //     FaceSpline::Place at;
 //     if (spline.Locate(s, t, &at)) const PatchJet<3> jet = spline.Jet(at);
 //
-//  1. A model stores Bézier patches. The B-spline has the native breaks of the face as its knots, and each inner knot as
-//     often as the degree says, so that it is exactly the same surface. With the knots of the B-spline in the file, which
-//     may occur less often, the same points would be evaluated from fewer control points.
-//  2. The parameters are scaled to 0 … columns and 0 … rows: a descent in native parameters, which may be radians one way
-//     and millimetres the other, would have no sense of its own. In between, a span has the share of the range that it has
-//     in native parameters. Where the native parameter of a patch is an angle (SpanMap::kHalfAngle), the parameter within
-//     the span is that of the patch, scaled.
+//  1. A model stores Bézier patches. The knots of the B-spline are the native breaks of the face. The multiplicity of each
+//     inner knot is the degree, so that the B-spline is exactly the same surface. The B-spline in the file may have knots
+//     of lower multiplicity, and so fewer control points.
+//  2. The parameters s and t run from 0 to the number of columns and of rows. A descent in native parameters would depend on
+//     their units, which may be radians in one direction and millimetres in the other. Each span has the share of the range
+//     that it has in native parameters. Where the native parameter of a patch is an angle (SpanMap::kHalfAngle), the
+//     parameter within the span is that of the patch, scaled.
 //  3. There is no surface outside the range, and none where patches are trimmed away.
 #pragma once
 
@@ -33,7 +33,7 @@ class FaceSpline {
     double s = 0, t = 0;
     std::uint32_t i = 0, j = 0, patch = kNoIndex;
   };
-  // Returns whether there is a surface at (s,t), and if so, where. `inside`, if given, says whether (s,t) is in the range.
+  // Returns whether there is a surface at (s,t), and stores where. `inside`, if given, tells whether (s,t) is in the range.
   bool Locate(double s, double t, Place* place, bool* inside = nullptr) const;
 
   // The components (X, Y, W) of the projected surface, and their derivatives with respect to s and t.
@@ -61,7 +61,7 @@ class FaceSpline {
     std::vector<double> reciprocals;
     std::size_t numbers() const { return knots.size() + reciprocals.size(); }
     std::size_t shares() const { return static_cast<std::size_t>(degree * (degree + 1) / 2); }
-    // The first of the 2·degree knots around a span: one after the first of the equal knots at its begin.
+    // The first of the 2·degree knots around a span: `degree` equal ones at its begin, and `degree` at its end.
     const double* Around(std::uint32_t span) const {
       return knots.data() + static_cast<std::size_t>(degree) * span + 1;
     }

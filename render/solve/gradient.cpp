@@ -137,21 +137,20 @@ Result<std::unique_ptr<const Solver>> MakeGradient(const SolverScene& scene, std
 }  // namespace
 
 SolverInfo GradientInfo() {
-  return {
-      .name = kName,
-      .title = "Gradient method",
-      .source = "A. Sisojevs, 3D scene rendering, 2011, equations 1 to 4",
-      .does =
-          "Descends the squared distance from the ray on the screen along its gradient, from one preliminary "
-          "value for each pixel or from random points of a patch.",
-      .does_not =
-          "It need not find the nearest root, is imprecise where the surface is steep, and runs out of "
-          "steps near outlines and on long patches.",
-      .unit = SolverUnit::kPatch,
-      .starts = SolverStarts::kMap,
-      .takes_map = true,
-      .tolerance_px = kDescentTolerancePx,
-      .make = MakeGradient};
+  return {.name = kName,
+          .title = "Gradient method",
+          .source = "A. Sisojevs, 3D scene rendering, 2011, equations 1 to 4",
+          .does =
+              "It descends the squared distance from the ray on the screen along its gradient, from one "
+              "preliminary value for each pixel or from random points of a patch.",
+          .does_not =
+              "It need not find the nearest root, is imprecise where the surface is steep, and runs out of "
+              "steps near outlines and on long patches.",
+          .unit = SolverUnit::kPatch,
+          .starts = SolverStarts::kMap,
+          .takes_map = true,
+          .tolerance_px = kDescentTolerancePx,
+          .make = MakeGradient};
 }
 
 }  // namespace facetless

@@ -95,7 +95,9 @@ SolverInfo MartinInfo() {
           .source =
               "W. Martin, E. Cohen, R. Fish, P. Shirley, Practical Ray Tracing of Trimmed NURBS Surfaces, "
               "2000",
-          .does = "Newton's method on two planes through the ray, from the middle of nearly flat pieces.",
+          .does =
+              "It iterates by Newton's method on two planes through the ray, from the middle of nearly flat "
+              "pieces.",
           .does_not =
               "It finds at most one root in each piece, and loses roots where the residual grows on the "
               "way, mostly near outlines.",

@@ -62,20 +62,21 @@ Result<std::unique_ptr<const Solver>> MakeNewtonCramer(const SolverScene& scene,
 }  // namespace
 
 SolverInfo NewtonCramerInfo() {
-  return {.name = "newton-cramer",
-          .title = "Newton–Cramer",
-          .source = "A. Sisojevs, 3D scene rendering, 2011, equations 10 to 13",
-          .does =
-              "Newton's method with Cramer's rule on surfaces that are projected once, from one preliminary "
-              "value for each pixel.",
-          .does_not =
-              "It finds one root for each start, which need not be the nearest, and may lose roots near "
-              "outlines and seams.",
-          .unit = SolverUnit::kFace,
-          .starts = SolverStarts::kMap,
-          .takes_map = true,
-          .tolerance_px = kNewtonTolerancePx,
-          .make = MakeNewtonCramer};
+  return {
+      .name = "newton-cramer",
+      .title = "Newton–Cramer",
+      .source = "A. Sisojevs, 3D scene rendering, 2011, equations 10 to 13",
+      .does =
+          "It iterates by Newton's method with Cramer's rule on surfaces that are projected once, from one "
+          "preliminary value for each pixel, or from the middle of nearly flat pieces.",
+      .does_not =
+          "It finds at most one root for each start, which need not be the nearest, and may lose roots near "
+          "outlines and seams.",
+      .unit = SolverUnit::kFace,
+      .starts = SolverStarts::kMap,
+      .takes_map = true,
+      .tolerance_px = kNewtonTolerancePx,
+      .make = MakeNewtonCramer};
 }
 
 }  // namespace facetless

@@ -2,20 +2,21 @@
 // that the methods differ only in the equations that they solve.
 //
 //  1. An iterate is a point of one patch of a face. When a step leaves that patch, the iterate moves to the patch of the
-//     face that has it; where the face ends, or its patch is trimmed away, the iterate stays on its patch, outside of it.
-//     It moves over the whole surface, as with a NURBS surface that is evaluated as a whole. It does not pass the seam
-//     of a closed surface.
+//     face that has the new parameters, and so it moves over the whole surface, as on a NURBS surface that is evaluated as
+//     a whole. If the face ends there, or the other patch is trimmed away, the iterate keeps its patch, with parameters
+//     outside of [0,1]. It does not pass the seam of a closed surface.
 //  2. A solve ends
-//       kRoot      if the iterate is within the tolerance of the ray, inside the face up to kRootBorder, and in front of
+//       kRoot      if the iterate is within the tolerance of the ray, inside its patch up to kRootBorder, and in front of
 //                  the eye,
 //       kNoRoot    if it is within the tolerance of the ray, but behind the eye,
 //       kDiverged  if the residual grows, except after a start from the map, or is not a number,
-//       kLeft      if the iterate is outside the face by more than the length of its patch, or a root is outside,
+//       kLeft      if the patch of the start is trimmed away, if the iterate is outside its patch by more than the length
+//                  of the patch, or if it is within the tolerance of the ray, but outside its patch,
 //       kSingular  if the Jacobian is singular at the start,
 //       kSteps     after kMostNewtonSteps steps, or kMostNewtonStepsFromMap from the map,
 //       kWork      if the ray has no work left. Each evaluation takes one unit.
-//  3. A value of the map can be rough: 8 bits over a whole face are many pixels. So the residual may grow on the way from
-//     it, and more steps are allowed. The thesis states no rule.
+//  3. A value of the map can be rough: one of the 256 values over a whole face may stand for many pixels. So the residual
+//     may grow on the way from it, and more steps are allowed. The thesis states no rule.
 //  4. At a singular Jacobian, (u,v) moves by a tenth of a random fraction of the way back to the start, as Martin et al.
 //     (2000) do. The random numbers follow from the ray and the start.
 #pragma once
@@ -33,12 +34,12 @@ inline constexpr int kMostNewtonSteps = 7;
 inline constexpr int kMostNewtonStepsFromMap = 20;
 // The residual at which the iterations end. The root is then far more accurate than any picture shows.
 inline constexpr double kNewtonTolerancePx = 1e-8;
-// A determinant that is so small relative to the products that it is the sum of has no correct digits.
+// A determinant has no correct digits if it is below this share of the sum of the absolute products that form it.
 inline constexpr double kNewtonSingular = 0x1p-48;
 
 struct NewtonStep {
   double du = 0, dv = 0;  // in parameters of the patch
-  double residual = 0;    // in any unit; it is compared with that of the last iterate
+  double residual = 0;    // in any unit; it is compared with that of the iterate before
   bool near = false;      // the iterate is within the tolerance of the ray
   bool visible = true;    // the iterate is in front of the eye
   bool singular = false;  // the step is not defined

@@ -5,10 +5,11 @@
 //     const CellBlock block = cells.value().Around(patch, ray.x, ray.y);
 //     if (!block.empty()) Search(block.u_low(), block.u_high(), block.v_low(), block.v_high());
 //
-//  1. All points of the patch on the ray through pixel coordinates (x, y) lie in Around(patch, x, y), the smallest block of
-//     cells that holds all cells whose boxes hold (x, y). The rounding of the boxes to single precision, outwards, is much
-//     larger than that of the control points of a cell.
-//  2. A cell with a control point that is not in front of the eye has a box without borders.
+//  1. Around(patch, x, y) is the smallest block of cells that holds all cells whose boxes hold the pixel coordinates
+//     (x, y). All points of the patch on the ray through (x, y) lie in it. The boxes are numbers of single precision. They
+//     are enlarged by a margin that is larger than their rounding, and much larger than that of the control points of a
+//     cell.
+//  2. The box of a cell is infinite if a control point of the cell is not in front of the eye.
 #pragma once
 
 #include <cstdint>

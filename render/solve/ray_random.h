@@ -1,4 +1,4 @@
-// Random numbers for methods that are described with them. They follow from the ray and the start alone, so that a picture
+// Random numbers for the solvers whose sources use them. They follow from the ray and the start alone, so that a picture
 // is the same for any number of threads (law 3 of solver.h).
 //
 //     RayRandom random(ray, start);

@@ -244,16 +244,13 @@ SolverInfo RobustClippingInfo() {
   info.title = "Robust Bézier clipping";
   info.source =
       "A. Efremov, V. Havran, H.-P. Seidel, Robust and numerically stable Bézier clipping method for ray "
-      "tracing NURBS "
-      "surfaces, SCCG 2005";
+      "tracing NURBS surfaces, SCCG 2005";
   info.does =
       "It clips with bounds of the rounding errors, with lines that suit folds and collapsed edges, and "
-      "reports each root "
-      "once.";
+      "reports each root once.";
   info.does_not =
       "Nothing is proven: rays that miss by less than the rounding error may hit, and roots that rounding "
-      "cannot tell apart "
-      "are one.";
+      "cannot tell apart are one.";
   info.tolerance_px = kTolerancePx;
   info.make = Make;
   return info;

@@ -12,14 +12,16 @@
 //  2. Lines of clips. L_u and L_v run along the sums of the sides, as in the original method. If a sum is short against
 //     the net (collapsed, opposite or cancelling sides), or if both lines are nearly parallel (a fold), then a clip uses
 //     two perpendicular lines, and its interval is the intersection of both. So no direction stays unbounded.
-//  3. The direction. The one in which the net is longer on the screen is clipped first, instead of one after the other. If
-//     that takes away less than 20 %, the other one is clipped; only if both fail, the longer one is halved. At a pole,
-//     where one direction has no extent, only the other one is divided.
+//  3. The direction. The original method clips u and v in turn. Here, the direction in which the net is longer on the
+//     screen is clipped first. If that takes away less than 20 %, the other one is clipped. Only if that fails, too, the
+//     part is halved in the longer direction. At a pole, where one direction has no extent, only the other one is divided.
 //  4. The end. A part is a candidate when it is small in parameters (kRobustParameters) and on the screen (half of
-//     tolerance_px), or when it is smaller than its rounding error and cannot be divided further with any sense. The
-//     candidate is its middle, and a root if the surface, evaluated there, lies within the tolerance of the ray.
-//  5. Equivalent intersections. A candidate whose part (nearly) touches the part of an earlier root is the same root: one on the
-//     border of two halves, a double root, or a pole that all of a collapsed edge describes. It is reported once.
+//     tolerance_px), or when its net is so close to its rounding error that no division makes sense. The candidate is the
+//     middle of the part. It is a root if the surface, evaluated there, lies within the tolerance of the ray (or within
+//     the rounding error, law 6).
+//  5. Equivalent intersections. A candidate whose part touches, or nearly touches, the part of an earlier root is the same
+//     root: a root on the border of two halves, a double root, or a pole, which a whole collapsed edge describes. It is
+//     reported once.
 //
 // The paper's preparation of NURBS surfaces, its hierarchy of boxes, and its trimming are not part of this file: all methods
 // share those of the renderer.
@@ -30,14 +32,16 @@
 //     than tolerance_px (patches of more than about 10^6 pixels, steep weights), roots are only as exact as that; they are
 //     reported nevertheless. Rays that miss the surface by less than the rounding error may be reported as hits. At a
 //     root of multiplicity n, parameters are only as exact as the n-th root of the rounding error.
-//  7. Two roots that rounding cannot distinguish, or whose parameters are equal to 2^-44, are one.
-//  8. If a whole curve of the surface lies on the ray (a surface that is seen edge-on), the work limit ends the search.
+//  7. Two roots that rounding cannot distinguish, or whose parameters differ by less than 2^-44, are reported as one.
+//  8. If a whole curve of the surface lies on the ray (a surface that is seen edge-on), the limit of work, or that of
+//     roots (2·degree_u·degree_v), ends the search.
 #pragma once
 
 #include "render/solve/solver.h"
 
 namespace facetless {
 
+// The size of a candidate in parameters (law 4).
 inline constexpr double kRobustParameters = 0x1p-40;
 
 SolverInfo RobustClippingInfo();

@@ -1,7 +1,7 @@
 // Solvers: methods that intersect a ray with parametric surfaces, by name.
 //
 //     const SolverInfo* info = FindSolver("bezier-clipping");
-//     Result<std::unique_ptr<const Solver>> solver = info->make(scene, {}, execution);
+//     Result<std::unique_ptr<const Solver>> solver = info->make(scene, 0, execution);
 //     if (!solver) return solver.error();
 //     const auto state = solver.value()->MakeState();  // one for each thread
 //     for each row: solver.value()->BeginRow(row, *state);
@@ -11,16 +11,17 @@
 //
 //  1. A solver is prepared for one SolverScene, and is immutable afterwards. Any number of threads may use it, each with a
 //     state of its own.
-//  2. Solve appends the roots that it finds to state.roots, and says in the counters why it stopped. A root need not lie
-//     inside the trimmed face, and the same root may be found from two pieces: the caller decides both.
-//  3. The roots depend on the ray, the start, and the rays of the same row that were solved before from left to right,
-//     and on nothing else: not on the number of threads, and not on other rows. A method that is described with random
-//     numbers derives them from the ray and the start.
+//  2. Solve appends the roots that it finds to state.roots, and counts in state.counters why it stopped. A root need not
+//     lie inside the trimmed face, and the same root may be found from two pieces. The caller drops the former, and
+//     takes the nearest of the others.
+//  3. The roots depend on the ray, on the start, and on the rays of the same row that were solved before it, from left to
+//     right. They depend neither on the number of threads nor on other rows. A solver whose source uses random numbers
+//     derives them from the ray and the start.
 //  4. The work of a ray is bounded: Solve takes one unit of state.work_left for each evaluation or subdivision of a
-//     surface, and stops when none is left.
+//     surface, and stops with kWork when it needs one and none is left.
 //  5. A root is finite, and its parameters lie in [0,1] of its patch, or outside by no more than kRootBorder.
-//  6. No solver proves that a ray has no further root. SolverInfo says what each one does not promise. A proven image is
-//     traced by render/trace/direct.h.
+//  6. No solver proves that a ray has no further root. SolverInfo says what each one does not promise.
+//     render/trace/direct.h traces proven images.
 //  7. A solver that claims a degree works for every pair of degrees up to it.
 //
 // A new solver needs one file and one row of BuiltIn() (solver.cpp). Programs outside this library register theirs:
@@ -46,8 +47,8 @@ namespace facetless {
 // A root on the border of a patch may lie outside of it by this much, in parameters of the patch.
 inline constexpr double kRootBorder = 1e-8;
 
-// The evaluations and subdivisions that a ray may use. Rays that a method can solve need a hundredth of them; clipping at a
-// collapsed edge would go on without end.
+// The evaluations and subdivisions that a ray may use. Most rays need far fewer. The limit ends searches that do not
+// converge, such as clipping at a double root.
 inline constexpr std::int64_t kMostRayWork = 20'000;
 
 struct SolverRay {
@@ -94,7 +95,7 @@ struct SolverRoot {
   double u = 0, v = 0;      // parameters of the patch
 };
 
-// What a thread needs for its rays. A solver derives its own state if it needs more.
+// What a thread needs for its rays. A solver that needs more derives its own state from this one.
 struct SolverState {
   virtual ~SolverState() = default;
 
@@ -141,13 +142,15 @@ struct SolverInfo {
   std::string does;      // one sentence
   std::string does_not;  // one sentence: what the method does not promise
   SolverUnit unit = SolverUnit::kPatch;
-  SolverStarts starts = SolverStarts::kPieces;  // the usual ones
+  SolverStarts starts = SolverStarts::kPieces;  // where it begins if the caller does not say
   bool takes_map = false;                       // whether it may begin at a value of the map
   int max_degree = kMaxDegree;                  // the highest degree that it claims, in each direction
   bool rational = true;                         // whether it claims rational surfaces
-  double tolerance_px = 1e-8;  // a reported root lies within this distance of the ray, in pixels
-  // Prepares the solver. The scene must outlive it. `max_bytes`: 0 is any number. Requires that the scene's degrees and
-  // weights are claimed (CheckClaims).
+  // The distance from the ray, in pixels, within which the method means its roots to lie. `does_not` and the header of the
+  // method name the cases in which they are less exact.
+  double tolerance_px = 1e-8;
+  // Prepares the solver. The scene must outlive it. `max_bytes`: 0 means no limit. Requires that the solver claims the
+  // degrees and the weights of the scene (CheckClaims).
   // Errors: kLimitExceeded (`max_bytes`), kCancelled.
   Result<std::unique_ptr<const Solver>> (*make)(const SolverScene& scene, std::uint64_t max_bytes,
                                                 const Execution& execution) = nullptr;
@@ -158,8 +161,8 @@ std::vector<const SolverInfo*> Solvers();
 // Returns null if there is none of that name.
 const SolverInfo* FindSolver(std::string_view name);
 
-// Error: kBadUsage (the scene has a degree, or weights, that the solver does not claim; the message names the face and a
-// method that claims them).
+// Error: kBadUsage (the scene has a degree, or weights, that the solver does not claim; the message names the face and the
+// methods that claim them).
 Result<void> CheckClaims(const SolverInfo& info, const SolverScene& scene);
 
 // Registers a solver for the rest of the program. It must be a variable of static duration. It throws

@@ -8,8 +8,8 @@
 //
 //  1. Points in space are homogeneous, (w·x, w·y, w·z, w), in model axes and mm, relative to `origin`, so that a model far
 //     from its origin loses no precision. Projected points are those of ViewProjection: a ray through pixel
-//     coordinates (x, y), relative to the image centre, is X − x·W = 0 and Y − y·W = 0. Both have
-//     (degree_u+1)·(degree_v+1) points, the index of v varies fastest.
+//     coordinates (x, y), relative to the image centre, is X − x·W = 0 and Y − y·W = 0. Both nets have
+//     (degree_u+1)·(degree_v+1) points, and the index of v varies fastest.
 //  2. Weights in space are positive. Projected W is not positive behind the eye of a perspective view.
 //  3. The patches of a face form a grid, row by row along v. Patches that are proven to be trimmed away have no place in
 //     `patches`; the grid has kNoIndex for them.

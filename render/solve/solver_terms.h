@@ -10,7 +10,7 @@ namespace facetless {
 // Where solves begin.
 enum class SolverStarts : std::uint8_t {
   kPieces,        // in the pieces that the ray meets, which an acceleration structure finds
-  kMap,           // at the value of the map of preliminary values, with 32 bits for each number
+  kMap,           // at the value of the wide map of preliminary values (value_map.h, law 1)
   kPublishedMap,  // the same with 8 bits for each number, and at most 255 surfaces, as in the thesis
 };
 inline constexpr std::array<const char*, 3> kSolverStartsNames = {"pieces", "map", "published-map"};
@@ -22,8 +22,8 @@ enum class SolverStop : std::uint8_t {
   kDiverged,  // the residual grew, or did not become small
   kLeft,      // the iterate, or the root, lies outside the surface
   kSingular,  // the equations have no unique solution at the iterate
-  kSteps,     // the method's own limit of steps
-  kWork,      // no work was left for the ray (law 4)
+  kSteps,     // the method reached its own limit of steps, or of roots
+  kWork,      // no work was left for the ray (solver.h, law 4)
 };
 inline constexpr std::array<const char*, 7> kSolverStopNames = {"root",     "no_root", "diverged", "left",
                                                                 "singular", "steps",   "work"};

@@ -113,9 +113,9 @@ SolverInfo SteepestDescentInfo() {
       .title = "Steepest descent",
       .source = "A. Sisojevs, 3D scene rendering, 2011, equations 7 to 9",
       .does =
-          "Descends the squared distance from the ray on a B-spline as a whole, and keeps a direction while "
-          "the "
-          "distance falls, from one preliminary value for each pixel.",
+          "It descends the squared distance from the ray on a B-spline as a whole, and keeps a direction "
+          "while the distance falls, from one preliminary value for each pixel or from the middle of each "
+          "patch.",
       .does_not =
           "It need not find the nearest root, stops in minima that are no roots, and is imprecise where the "
           "surface is steep.",

@@ -8,13 +8,13 @@
 //  1. A published map has channels of 8 bits: red is the number of the surface plus 1, and 0 where there is none; green
 //     and blue are u and v, 0 … 255 over the whole surface. It numbers at most 255 surfaces (numbers 0 … 254). A wide map
 //     has 32 bits for the number and 16 bits for each parameter.
-//  2. A surface is drawn as a grid of flat triangles, at least three pixels long, that are off the surface by about a
-//     quarter of a pixel on the screen. A pixel near an outline can have the value of what lies behind it, or none.
-//     Fragments whose parameters are trimmed away are left out. The map is therefore only where a search begins: a
-//     pixel's value may be of another surface than the one that the ray meets.
-//  3. In perspective views, triangles are cut at the near distance of the camera, and parameters are interpolated as the
-//     perspective requires.
-//  4. The map is the same for any number of threads: each band of rows draws all surfaces in their order.
+//  2. Each patch is drawn as a grid of flat triangles. Their number is chosen so that they are off the surface by about a
+//     quarter of a pixel on the screen, but are at least about three pixels long, and that there are at most 256 along a
+//     side. Fragments whose parameters are trimmed away are left out. So a pixel near an outline can have no value, or the
+//     value of a surface behind the one that the ray meets: the map says where a search begins, and nothing more.
+//  3. In perspective views, triangles that reach behind the near distance of the camera are cut at no more than twice that
+//     distance, and parameters are interpolated as the perspective requires.
+//  4. The map is the same for any number of threads: in each band of rows, all patches are drawn in their order.
 #pragma once
 
 #include <array>
@@ -38,12 +38,12 @@ class ValueMap {
     int width = 1, height = 1;
     bool published = false;
   };
-  // Errors: kBadUsage (more surfaces than a published map numbers), kLimitExceeded (drawing needs more than `max_bytes`; 0 is any number),
-  // kCancelled.
+  // Surfaces are patches or faces, as `unit` says. `max_bytes`: 0 means no limit. Errors: kBadUsage (the scene has more
+  // surfaces than a published map can number), kLimitExceeded (drawing needs more than `max_bytes`), kCancelled.
   static Result<ValueMap> Draw(const SolverScene& scene, SolverUnit unit, const Size& size,
                                std::uint64_t max_bytes, const Execution& execution);
 
-  // The value of a pixel, with the whole surface as the piece. Nothing if no surface was drawn there.
+  // The value of a pixel, with the whole surface as the piece; nothing if no surface was drawn there.
   std::optional<SolverStart> At(int column, int row) const;
   std::uint64_t bytes() const;
 

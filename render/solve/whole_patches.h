@@ -2,8 +2,8 @@
 //
 //     Result<std::vector<SolverPiece>> pieces = WholePatches("bezier-clipping", scene, max_bytes, execution);
 //
-//  1. There is one piece for each patch of the scene, in its order. Its box holds the control points in space, and so the
-//     surface, since weights are positive.
+//  1. There is one piece for each patch of the scene, in the order of the patches. Its box holds the control points in
+//     space, and so the surface, since weights are positive.
 //  2. With SolverUnit::kFace, a piece names its face, and its rectangle is in parameters of the face.
 #pragma once
 

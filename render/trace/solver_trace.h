@@ -1,19 +1,19 @@
-// Traces a view of exact surfaces with a solver by name (render/solve/solver.h) instead of the certified kernels, so that
+// Traces a view of exact surfaces with a named solver (render/solve/solver.h) instead of the certified kernels, so that
 // methods can be compared.
 //
-//     Result<SolverTrace> traced = TraceWithSolver(scene, camera, *FindSolver("martin"), {.structure = "bvh"});
+//     Result<SolverTrace> traced = TraceWithSolver(scene, camera, *FindSolver("martin"), {.structure = "bvh"}, {});
 //     if (!traced) return traced.error();
 //     const SampleBuffer& samples = traced.value().samples;
 //
-//  1. A ray asks the solver for roots in the pieces that an acceleration structure finds, front to back, or at the value
-//     of the map of preliminary values. Roots outside the trimmed face are dropped, and the nearest of the others is the
-//     hit. At equal depths, the lower placed face decides.
-//  2. Faces are trimmed by their p-curves alone. Neighbouring faces are not joined at their edges, as the certified
-//     tracer joins them: where the file leaves gaps between faces, rays pass through.
-//  3. Nothing is proven: samples are *converged*, or *unresolved* if the work limit of the ray ended a solve. A ray's work
-//     is bounded (solver.h, law 4), and the bound is the only thing that a sample says about its certainty.
-//  4. The samples are the same for any number of threads. Another structure may change them within the tolerance of the
-//     method, or, if the method depends on the order of its solves, where the method loses roots.
+//  1. For each ray, the solver looks for roots in the pieces that an acceleration structure finds, from front to back, or
+//     from the value of the map of preliminary values. Roots outside the trimmed face are dropped, and the nearest of the
+//     others is the hit. Of hits at equal depths, that of the placed face with the lower number counts.
+//  2. Faces are trimmed by their p-curves alone. They are not joined at their edges, as the certified tracer joins them:
+//     where the file leaves gaps between faces, rays pass through.
+//  3. Nothing is proven: a sample is *unresolved* if the work limit of its ray (solver.h, law 4) ended a solve, and
+//     otherwise *converged*, which does not say that it is right.
+//  4. The samples are the same for any number of threads. Another structure may change a sample within the tolerance of
+//     the method, where the method loses roots that depend on the order of its solves, or where a ray runs out of work.
 #pragma once
 
 #include <cstdint>
@@ -36,9 +36,10 @@ struct SolverInfo;  // render/solve/solver.h
 inline constexpr const char* kUsualSolverStructure = "bvh";
 
 struct SolverOptions {
-  std::optional<SolverStarts> starts = {};           // nothing: the usual ones of the solver
-  std::string structure = kUsualSolverStructure;     // a name of StructureNames(); not used with a map
-  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of the surfaces, the pieces, the structure and the map
+  std::optional<SolverStarts> starts = {};        // nothing: the usual ones of the solver
+  std::string structure = kUsualSolverStructure;  // a name of StructureNames(); not used with a map
+  // The limit of memory for the surfaces, the solver and the map. The structure is not counted.
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;
 };
 
 struct SolverTraceRequest {
@@ -71,8 +72,8 @@ struct SolverTrace {
   std::optional<Refinement> refinement;  // if one was requested
 };
 
-// Traces a view. Errors: kBadUsage (camera, no structure has the name, the solver does not claim a surface, or it does not
-// start at a map, or a published map cannot number the surfaces), kLimitExceeded (options.max_bytes), kCancelled.
+// Traces a view. Errors: kBadUsage (the camera; no structure has the name; the solver does not claim a surface, or does not
+// start at a map; a published map cannot number the surfaces), kLimitExceeded (options.max_bytes), kCancelled.
 Result<SolverTrace> TraceWithSolver(const Scene& scene, const Camera& camera, const SolverInfo& info,
                                     const SolverOptions& options, const SolverTraceRequest& request);
 

@@ -1,17 +1,17 @@
-// All crossings of every ray of a view with the exact surfaces, tile by tile: what voxels, volumes by sections and other
-// questions about whole lines need.
+// All crossings of every ray of a view with the exact surfaces, tile by tile. Voxels need them, as does every other
+// question about whole lines.
 //
-//     Result<CrossingStats> done = VisitCrossings(scene, camera, {}, [&](const TileCrossings& tile) {
+//     Result<CrossingStats> done = VisitCrossings(scene, camera, {}, execution, [&](const TileCrossings& tile) {
 //       for (int i = 0; i < tile.rows; ++i)
 //         for (int j = 0; j < tile.columns; ++j)
 //           for (const RayCrossing& crossing : tile.Of(i, j)) ...
 //     });
 //
 //  1. The crossings of a ray are sorted by depth, and a root that two leaves of a face found is listed once.
-//  2. A ray's doubt has the reasons (view/doubt.h) why its crossings are not proven to be all and right: those of the ray
-//     as a whole, and those of each crossing. A ray without doubt is proven.
-//  3. The tiles of one column of tiles come one after the other, from the top of the picture to its bottom, in one thread.
-//     Columns of tiles are visited by several threads at once.
+//  2. The doubt of a ray is the set of reasons (view/doubt.h) why its crossings are not proven to be complete and correct:
+//     those of the ray as a whole, and those of each crossing. A ray without doubt is proven.
+//  3. One thread visits the tiles of a column of tiles one after the other, from the top of the picture to its bottom.
+//     Several threads may visit different columns of tiles at the same time.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ struct TileCrossings {
   std::uint8_t DoubtOf(int i, int j) const { return doubts[static_cast<std::size_t>(i * columns + j)]; }
 
   std::span<const RayCrossing> crossings;
-  std::span<const std::uint32_t> first;  // of each sample, row by row, and the end
+  std::span<const std::uint32_t> first;  // index of each sample's first crossing, row by row; the end
   std::span<const std::uint8_t> doubts;  // of each ray: law 2
 };
 

@@ -35,7 +35,7 @@ AdaptiveOctreeModel::Subtree AdaptiveOctreeModel::Compile(const RunModel& runs, 
   }
   const VoxelBox inside = Intersection(cube.box(), runs.box());
   const std::uint64_t raw = inside.volume() * sizeof(Voxel) + sizeof(Brick);
-  // The root may be replaced without a table of bricks.
+  // A single brick for the whole model needs no table of bricks.
   if (bytes < raw && !(cube.level == level_ && bytes > inside.volume() * sizeof(Voxel))) {
     blocks_.push_back(children);
     return {{mean.Get(), static_cast<std::uint32_t>(blocks_.size() - 1)}, mean.filled(), bytes};

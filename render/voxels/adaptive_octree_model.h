@@ -1,13 +1,14 @@
-// The encoding "adaptive-octree": an octree in which a subtree becomes a raw brick exactly when that is smaller;
+// The encoding "adaptive-octree": an octree in which a raw brick replaces a subtree exactly when the brick is no larger;
 // P. Procházka, "Optimalizace vykreslování voxelové grafiky" (2013), section 5.
 //
 //  1. A node is a leaf, has eight children, or is a brick: the voxels of its cube inside the model, column after column.
-//     A brick replaces a subtree if and only if it takes fewer bytes than the subtree's blocks and bricks.
-//  2. Theorem: the model takes no more bytes than the raw one, except for the 8 bytes of the root. For the root's subtree
-//     is replaced if it is larger than all voxels of the model, and every subtree was treated in this way before.
-//     encoded_bytes() counts what the theorem is about; bytes() is the memory, which grows in steps.
-//  3. Inner nodes have the mean of their filled voxels. Bricks have it for their whole cube only, so that a level of detail
-//     within a brick is computed from its voxels.
+//     A brick replaces a subtree below the root if and only if it takes no more bytes than the blocks and bricks of the
+//     subtree. A single brick replaces the whole tree if and only if the voxels of the model take fewer bytes than it.
+//  2. Theorem: the model takes no more bytes than the raw one, except for the 8 bytes of the root. This follows from the
+//     rule of law 1 for the whole tree. encoded_bytes() counts the bytes of the theorem; bytes() is the memory, which grows
+//     in steps.
+//  3. Inner nodes and bricks have the mean of the filled voxels of their whole cubes. GetMean does not use these means; it
+//     computes each mean from the voxels.
 #pragma once
 
 #include <array>
@@ -39,7 +40,7 @@ class AdaptiveOctreeModel final : public RebuiltModel {
   Voxel Get(int x, int y, int z) const override;
   void VisitColumn(int x, int y, const std::function<void(const VoxelRun&)>& visit) const override;
   std::uint64_t bytes() const override;
-  std::uint64_t encoded_bytes() const;  // law 2, without the root
+  std::uint64_t encoded_bytes() const;  // the bytes of law 2, without the root
   std::uint64_t brick_count() const { return bricks_.size() - 1; }
 
   int level() const { return level_; }

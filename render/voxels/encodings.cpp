@@ -33,7 +33,7 @@ constexpr Row kRows[] = {
     {{"octree", "Cubes that are halved along each axis, with mean colours."},
      Make<OctreeModel>,
      [](VoxelPoint) { return std::uint64_t{0}; }},
-    {{"adaptive-octree", "An octree whose subtrees are raw bricks where that is smaller."},
+    {{"adaptive-octree", "An octree in which a raw brick replaces each subtree that is no smaller."},
      Make<AdaptiveOctreeModel>,
      [](VoxelPoint) { return std::uint64_t{0}; }},
     {{"n3-tree", "Nodes of 4×4×4 children over bricks of 8×8×8 voxels with mip maps."},

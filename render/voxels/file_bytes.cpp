@@ -22,7 +22,9 @@ VoxelFileWriter::~VoxelFileWriter() {
 Result<void> VoxelFileWriter::Finish() {
   stream_.close();
   if (!stream_ || std::rename(partial_.c_str(), path_.c_str()) != 0)
-    return Error{ErrorCode::kWriteFailed, path_ + ": cannot be written; is the disk full?"};
+    return Error{
+        ErrorCode::kWriteFailed,
+        path_ + ": cannot be written; the directory is absent, permission is missing, or the disk is full"};
   finished_ = true;
   return {};
 }

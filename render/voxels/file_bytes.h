@@ -12,7 +12,7 @@
 
 namespace facetless {
 
-// Writes a file next to its target and renames it, so that readers see the whole file or none.
+// Writes a file beside its target and renames it at the end, so that readers see either the whole file or none of it.
 class VoxelFileWriter {
  public:
   explicit VoxelFileWriter(std::string path);
@@ -39,7 +39,7 @@ class VoxelFileWriter {
   bool finished_ = false;
 };
 
-// Reads numbers from bytes, and knows where they end.
+// Reads numbers from bytes, and never beyond their end: a function that would do so returns false.
 class VoxelFileReader {
  public:
   explicit VoxelFileReader(std::span<const unsigned char> bytes) : bytes_(bytes) {}

@@ -53,7 +53,8 @@ N3TreeModel::Subtree N3TreeModel::Compile(const RunModel& runs, const VoxelCube&
     nodes_[first + static_cast<std::size_t>(child)] = below.node;
     filled[static_cast<std::size_t>(child)] = below.filled;
   }
-  // The mean is that of the halves of halves (voxel_model.h, law 3), so the children are joined in pairs per axis.
+  // A mean is that of the means of the next lower level (voxel_model.h, law 3), so the children are joined in cubes of
+  // 2×2×2 until one is left.
   std::vector<std::pair<Voxel, std::uint64_t>> cubes;
   for (std::size_t child = 0; child < filled.size(); ++child)
     cubes.emplace_back(nodes_[first + child].voxel, filled[child]);

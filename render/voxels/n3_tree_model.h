@@ -4,8 +4,9 @@
 //  1. N and M are powers of two, chosen before the model is compiled: 2 ≤ N ≤ 8, 1 ≤ M ≤ 64. The root is a cube of M·Nᵏ
 //     voxels on a side, with the least k whose cube holds the model. With N = 2 and M = 1 the tree is the octree, and its
 //     lowest nodes need no bricks.
-//  2. A node whose cube holds one voxel only, or nothing, is a leaf.
+//  2. A node whose cube is empty, or is filled with equal voxels, is a leaf.
 //  3. Inner nodes have the mean of their filled voxels. A brick has the means of its cubes of 2, 4, … M voxels on a side.
+//     GetMean takes stored means, and counts the filled voxels for the share.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,8 @@
-// The file is a header of kHeaderBytes, then the tree from the root down. A node with children is followed by two bytes with
-// two bits for each child (0: empty, 1: filled, 2: it has children), by the voxels of the filled children, and then by the
-// children that have children, one after the other. There are no offsets, so a file cannot refer to itself.
+// The file is a header, then the tree from the root down. The header has the magic bytes, the version, the size, the pitch
+// and the origin of the grid, and the length and the checksum of the tree. The tree begins with the kind of the root (0:
+// empty, 1: filled, 2: it has children) and its voxel, of 4 bytes each. After a node with children, there are two bytes
+// with two bits for the kind of each child, then the voxels of the filled children, and then what follows each child that
+// has children, one after the other. There are no offsets, so a file cannot refer to itself.
 #include <functional>
 
 #include "render/voxels/file_bytes.h"

@@ -1,12 +1,12 @@
 // The encoding "octree": a tree over the smallest cube of 2^h voxels on a side that holds the model. A node is empty, is
-// filled with one voxel, or has eight children; P. Procházka, "Optimalizace vykreslování voxelové grafiky" (2013),
+// filled with equal voxels, or has eight children; P. Procházka, "Optimalizace vykreslování voxelové grafiky" (2013),
 // section 4.3.
 //
 //  1. The tree is optimal: a node whose children are all filled with the same voxel, or all empty, is a leaf. Each edit
 //     restores that on its way back to the root.
 //  2. An inner node has the mean of its filled voxels, and counts them.
-//  3. A node takes 8 bytes; an inner one also refers to a block of its children, which are next to each other. Child
-//     number x + 2y + 4z has the upper half along each axis whose digit is 1.
+//  3. A node takes 8 bytes. An inner node has the index of a block, which holds its eight children one after the other.
+//     Child number x + 2y + 4z has the upper half along each axis whose digit is 1.
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ class OctreeModel final : public VoxelModel {
   explicit OctreeModel(VoxelPoint size);
   // Compiles a model from the root down to its voxels: only the path to the present node is kept besides the result.
   explicit OctreeModel(const RunModel& runs);
-  // Compiles a model from its voxels up: all nodes of a level are made before those of the next, as the seed compares. It
-  // needs the memory of all voxels of the columns that are not empty. The result is the same tree.
+  // Compiles a model from its voxels up: all nodes of a level are made before those of the next level, so that both ways of
+  // compiling can be compared. It needs memory for a node of each filled voxel. The result is the same tree.
   static OctreeModel BottomUp(const RunModel& runs);
 
   std::string_view encoding() const override { return "octree"; }

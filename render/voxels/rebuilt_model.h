@@ -1,5 +1,5 @@
-// The base of encodings that are compiled as a whole. An edit decodes the model, edits the runs and compiles it again, which
-// takes time in proportion to the whole model: collect many edits in "runs" or "octree", and convert the result.
+// The base of encodings that are compiled as a whole. An edit decodes the model to runs, edits them and compiles them again,
+// which takes time in proportion to the whole model. Make many edits in "runs" or "octree", and convert the result.
 #pragma once
 
 #include "render/voxels/run_model.h"
@@ -26,8 +26,8 @@ class RebuiltModel : public VoxelModel {
   virtual void Compile(const RunModel& runs) = 0;
 };
 
-// Calls visit for the filled runs of a column of which LeafAt(z) tells the voxel at z and the end of the voxels above it
-// that are known to be equal.
+// Calls visit for the filled runs of a column. leaf_at(z) returns the voxel at z, and the end of the voxels from z upwards
+// that are known to be equal to it.
 template <typename LeafAt>
 void VisitLeaves(int z_end, const LeafAt& leaf_at, const std::function<void(const VoxelRun&)>& visit) {
   VoxelRun run;

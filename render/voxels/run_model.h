@@ -1,8 +1,9 @@
 // The encoding "runs": for each column along z, the filled runs of equal voxels. Solids need memory in proportion to their
 // surface, and a voxelizer can write column after column.
 //
-//  1. The columns of one x lie one after the other in a slab. An edit moves the runs of the rest of its slab.
-//  2. Runs of a column are ascending, do not overlap, and two that touch have different voxels.
+//  1. The columns of one x lie one after the other in a slab. An edit that changes the number of runs of a column moves
+//     the runs behind it in the slab.
+//  2. The runs of a column are ascending and do not overlap, and two runs that touch have different voxels.
 #pragma once
 
 #include <optional>
@@ -36,7 +37,7 @@ class RunModel final : public VoxelModel {
   // by other threads. Requires size().y + 1 ascending indices, and runs that keep law 2.
   void SetSlab(int x, std::vector<std::uint32_t> first, std::vector<VoxelRun> runs);
 
-  // The voxel of which the whole box consists, if there is one. Voxels outside the model count as empty.
+  // The voxel to which all voxels of the box are equal, if there is one. Voxels outside the model count as empty.
   std::optional<Voxel> Uniform(const VoxelBox& box) const;
 
  private:

@@ -1,12 +1,12 @@
 // The voxels that the faces of a model touch (voxelize.h, law 2).
 //
-//     Result<std::vector<TouchedSlab>> slabs = FindTouchedVoxels(scene, grid, execution);
+//     Result<std::vector<TouchedSlab>> slabs = FindTouchedVoxels(scene, grid, max_bytes, execution);
 //     for (const TouchedVoxel& voxel : slabs.value()[x]) Mark(x, voxel.y, voxel.z);
 //
 //  1. Patches are halved until their boxes are no larger than a voxel, and pieces that are proven to be trimmed away are
-//     dropped. A piece touches the voxels that meet its box, except those that lie on one side of all its control points
-//     along the normal in its middle. So a voxel that is not listed is met by no face; one that is listed may be missed by
-//     a part of a voxel.
+//     dropped. A piece counts as touching the voxels that meet its box and its slab: the space between two planes that
+//     hold all its control points between them, across the normal of its four corners. So no face meets a voxel that is
+//     not listed. A face may miss a listed voxel, by no more than about a voxel along each axis.
 //  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it.
 #pragma once
 

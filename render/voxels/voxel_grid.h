@@ -5,8 +5,8 @@
 //
 //  1. Voxels are cubes of `pitch` mm, with edges along the model's axes. The voxel (0, 0, 0) has its lowest corner at
 //     `origin`.
-//  2. The grid holds the box for which it was made, with a border of at least kBorder voxels on every side, so that a
-//     conservative solid does not touch the border.
+//  2. The grid holds the box for which it was made, with a border of at least kBorder voxels on every side, so that every
+//     voxel that the model touches lies in the grid.
 #pragma once
 
 #include "render/base/result.h"
@@ -31,8 +31,8 @@ struct VoxelGrid {
 // The grid with `resolution` voxels along the longest side of the box, borders included. Errors: kBadUsage (an empty box; a
 // resolution that is not 2 … kMostVoxelsPerAxis).
 Result<VoxelGrid> GridOfResolution(const Box3& box, int resolution);
-// The grid of voxels of `pitch_mm`. Errors: kBadUsage (an empty box; a pitch that is not above 0, or that makes more than
-// kMostVoxelsPerAxis voxels along a side).
+// The grid whose voxels have the side `pitch_mm`. Errors: kBadUsage (an empty box; a pitch that is not above 0, or that
+// makes more than kMostVoxelsPerAxis voxels along a side).
 Result<VoxelGrid> GridOfPitch(const Box3& box, double pitch_mm);
 
 }  // namespace facetless

@@ -8,7 +8,7 @@
 namespace facetless {
 namespace {
 
-// The recursion of law 3: the mean of a cube is that of its eight halves, weighted by their filled voxels.
+// The recursion of law 3: the mean of a cube is that of its eight children, weighted by their filled voxels.
 struct Cubes {
   const VoxelModel& model;
 

@@ -8,9 +8,10 @@
 //     0 ≤ x < size.x and so on. VoxelGrid (voxel_grid.h) places these coordinates in millimetres.
 //  2. All encodings hold the same models: converting from any of them to any other, and back, changes no voxel.
 //  3. A level of detail l stands for the cubes of 2^l voxels on a side, aligned to multiples of 2^l. The voxel of such a
-//     cube has the mean colour of its filled voxels, and `share` says how many of its 8^l voxels are filled.
-//  4. The interface serves edits, conversions and single questions. Rays go through the encodings themselves
-//     (voxel_walk.h), without a call through a table per step.
+//     cube has the mean colour of its filled voxels, and `share` says which part of its 8^l voxels is filled. The mean is
+//     that of the means of the eight cubes of level l − 1, weighted by their filled voxels, and is rounded on each level.
+//  4. The interface serves edits, conversions and single questions. Rays walk through the encodings themselves
+//     (voxel_walk.h), without a virtual call for each step.
 #pragma once
 
 #include <array>
@@ -90,8 +91,8 @@ class VoxelModel {
 
   // Outside the model, all voxels are empty.
   virtual Voxel Get(int x, int y, int z) const = 0;
-  // The mean of the cube of level `level` that holds the voxel (law 3); cubes are not clipped to the model. The level
-  // must be 0 … 16. Encodings without means compute it from the voxels.
+  // The mean of the cube of level `level` that holds the voxel (law 3); empty if the voxel lies outside the model. Cubes are
+  // not clipped to the model. The level must be 0 … 16. This implementation computes the mean from the voxels.
   virtual VoxelMean GetMean(int x, int y, int z, int level) const;
   // Calls visit for the filled runs of the column (x, y), in ascending order, each as long as possible.
   virtual void VisitColumn(int x, int y, const std::function<void(const VoxelRun&)>& visit) const = 0;

@@ -1,11 +1,11 @@
 // VoxelRay: a ray through the voxels of a model, prepared for walks.
 //
 //     VoxelRay ray;
-//     if (!ray.Enter(origin, direction, 0, model.size())) return miss;   // coordinates of the model
+//     if (!ray.Enter(origin, direction, 0, model.size())) return {};  // in the coordinates of the model; a miss
 //     VoxelPoint cell = ray.CellAt(ray.t_first());
 //
-//  1. The plane at p of an axis is passed at Pass(axis, p) = (p − o)·(1/d), which is monotone in p as it is rounded. All walks
-//     decide by these numbers alone, so that all of them visit the same voxels.
+//  1. The ray passes the plane at p of an axis at t = Pass(axis, p) = (p − o)·(1/d), which is monotone in p even after
+//     rounding. All walks decide by these numbers alone, so that all of them visit the same voxels.
 //  2. At t, the ray is in the voxel whose lower plane it has passed at or before t, and whose upper plane it passes after t,
 //     on every axis. So each t between the first and the last belongs to exactly one voxel, and voxels that the ray only
 //     touches are not visited. Along an axis without a component of the direction, the ray stays in the voxel of its origin.
@@ -41,7 +41,7 @@ class VoxelRay {
       if (!std::isfinite(o[axis]) || !std::isfinite(d[axis])) return false;
       origin_[axis] = o[axis];
       inverse_[axis] = 1 / d[axis];
-      // A component whose inverse is not finite moves the ray by less than it can be far from any plane.
+      // A component whose inverse is not finite is so small that it counts as 0.
       sign_[axis] = !std::isfinite(inverse_[axis]) ? 0 : d[axis] > 0 ? 1 : -1;
       if (sign_[axis] == 0) {
         if (!(o[axis] >= 0 && o[axis] < n[axis])) return false;

@@ -1,14 +1,15 @@
-// Walks: rays through voxel models, one function for each way. voxel_ray.h says which voxels a ray visits.
+// Walks of rays through voxel models, with one function for each encoding. voxel_ray.h says which voxels a ray visits.
 //
 //     VoxelRay ray;
 //     if (!ray.Enter(origin, direction, 0, octree.size())) return;
-//     const VoxelHit hit = WalkDescent(octree, ray, {.footprint = 0.7});
+//     WalkCounters counters;
+//     const VoxelHit hit = WalkDescent(octree, ray, {.footprint = 0.7}, &counters);
 //
-//  1. GridWalk passes the voxels of a raw model one by one, and WalkDescent the nodes of an octree from the root down. Both
-//     give the same hit, bit for bit.
-//  2. A walk through a tree may stop at a level of detail: at an inner node that is not empty, if its cubes are no larger
-//     than the footprint of the pixel, whose width in voxels is footprint_0 + footprint·t. The hit then has the mean of the
-//     node. Without a footprint, the walk goes down to the voxels.
+//  1. WalkGrid passes the voxels of a raw model one by one, and WalkDescent the nodes of an octree from the root down.
+//     Without a footprint, both give the same hit, bit for bit.
+//  2. WalkDescent may stop at a level of detail: at an inner node that is not empty, if its cube is no wider than the
+//     footprint of the pixel, whose width in voxels is footprint_0 + footprint·t. The hit then has the mean of the node.
+//     Without a footprint, the walk goes down to the leaves.
 #pragma once
 
 #include "render/voxels/octree_model.h"

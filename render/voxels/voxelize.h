@@ -7,18 +7,20 @@
 //     Print(voxels.value().model.Count(), voxels.value().stats.certified);
 //
 //  1. kSolid fills the voxels whose centres lie inside a closed solid. A centre is proven if its column is proven
-//     (view_crossings.h), if the solid is crossed an even number of times, and if no crossing lies within its error of the
-//     centre. Where solids overlap, the one that begins first along the column gives colour and material.
-//  2. kSurface fills the voxels that a surface touches: every voxel that is not filled is proven to be met by no face. It
-//     may fill voxels that a surface misses by less than kTouchShare of a voxel. No path through sides, edges or corners of
-//     empty voxels crosses the surface, so the voxels are 26-separating.
+//     (view_crossings.h), if the column crosses each solid an even number of times, and if the centre does not lie within
+//     the error of a crossing. Where solids overlap, the one that begins lowest in the column gives colour and material.
+//  2. kSurface fills the voxels that a surface touches: no face meets a voxel that is not filled. It may fill voxels that a
+//     surface misses, by no more than about a voxel along each axis (touched_voxels.h, law 1). No path through sides, edges
+//     or corners of empty voxels crosses the surface, so the voxels are 26-separating.
 //  3. kThinSurface fills the voxels in which a surface crosses one of the three lines through the centre, parallel to an axis,
 //     inside the voxel. No path through the sides of empty voxels crosses the surface, so the voxels are 6-separating.
-//  4. kConservative fills what kSolid and kSurface fill: whatever a solid touches. A plate thinner than a voxel never
-//     vanishes.
-//  5. Faces that belong to no closed solid have no inside. They fill nothing in kSolid, and VoxelStats names them.
-//  6. A voxel has the colour of the solid's faces (the most common one), or, at both ends of a run and for surfaces, that of
-//     the face. Its material is the number of the placed solid, 1 … 254, or 255 for all solids beyond and for open faces.
+//  4. kConservative fills what kSolid or kSurface fills: whatever a solid or an open face touches. A plate thinner than a
+//     voxel never vanishes.
+//  5. Faces that belong to no closed solid have no inside. They fill nothing in kSolid, and VoxelStats names the first
+//     kMostOpenNames of them.
+//  6. A voxel inside a solid has the colour of most faces of the solid. The voxels at both ends of a run, and those that a
+//     surface touches, have the colour of the face there. The material is the number of the placed solid, 1 … 254, or 255
+//     for all further solids and for open faces.
 //  7. The voxels depend on the model and the grid alone, not on the number of threads or the instruction set.
 #pragma once
 
@@ -48,13 +50,14 @@ struct VoxelizeOptions {
 };
 
 struct VoxelStats {
+  // Of the solid fills: all columns; those with a doubt, or that cross a solid an odd number of times; the latter alone.
   std::uint64_t columns = 0, columns_in_doubt = 0, columns_odd = 0;
   std::uint64_t crossings = 0;
   // Of all voxels of the grid: those of which the centre is proven to be inside or outside, and those of which it is not.
   // Without a solid fill, both are 0.
   std::uint64_t certified = 0, not_certified = 0;
   std::array<std::uint64_t, kDoubtNames.size()> doubts{};  // columns with each bit of Doubt
-  std::uint64_t touched = 0;                               // voxels that a surface touches; not for kSolid
+  std::uint64_t touched = 0;                               // voxels of laws 2 to 4; not for kSolid
   std::uint32_t open_faces = 0;                            // placed faces of no closed solid
   std::vector<std::string> open_face_names;                // the first kMostOpenNames of them
   std::uint32_t solids = 0;                                // placed closed solids

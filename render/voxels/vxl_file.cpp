@@ -181,7 +181,7 @@ Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
     return Error{ErrorCode::kFormatUnknown, path + ": is no .vxl file of Voxlap"};
   if (!reader.Number(&x_size) || !reader.Number(&y_size) || !reader.Skip(kCameraBytes))
     return BrokenVoxelFile(path, "the header ends too early");
-  // A column takes at least a header and a colour.
+  // A column takes at least the header of a span.
   constexpr std::uint64_t kLeast = 4;
   if (std::uint64_t{x_size} * y_size > reader.left() / kLeast)
     return BrokenVoxelFile(path, "the file is too short for the " + std::to_string(x_size) + " × " +
@@ -210,9 +210,8 @@ Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
 
 VoxelFormat VxlFormat() {
   return {".vxl", "Voxlap",
-          "Files of Voxlap hold no materials, no colours of hidden voxels and no place; a solid layer is "
-          "added below the "
-          "model.",
+          "Files of Voxlap hold no materials, no colours of hidden voxels, and not where the voxels are; a "
+          "solid layer is added below the model.",
           Write, Read};
 }
 

@@ -79,7 +79,7 @@ method.)";
 
 constexpr const char* kVoxelizeFooter = R"(Examples:
   facetless voxelize part.step --resolution 256 --out part.nrrd
-  facetless voxelize part.step --pitch-mm 0.1 --fill conservative --out part.vti      a thin wall never vanishes
+  facetless voxelize part.step --pitch-mm 0.1 --fill conservative --out part.vti      thin walls do not vanish
   facetless voxelize part.step --resolution 1024 --out part.oct
   facetless compare part.step --out report --with voxels:256                          the voxels beside the exact image
 
@@ -93,8 +93,8 @@ constexpr const char* kMethodsFooter = R"(Examples:
   facetless render part.step --out images --method robust-clipping
 
 On a file, the command traces each view with each method on one thread, and prints a table. With --out, it also writes
-VIEW.NAME.png, on which lost hits are vermilion, invented ones blue, imprecise ones yellow and unresolved ones purple, and
-methods.json. docs/methods.md describes the methods.)";
+methods.json, and VIEW.NAME.png: the certified picture in grey, on which lost hits of the method are vermilion,
+invented ones blue, imprecise ones yellow and unresolved ones purple. docs/methods.md describes the methods.)";
 
 constexpr const char* kBenchFooter = R"(Examples:
   facetless bench part.step other.igs                    the performance aims, the measured values, and each file

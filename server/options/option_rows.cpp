@@ -273,8 +273,7 @@ OptionTable MethodRows() {
        .commands = kShown | kTrade,
        .value = "NAME",
        .help = "Method that intersects rays with the exact surfaces (facetless methods lists them); only "
-               "certified "
-               "proves its samples",
+               "certified proves its samples",
        .choices = ChoosableMethods(),
        .usual = "certified",
        .binding = MethodBinding()},
@@ -284,7 +283,7 @@ OptionTable MethodRows() {
        .commands = kShown | kTrade,
        .value = "NAME",
        .help = "Where the iterations of --method begin: in the pieces that a structure finds, or at a map of "
-               "preliminary values, which published-map keeps in 8 bits",
+               "preliminary values, whose numbers have 8 bits in published-map",
        .choices = {kSolverStartsNames.begin(), kSolverStartsNames.end()},
        .usual_words = "of the method",
        .binding = StartsBinding()},
@@ -589,8 +588,7 @@ OptionTable VoxelRows() {
        .commands = kVoxelize,
        .value = "NAME",
        .help = "What is filled: voxels whose centres lie in a solid, those and whatever a surface touches, "
-               "or surfaces alone "
-               "(26- or 6-separating)",
+               "or surfaces alone (26- or 6-separating)",
        .choices = {kVoxelFillNames.begin(), kVoxelFillNames.end()},
        .usual = "solid",
        .owner = OptionOwner::kCommandLine,

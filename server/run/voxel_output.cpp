@@ -28,14 +28,14 @@ std::vector<std::string> WarningsOf(const VoxelStats& stats, const VoxelFormat& 
   if (stats.open_faces > 0) {
     std::string names;
     for (const std::string& name : stats.open_face_names) names += (names.empty() ? "" : ", ") + name;
-    warnings.push_back(std::to_string(stats.open_faces) +
-                       " faces belong to no closed solid, so that nothing is inside them" +
+    warnings.push_back("these faces (" + std::to_string(stats.open_faces) +
+                       " in all) belong to no closed solid, so that nothing is inside them" +
                        (fill == VoxelFill::kSolid ? " and they fill no voxel" : "") + ": " + names +
                        (stats.open_faces > stats.open_face_names.size() ? " and others" : ""));
   }
   if (stats.columns_in_doubt > 0)
     warnings.push_back(std::to_string(stats.columns_in_doubt) + " of " + std::to_string(stats.columns) +
-                       " columns are not proven; voxels.doubts has the reasons");
+                       " columns are not proven; voxels.doubts and voxels.columns_odd have the reasons");
   return warnings;
 }
 

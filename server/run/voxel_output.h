@@ -13,7 +13,7 @@ namespace facetless {
 
 struct VoxelizeResult {
   nlohmann::json json;                // the grid, the counts, what is proven, times and memory
-  std::vector<std::string> warnings;  // sentences: what the format loses, open shells, columns in doubt
+  std::vector<std::string> warnings;  // sentences: what the format loses, open faces, columns in doubt
 };
 
 // Errors: those of Voxelize and of WriteVoxels; kBadUsage (the grid, or nothing is shown); kLimitExceeded (the time limit).
