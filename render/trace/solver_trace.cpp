@@ -65,8 +65,12 @@ class SolverView {
     if (!made.ok()) return made.error();
     solver_ = std::move(made).value();
     const std::uint64_t used = surfaces_.bytes() + solver_->bytes();
-    if (used > options_.max_bytes) return TooLarge();
-    if (starts_ == SolverStarts::kPieces) return BuildStructure();
+    if (used >= options_.max_bytes) return TooLarge();
+    if (starts_ == SolverStarts::kPieces) {
+      if (auto built = BuildStructure(); !built.ok()) return built;
+      if (used + structure_bytes_ > options_.max_bytes) return TooLarge();
+      return {};
+    }
     Result<ValueMap> map = ValueMap::Draw(
         surfaces_, info_.unit, {camera_.width_px, camera_.height_px, starts_ == SolverStarts::kPublishedMap},
         options_.max_bytes - used, request_.execution);
@@ -177,7 +181,8 @@ class SolverView {
         if (wanted(face.id))
           surfaces_.AddFace(model, face.face, instance.placement, face.id,
                             &scene.data().faces[face.face].trim, scene.data().faces[face.face].patches);
-    if (surfaces_.bytes() > options_.max_bytes) return TooLarge();
+    // A limit of 0 would be none.
+    if (surfaces_.bytes() >= options_.max_bytes) return TooLarge();
     return {};
   }
 
@@ -265,7 +270,10 @@ class SolverView {
     }
     const std::span<const SolverPiece> pieces = solver_->pieces();
     structure.Visit(segment, *worker.query, [&](std::uint32_t piece) {
-      if (worker.solver->work_left <= 0) return kStop;
+      if (worker.solver->work_left <= 0) {
+        worker.solver->End(SolverStop::kWork);
+        return kStop;
+      }
       Solve(ray, StartOf(pieces[piece]), worker, hit);
       return hit.depth - before;
     });

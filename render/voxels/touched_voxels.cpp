@@ -165,7 +165,7 @@ class Toucher {
           const Mark mark{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
                           static_cast<std::uint16_t>(z), placed_face_};
           // Neighbouring pieces mostly touch the same voxels.
-          if (!marks.empty() &&
+          if (!marks.empty() && marks.back().placed_face == placed_face_ &&
               std::tie(marks.back().x, marks.back().y, marks.back().z) == std::tie(mark.x, mark.y, mark.z))
             continue;
           marks.push_back(mark);

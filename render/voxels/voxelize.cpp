@@ -85,6 +85,7 @@ class ColumnMaker {
     inside_.clear();
     std::uint64_t near_centres = 0;
     const bool odd = ListInside(crossings, &near_centres);
+    near_centres = std::min(near_centres, static_cast<std::uint64_t>(grid_.size.z));
     if (doubt != 0 || odd) {
       ++stats.columns_in_doubt;
       stats.columns_odd += odd;
@@ -103,9 +104,12 @@ class ColumnMaker {
   bool ListInside(std::span<const RayCrossing> crossings, std::uint64_t* near_centres) {
     open_.clear();
     for (const RayCrossing& crossing : crossings) {
-      const double error = std::isfinite(crossing.error) ? crossing.error / grid_.pitch : 0;
-      const double at = grid_.size.z - crossing.depth / grid_.pitch, centre = std::floor(at) + 0.5;
-      *near_centres += centre > 0 && centre < grid_.size.z && std::fabs(at - centre) <= error;
+      // The centre of voxel k is at k + 0.5. A crossing without a bound may be anywhere.
+      const double error = std::isfinite(crossing.error) ? crossing.error / grid_.pitch : grid_.size.z;
+      const double at = grid_.size.z - crossing.depth / grid_.pitch;
+      const double first = std::max(std::ceil(at - error - 0.5), 0.0),
+                   last = std::min(std::floor(at + error - 0.5), grid_.size.z - 1.0);
+      if (first <= last) *near_centres += static_cast<std::uint64_t>(last - first) + 1;
       const std::uint32_t solid = colors_.solids().ClosedSolidOfFace(crossing.placed_face);
       if (solid == kNoIndex) continue;
       const auto entered =
@@ -114,7 +118,7 @@ class ColumnMaker {
         open_.push_back({solid, at, crossing.placed_face});
         continue;
       }
-      // Depths grow downwards. The centre of voxel k is at k + 0.5.
+      // Depths grow downwards.
       const int begin = std::max(static_cast<int>(std::ceil(at - 0.5)), 0),
                 end = std::min(static_cast<int>(std::ceil(entered->at - 0.5)), grid_.size.z);
       if (begin < end) inside_.push_back({begin, end, solid, crossing.placed_face, entered->face});
@@ -294,6 +298,14 @@ class Voxelizer {
           });
       if (!done.ok()) return done.error();
       AddCosts(done.value());
+      result_.stats.columns += done.value().rays;
+      result_.stats.columns_in_doubt += done.value().rays_in_doubt;
+      std::uint64_t crossed = 0;
+      for (const std::vector<Crossed>& own : workers) crossed += own.size();
+      if (crossed * (sizeof(Crossed) + sizeof(TouchedVoxel)) > options_.accuracy.max_bytes)
+        return Error{ErrorCode::kLimitExceeded, "the voxels that the surfaces cross need more than " +
+                                                    std::to_string(options_.accuracy.max_bytes >> 20) +
+                                                    " MB; use fewer voxels, or raise --max-view-memory"};
     }
     std::vector<TouchedSlab> slabs(static_cast<std::size_t>(n.x));
     for (const std::vector<Crossed>& own : workers)

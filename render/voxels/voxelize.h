@@ -37,7 +37,6 @@
 
 namespace facetless {
 
-inline constexpr double kTouchShare = 1.0 / 4;
 inline constexpr int kMostMaterials = 255;
 
 enum class VoxelFill : std::uint8_t { kSolid, kConservative, kSurface, kThinSurface };
@@ -51,6 +50,7 @@ struct VoxelizeOptions {
 
 struct VoxelStats {
   // Of the solid fills: all columns; those with a doubt, or that cross a solid an odd number of times; the latter alone.
+  // Of kThinSurface: the rays along all three axes, and those with a doubt.
   std::uint64_t columns = 0, columns_in_doubt = 0, columns_odd = 0;
   std::uint64_t crossings = 0;
   // Of all voxels of the grid: those of which the centre is proven to be inside or outside, and those of which it is not.

@@ -259,11 +259,10 @@ OptionBinding MethodsBinding() {
   return {[](const OptionRow& row, const Json& json, RunOptions& o) {
             Json words = json;
             if (json == "all" || json == Json::array({"all"})) {
-              // The sweep has the settings of the certified tracer anyway.
               words = Json::array();
-              // Methods with a number are other representations.
+              // The sweep has the settings of our own tracer anyway; methods with a number are other representations.
               for (const Method* method : Methods())
-                if (method != &CertifiedMethod() && method->setting.empty()) words.push_back(method->name);
+                if (method->solver != nullptr) words.push_back(method->name);
             }
             return StoreInto(ParseMethods(row, words), o.trade.methods);
           },

@@ -245,6 +245,10 @@ TEST(Voxelize, SaysWhatExceedsItsMemory) {
       Voxelize(scene, grid, {.fill = VoxelFill::kSurface, .accuracy = accuracy}, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);
+  const Result<Voxels> thin =
+      Voxelize(scene, grid, {.fill = VoxelFill::kThinSurface, .accuracy = accuracy}, {});
+  ASSERT_FALSE(thin);
+  EXPECT_EQ(thin.error().code, ErrorCode::kLimitExceeded);
   const std::atomic<bool> stop = true;
   const Result<Voxels> stopped = Voxelize(scene, grid, {}, {.cancel = &stop});
   ASSERT_FALSE(stopped);

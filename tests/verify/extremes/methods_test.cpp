@@ -73,7 +73,7 @@ TEST(MethodExtremes, DistanceFromTheOriginAndHighDegreesDoNotMatterToClipping) {
   }
 }
 
-TEST(MethodExtremes, NewtonFromPiecesLosesRootsAtSilhouettes) {
+TEST(MethodExtremes, NewtonFromTheMapLosesRootsAtSilhouettes) {
   auto outcomes = Measured("1 mm, 1e7 mm from the origin by a placement", {kNewton, kRobust});
   EXPECT_GT(outcomes[kNewton].lost, 0u);
   EXPECT_EQ(outcomes[kRobust].lost, 0u);
