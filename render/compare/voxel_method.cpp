@@ -8,7 +8,6 @@
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
 #include "render/voxels/voxel_walk.h"
-#include "render/voxels/voxelize.h"
 
 namespace facetless {
 namespace {
@@ -29,8 +28,9 @@ Result<std::unique_ptr<const Representation>> MakeVoxels(const MethodInput& inpu
   Result<Voxels> voxels = Voxelize(input.scene, grid.value(), options, input.execution);
   if (!voxels.ok()) return voxels.error();
   OctreeModel octree(voxels.value().model);
-  return std::unique_ptr<const Representation>(std::make_unique<VoxelSurface>(
-      std::move(octree), grid.value(), stopwatch.Milliseconds(), input.name, input.title));
+  return std::unique_ptr<const Representation>(
+      std::make_unique<VoxelSurface>(std::move(octree), grid.value(), voxels.value().stats,
+                                     stopwatch.Milliseconds(), input.name, input.title));
 }
 
 }  // namespace
@@ -40,7 +40,9 @@ std::vector<RepresentationFact> VoxelSurface::facts() const {
   return {{"pitch_mm", grid_.pitch},
           {"voxels", static_cast<double>(count)},
           {"volume_mm_cubed", static_cast<double>(count) * grid_.voxel_mm3()},
-          {"octree_bytes", static_cast<double>(model_.bytes())}};
+          {"octree_bytes", static_cast<double>(model_.bytes())},
+          {"open_faces", static_cast<double>(stats_.open_faces)},
+          {"columns_in_doubt", static_cast<double>(stats_.columns_in_doubt)}};
 }
 
 Vec3 VoxelSurface::NormalAt(VoxelPoint at, int side, Vec3 direction) const {

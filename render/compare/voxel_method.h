@@ -8,6 +8,7 @@
 #include "render/compare/representation.h"
 #include "render/voxels/octree_model.h"
 #include "render/voxels/voxel_grid.h"
+#include "render/voxels/voxelize.h"
 
 namespace facetless {
 
@@ -22,9 +23,12 @@ class VoxelSurface final : public Representation {
  public:
   static constexpr int kNormalReach = 2;
 
-  VoxelSurface(OctreeModel model, VoxelGrid grid, double make_ms, std::string name, std::string title)
+  // `stats`: of the voxels, for the facts.
+  VoxelSurface(OctreeModel model, VoxelGrid grid, VoxelStats stats, double make_ms, std::string name,
+               std::string title)
       : model_(std::move(model)),
         grid_(grid),
+        stats_(std::move(stats)),
         make_ms_(make_ms),
         name_(std::move(name)),
         title_(std::move(title)) {}
@@ -42,6 +46,7 @@ class VoxelSurface final : public Representation {
 
   const OctreeModel model_;
   const VoxelGrid grid_;
+  const VoxelStats stats_;
   const double make_ms_;
   const std::string name_, title_;
 };

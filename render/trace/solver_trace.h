@@ -38,7 +38,7 @@ inline constexpr const char* kUsualSolverStructure = "bvh";
 struct SolverOptions {
   std::optional<SolverStarts> starts = {};        // nothing: the usual ones of the solver
   std::string structure = kUsualSolverStructure;  // a name of StructureNames(); not used with a map
-  // The limit of memory for the surfaces, the solver and the map. The structure is not counted.
+  // The limit of memory for the surfaces, the solver, the map and the structure, which is measured once it is built.
   std::uint64_t max_bytes = std::uint64_t{4} << 30;
 };
 

@@ -1,6 +1,7 @@
 #include "render/voxels/file_bytes.h"
 
 #include <bit>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -45,6 +46,12 @@ Result<std::vector<unsigned char>> ReadVoxelBytes(const std::string& path, std::
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
     return Error{ErrorCode::kFileUnreadable, path + ": cannot be read to its end"};
   return bytes;
+}
+
+std::string PreciseText(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  return {text, end.ptr};
 }
 
 std::uint64_t Checksum(std::span<const unsigned char> bytes) {

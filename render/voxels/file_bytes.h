@@ -68,6 +68,9 @@ class VoxelFileReader {
 // Errors: kFileUnreadable, kLimitExceeded (larger than `max_bytes`).
 Result<std::vector<unsigned char>> ReadVoxelBytes(const std::string& path, std::uint64_t max_bytes);
 
+// The shortest decimal text that reads back as the same number.
+std::string PreciseText(double value);
+
 // The checksum of stored trees: FNV-1a, 64 bits (G. Fowler, L. Noll, K.-P. Vo).
 std::uint64_t Checksum(std::span<const unsigned char> bytes);
 

@@ -1,7 +1,5 @@
 #include <cmath>
-#include <limits>
 #include <map>
-#include <sstream>
 
 #include "render/voxels/dense_slices.h"
 #include "render/voxels/file_bytes.h"
@@ -10,17 +8,10 @@
 namespace facetless {
 namespace {
 
-std::string Precise(double value) {
-  std::ostringstream text;
-  text.precision(std::numeric_limits<double>::max_digits10);
-  text << value;
-  return text.str();
-}
-
 Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid& grid) {
   VoxelFileWriter out(path);
   const VoxelPoint n = model.size();
-  const std::string p = Precise(grid.pitch);
+  const std::string p = PreciseText(grid.pitch);
   // The origin of NRRD is the centre of the first sample.
   const Vec3 first = grid.Center({0, 0, 0});
   out.Text(
@@ -28,7 +19,7 @@ Result<void> Write(const std::string& path, const VoxelModel& model, const Voxel
       "type: uint8\ndimension: 3\nspace dimension: 3\nsizes: " +
       std::to_string(n.x) + " " + std::to_string(n.y) + " " + std::to_string(n.z) + "\nspace directions: (" +
       p + ",0,0) (0," + p + ",0) (0,0," + p + ")\nspace units: \"mm\" \"mm\" \"mm\"\nspace origin: (" +
-      Precise(first.x) + "," + Precise(first.y) + "," + Precise(first.z) +
+      PreciseText(first.x) + "," + PreciseText(first.y) + "," + PreciseText(first.z) +
       ")\nkinds: domain domain domain\nencoding: raw\n\n");
   std::string bytes;
   VisitSlices(model, [&](int, std::span<const Voxel> slice) {

@@ -1,6 +1,4 @@
 #include <cstdlib>
-#include <limits>
-#include <sstream>
 
 #include "render/voxels/dense_slices.h"
 #include "render/voxels/file_bytes.h"
@@ -9,26 +7,19 @@
 namespace facetless {
 namespace {
 
-std::string Precise(double value) {
-  std::ostringstream text;
-  text.precision(std::numeric_limits<double>::max_digits10);
-  text << value;
-  return text.str();
-}
-
 Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid& grid) {
   VoxelFileWriter out(path);
   const VoxelPoint n = model.size();
   const std::uint64_t count = model.box().volume();
   const std::string extent = "0 " + std::to_string(n.x) + " 0 " + std::to_string(n.y) + " 0 " +
                              std::to_string(n.z),
-                    pitch = Precise(grid.pitch);
+                    pitch = PreciseText(grid.pitch);
   out.Text(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
-      extent + "\" Origin=\"" + Precise(grid.origin.x) + " " + Precise(grid.origin.y) + " " +
-      Precise(grid.origin.z) + "\" Spacing=\"" + pitch + " " + pitch + " " + pitch + "\">\n<Piece Extent=\"" +
-      extent +
+      extent + "\" Origin=\"" + PreciseText(grid.origin.x) + " " + PreciseText(grid.origin.y) + " " +
+      PreciseText(grid.origin.z) + "\" Spacing=\"" + pitch + " " + pitch + " " + pitch +
+      "\">\n<Piece Extent=\"" + extent +
       "\">\n<CellData Scalars=\"material\">\n<DataArray type=\"UInt8\" Name=\"material\" format=\"appended\" "
       "offset=\"0\"/>\n<DataArray type=\"UInt8\" Name=\"color\" NumberOfComponents=\"3\" format=\"appended\" "
       "offset=\"" +

@@ -35,13 +35,21 @@ DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<Secti
   return direct;
 }
 
+Result<void> CheckStartsAreUsed(const RunOptions& options) {
+  const auto iterates = [](const MethodChoice& choice) { return choice.method->solver != nullptr; };
+  if (!options.solver.starts || iterates(options.method) ||
+      std::any_of(options.with.begin(), options.with.end(), iterates) ||
+      std::any_of(options.trade.methods.begin(), options.trade.methods.end(), iterates))
+    return {};
+  return Error{ErrorCode::kBadUsage,
+               "starts applies to methods that iterate; give one of them as method, or leave out starts"};
+}
+
 Result<std::unique_ptr<const Representation>> MakeExactSide(const RunOptions& options, const Scene& scene,
                                                             const DirectOptions& direct,
                                                             const Execution& execution) {
   const Method& method = *options.method.method;
-  if (options.solver.starts && method.solver == nullptr && options.with.empty())
-    return Error{ErrorCode::kBadUsage,
-                 "starts applies to methods that iterate; give one of them as method, or leave out starts"};
+  if (auto used = CheckStartsAreUsed(options); !used) return used.error();
   const bool certified = &method == &CertifiedMethod();
   return method.make({.scene = scene,
                       .direct = direct,

@@ -22,6 +22,9 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
 DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
                               std::uint64_t taken_bytes = 0);
 
+// Error: kBadUsage (`starts` is given, but no method of the run iterates).
+Result<void> CheckStartsAreUsed(const RunOptions& options);
+
 // Makes what shows the exact surfaces of a run: --method. Errors: those of the method; kBadUsage (`starts` without a
 // method that iterates).
 Result<std::unique_ptr<const Representation>> MakeExactSide(const RunOptions& options, const Scene& scene,

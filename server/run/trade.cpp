@@ -19,6 +19,7 @@
 #include "server/base/load_average.h"
 #include "server/base/version.h"
 #include "server/run/shown_model.h"
+#include "server/run/trace_options.h"
 #include "server/run/verdict.h"
 
 namespace facetless {
@@ -470,6 +471,7 @@ Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& 
                              const RunContext& context) {
   if (!options.sections.empty())
     return Error{ErrorCode::kBadUsage, "trade measures whole models; it takes no section"};
+  if (auto used = CheckStartsAreUsed(options); !used) return used.error();
   const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
   if (!shown) return shown.error();
   return Sweep(request, imported, shown.value(), options, directory, context).Run();

@@ -123,6 +123,9 @@ TEST_F(MethodOptions, WhatAMethodCannotDoIsRefused) {
            {{"render", file, "--method", "martin", "--precision", "certified"}, "proves nothing"},
            {{"render", file, "--method", "martin", "--starts", "map"}, "does not start at a map"},
            {{"render", file, "--starts", "map"}, "starts applies to methods that iterate"},
+           {{"compare", file, "--starts", "map", "--with", "fast"}, "starts applies to methods that iterate"},
+           {{"trade", file, "--starts", "map", "--methods", "fast"},
+            "starts applies to methods that iterate"},
            {{"render", file, "--method", "newton"}, "newton-cramer"}}) {
     const ChildOutcome outcome = RunTo(arguments);
     EXPECT_EQ(outcome.exit_code, kExitUsage) << reason;
