@@ -5,7 +5,7 @@
 
 #include "bench/statistics.h"
 #include "render/solve/solver.h"
-#include "render/trace/solver_trace.h"
+#include "render/solve/solver_trace.h"
 
 namespace facetless {
 namespace {

@@ -24,8 +24,8 @@
 #include "render/base/execution.h"
 #include "render/base/result.h"
 #include "render/compare/hit_errors.h"
+#include "render/solve/solver_trace.h"
 #include "render/trace/direct.h"
-#include "render/trace/solver_trace.h"
 
 namespace facetless {
 

@@ -26,8 +26,8 @@
 #include "render/base/result.h"
 #include "render/compare/representation.h"
 #include "render/model/model.h"
+#include "render/solve/solver_trace.h"
 #include "render/trace/direct.h"
-#include "render/trace/solver_trace.h"
 
 namespace facetless {
 

@@ -19,8 +19,8 @@
 
 #include "render/base/execution.h"
 #include "render/baseline/tracer.h"
+#include "render/solve/solver_trace.h"
 #include "render/trace/direct.h"
-#include "render/trace/solver_trace.h"
 #include "render/view/camera.h"
 #include "render/view/refinement.h"
 #include "render/view/samples.h"

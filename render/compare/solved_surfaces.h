@@ -1,4 +1,4 @@
-// SolvedSurfaces: the exact surfaces of a scene, traced with a named solver (render/trace/solver_trace.h). It is a
+// SolvedSurfaces: the exact surfaces of a scene, traced with a named solver (render/solve/solver_trace.h). It is a
 // representation like the certified one, so that pictures, differences and plots of methods can be made.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include "render/compare/method.h"
 #include "render/compare/representation.h"
 #include "render/solve/solver.h"
-#include "render/trace/solver_trace.h"
+#include "render/solve/solver_trace.h"
 
 namespace facetless {
 

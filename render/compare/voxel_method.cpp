@@ -7,7 +7,7 @@
 
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
-#include "render/voxels/voxel_walk.h"
+#include "render/voxel_walks/voxel_walk.h"
 
 namespace facetless {
 namespace {

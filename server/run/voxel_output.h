@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/voxels/voxel_file.h"
+#include "render/voxel_files/voxel_file.h"
 #include "server/run/run.h"
 
 namespace facetless {

@@ -10,7 +10,7 @@
 #include "render/voxels/octree_model.h"
 #include "render/voxels/raw_model.h"
 #include "render/voxels/run_model.h"
-#include "tests/unit/voxels/random_voxels.h"
+#include "tests/support/random_voxels.h"
 
 namespace facetless {
 namespace {

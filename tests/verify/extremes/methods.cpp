@@ -6,7 +6,7 @@
 
 #include "render/compare/hit_errors.h"
 #include "render/solve/solver.h"
-#include "render/trace/solver_trace.h"
+#include "render/solve/solver_trace.h"
 #include "tests/verify/oracle/oracle.h"
 #include "tests/verify/oracle/view_ray.h"
 

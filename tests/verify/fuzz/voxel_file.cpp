@@ -2,10 +2,10 @@
 #include <cstring>
 #include <vector>
 
-#include "render/voxels/file_bytes.h"
+#include "render/voxel_files/file_bytes.h"
+#include "render/voxel_files/voxel_file.h"
+#include "render/voxel_walks/voxel_walk.h"
 #include "render/voxels/octree_model.h"
-#include "render/voxels/voxel_file.h"
-#include "render/voxels/voxel_walk.h"
 #include "tests/verify/fuzz/target.h"
 
 namespace facetless {

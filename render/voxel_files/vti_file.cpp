@@ -1,8 +1,8 @@
 #include <cstdlib>
 
-#include "render/voxels/dense_slices.h"
-#include "render/voxels/file_bytes.h"
-#include "render/voxels/voxel_formats.h"
+#include "render/voxel_files/dense_slices.h"
+#include "render/voxel_files/file_bytes.h"
+#include "render/voxel_files/voxel_formats.h"
 
 namespace facetless {
 namespace {

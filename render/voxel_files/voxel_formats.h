@@ -1,7 +1,7 @@
 // The formats of voxel_file.h, one file each.
 #pragma once
 
-#include "render/voxels/voxel_file.h"
+#include "render/voxel_files/voxel_file.h"
 
 namespace facetless {
 

@@ -1,4 +1,4 @@
-#include "render/voxels/dense_slices.h"
+#include "render/voxel_files/dense_slices.h"
 
 #include <optional>
 #include <utility>

@@ -1,6 +1,6 @@
 // Views traced with solvers by name, judged by the certified samples of the same camera: every solver, every structure,
 // starts, threads, refinement, and errors.
-#include "render/trace/solver_trace.h"
+#include "render/solve/solver_trace.h"
 
 #include <gtest/gtest.h>
 

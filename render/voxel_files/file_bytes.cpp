@@ -1,4 +1,4 @@
-#include "render/voxels/file_bytes.h"
+#include "render/voxel_files/file_bytes.h"
 
 #include <bit>
 #include <charconv>

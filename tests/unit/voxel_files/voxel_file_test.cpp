@@ -1,5 +1,5 @@
 // Files of voxels: what is written is read again, and what is no such file is one error.
-#include "render/voxels/voxel_file.h"
+#include "render/voxel_files/voxel_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/support/random_voxels.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/voxels/random_voxels.h"
 
 namespace facetless {
 namespace {

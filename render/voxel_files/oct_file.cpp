@@ -5,9 +5,9 @@
 // has children, one after the other. There are no offsets, so a file cannot refer to itself.
 #include <functional>
 
-#include "render/voxels/file_bytes.h"
+#include "render/voxel_files/file_bytes.h"
+#include "render/voxel_files/voxel_formats.h"
 #include "render/voxels/octree_model.h"
-#include "render/voxels/voxel_formats.h"
 
 namespace facetless {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/trace/solver_trace.h"
+#include "render/solve/solver_trace.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "render/voxels/voxel_file.h"
+#include "render/voxel_files/voxel_file.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 
-#include "render/voxels/voxel_formats.h"
+#include "render/voxel_files/voxel_formats.h"
 
 namespace facetless {
 

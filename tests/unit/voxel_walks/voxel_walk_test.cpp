@@ -1,12 +1,12 @@
 // Walks of rays through voxels: all exact ones find the same voxel, at the same t, bit for bit.
-#include "render/voxels/voxel_walk.h"
+#include "render/voxel_walks/voxel_walk.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
 
-#include "tests/unit/voxels/random_voxels.h"
+#include "tests/support/random_voxels.h"
 
 namespace facetless {
 namespace {

@@ -12,9 +12,9 @@
 //     Without a footprint, the walk goes down to the leaves.
 #pragma once
 
+#include "render/voxel_walks/voxel_ray.h"
 #include "render/voxels/octree_model.h"
 #include "render/voxels/raw_model.h"
-#include "render/voxels/voxel_ray.h"
 
 namespace facetless {
 

@@ -1,4 +1,4 @@
-#include "render/voxels/voxel_walk.h"
+#include "render/voxel_walks/voxel_walk.h"
 
 #include <algorithm>
 

@@ -4,9 +4,9 @@
 // follow. The words that are left are the colours of the ceiling below: the visible voxels just above the next span's air.
 #include <array>
 
-#include "render/voxels/file_bytes.h"
+#include "render/voxel_files/file_bytes.h"
+#include "render/voxel_files/voxel_formats.h"
 #include "render/voxels/run_model.h"
-#include "render/voxels/voxel_formats.h"
 
 namespace facetless {
 namespace {
