@@ -81,6 +81,9 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
   const double before = perspective ? 0 : Dot(bounds.center() - frame.eye, frame.forward) - bounds.diagonal();
   const double scale = 1 / grid_.pitch, pixel = std::max(frame.pixel_x, frame.pixel_y) * scale;
   const Stopwatch tracing;
+  const Result<std::unique_ptr<const BoundWalk>> bound = BindVoxelWalk(model_, "");
+  if (!bound.ok()) return bound.error();
+  const BoundWalk& walk = *bound.value();
   struct Worker {
     WalkCounters counters;
     std::uint64_t hits = 0;
@@ -97,7 +100,7 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
         VoxelRay ray;
         if (!ray.Enter(origin, direction, perspective ? frame.near_mm : 0, model_.size())) continue;
         const WalkOptions options{perspective ? 0 : pixel, perspective ? pixel : 0};
-        const VoxelHit hit = WalkDescent(model_, ray, options, &worker.counters);
+        const VoxelHit hit = walk.Walk(ray, options, &worker.counters);
         if (!hit.hit()) continue;
         const std::size_t out = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width_px) +
                                 static_cast<std::size_t>(column);
@@ -113,7 +116,7 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
   view.counters.trace_ms = tracing.Milliseconds();
   view.counters.rays = view.samples.size();
   for (const Worker& worker : workers) view.counters.hits += worker.hits;
-  view.structure_bytes = model_.bytes();
+  view.structure_bytes = model_.bytes() + walk.bytes();
   return view;
 }
 

@@ -1,74 +1,133 @@
 #include "render/voxel_walks/voxel_walk.h"
 
-#include <algorithm>
+#include <charconv>
+
+#include "render/voxel_walks/walks.h"
 
 namespace facetless {
+namespace {
 
-VoxelHit WalkGrid(const RawModel& model, const VoxelRay& ray, WalkCounters* counters) {
-  ++counters->rays;
-  double t = ray.t_first();
-  VoxelPoint cell = ray.CellAt(t);
-  int* const index[3] = {&cell.x, &cell.y, &cell.z};
-  double leave[3];
-  for (int axis = 0; axis < 3; ++axis) leave[axis] = ray.Leave(axis, *index[axis], *index[axis] + 1);
-  while (model.box().Holds(cell)) {
-    ++counters->steps;
-    if (const Voxel voxel = model.At(cell); voxel.filled()) return ray.HitAt(t, voxel, 0);
-    // The axes whose planes are passed at the same t are stepped together.
-    t = std::min(std::min(leave[0], leave[1]), leave[2]);
-    if (!(t < ray.t_last())) break;
-    for (int axis = 0; axis < 3; ++axis)
-      if (leave[axis] == t) {
-        *index[axis] += ray.sign(axis);
-        // Planes may be passed at the same t as they are rounded.
-        *index[axis] = ray.IndexAt(axis, t, *index[axis]);
-        leave[axis] = ray.Leave(axis, *index[axis], *index[axis] + 1);
-      }
-  }
-  return {};
+constexpr VoxelWalk kWalks[] = {
+    {.name = "grid",
+     .description = "Passes all voxels along the ray, one by one.",
+     .encoding = "raw",
+     .bind = BindGrid},
+    {.name = "bresenham",
+     .description = "Advances one voxel along the longest component, and misses some voxels between.",
+     .encoding = "raw",
+     .exact = false,
+     .bind = BindBresenham},
+    {.name = "columns",
+     .description = "Passes the columns along the ray, and looks for the next run in each.",
+     .encoding = "runs",
+     .bind = BindColumns},
+    {.name = "descent",
+     .description =
+         "Goes down to the leaf that holds the ray, and up as far as the ray leaves nodes; planes of a "
+         "node are computed once.",
+     .encoding = "octree",
+     .levels = true,
+     .bind = BindDescent},
+    {.name = "kd-restart",
+     .description = "Finds each next leaf from the root.",
+     .encoding = "octree",
+     .levels = true,
+     .bind = BindKdRestart},
+    {.name = "kd-restart-sorted",
+     .description = "The same; the side through which a ray leaves a cube is tried in the order of the "
+                    "direction's components.",
+     .encoding = "octree",
+     .levels = true,
+     .bind = BindKdRestartSorted},
+    {.name = "kd-backtrack",
+     .description = "Finds each next leaf from the last node on the path that still holds the ray.",
+     .encoding = "octree",
+     .levels = true,
+     .bind = BindKdBacktrack},
+    {.name = "kd-shortstack",
+     .description =
+         "The same with the lowest K nodes of the path; if none of them holds the ray, from the root.",
+     .encoding = "octree",
+     .levels = true,
+     .setting = "nodes that are remembered",
+     .usual = 4,
+     .most = kMostShortstack,
+     .bind = BindKdShortstack},
+    {.name = "neighbours",
+     .description = "Goes from leaf to leaf by links through their sides, which take memory of their own.",
+     .encoding = "octree",
+     .levels = true,
+     .bind = BindNeighbours},
+    {.name = "adaptive",
+     .description = "Passes leaves of the tree, and all voxels of its bricks.",
+     .encoding = "adaptive-octree",
+     .levels = true,
+     .bind = BindAdaptive},
+    {.name = "bricks",
+     .description =
+         "Passes leaves of the tree, and all voxels of its bricks, or the cubes of their mip maps.",
+     .encoding = "n3-tree",
+     .levels = true,
+     .bind = BindN3},
+};
+
+Error NoSuchWalk(std::string_view name) {
+  std::string names;
+  for (const VoxelWalk& walk : kWalks) names += (names.empty() ? "" : ", ") + std::string(walk.name);
+  return {ErrorCode::kBadUsage,
+          "there is no walk through voxels '" + std::string(name) + "'; there are: " + names};
 }
 
-VoxelHit WalkDescent(const OctreeModel& model, const VoxelRay& ray, const WalkOptions& options,
-                     WalkCounters* counters) {
-  ++counters->rays;
-  struct Waiting {
-    const OctreeNode* children;
-    VoxelPoint low;  // of the parent's cube
-    double t_out;    // of the parent
-  };
-  Waiting stack[kMostOctreeLevels + 1];
-  double t = ray.t_first();
-  const OctreeNode* node = &model.root();
-  VoxelPoint low{0, 0, 0};
-  int level = model.level();
-  int depth = 0;
-  double t_out = std::min(ray.t_last(), ray.Leave(low, 1 << level));
-  for (;;) {
-    ++counters->steps;
-    if (node->leaf()) {
-      if (node->voxel.filled()) return ray.HitAt(t, node->voxel, 0);
-      // Leave the node, and all ancestors that end at the same t.
-      t = t_out;
-      while (depth > 0 && !(t < stack[depth - 1].t_out)) {
-        --depth;
-        ++level;
-      }
-      if (depth == 0) return {};
-    } else {
-      if (level > 0 && node->voxel.filled() && (1 << level) <= options.footprint_0 + options.footprint * t)
-        return ray.HitAt(t, node->voxel, level);
-      stack[depth++] = {model.Children(*node), low, t_out};
-      --level;
-    }
-    // Go to the child of the node on top of the stack that holds t.
-    const Waiting& parent = stack[depth - 1];
-    const int half = 1 << level;
-    const int x = ray.IsAbove(0, parent.low.x + half, t), y = ray.IsAbove(1, parent.low.y + half, t),
-              z = ray.IsAbove(2, parent.low.z + half, t);
-    node = parent.children + (x | y << 1 | z << 2);
-    low = {parent.low.x + x * half, parent.low.y + y * half, parent.low.z + z * half};
-    t_out = std::min(parent.t_out, ray.Leave(low, half));
+// The number after the name of a walk.
+Result<int> SettingOf(const VoxelWalk& walk, std::string_view text) {
+  int setting = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), setting);
+  const std::string name(walk.name);
+  if (walk.setting.empty())
+    return Error{ErrorCode::kBadUsage,
+                 "the walk " + name + " has no setting; leave out ':" + std::string(text) + "'"};
+  if (error != std::errc{} || end != text.data() + text.size() || setting < 1 || setting > walk.most)
+    return Error{ErrorCode::kBadUsage, "the walk " + name + " takes a whole number from 1 to " +
+                                           std::to_string(walk.most) + " (" + std::string(walk.setting) +
+                                           "), not '" + std::string(text) + "'"};
+  return setting;
+}
+
+}  // namespace
+
+std::span<const VoxelWalk> VoxelWalks() {
+  return kWalks;
+}
+
+Result<const VoxelWalk*> FindVoxelWalk(std::string_view name) {
+  for (const VoxelWalk& walk : kWalks)
+    if (walk.name == name) return &walk;
+  return NoSuchWalk(name);
+}
+
+const VoxelWalk& UsualVoxelWalk(std::string_view encoding) {
+  for (const VoxelWalk& walk : kWalks)
+    if (walk.encoding == encoding) return walk;
+  return kWalks[0];
+}
+
+Result<std::unique_ptr<const BoundWalk>> BindVoxelWalk(const VoxelModel& model, std::string_view text) {
+  if (text.empty()) text = UsualVoxelWalk(model.encoding()).name;
+  const std::size_t colon = text.find(':');
+  const Result<const VoxelWalk*> found = FindVoxelWalk(text.substr(0, colon));
+  if (!found) return found.error();
+  const VoxelWalk& walk = *found.value();
+  int setting = walk.usual;
+  if (colon != std::string_view::npos) {
+    const Result<int> given = SettingOf(walk, text.substr(colon + 1));
+    if (!given) return given.error();
+    setting = given.value();
   }
+  if (walk.encoding != model.encoding())
+    return Error{ErrorCode::kBadUsage, "the walk " + std::string(walk.name) + " takes voxels encoded as " +
+                                           std::string(walk.encoding) + ", not as " +
+                                           std::string(model.encoding())};
+  return walk.bind(model, setting);
 }
 
 }  // namespace facetless

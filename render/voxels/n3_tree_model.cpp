@@ -16,6 +16,7 @@ int Logarithm(int power_of_two) {
 N3TreeModel::N3TreeModel(VoxelPoint size, int n, int m)
     : RebuiltModel(size), n_level_(Logarithm(n)), m_level_(Logarithm(m)), level_(m_level_) {
   while (level_ < LevelOf(size)) level_ += n_level_;
+  brick_size_ = MipBegin(m_level_ + 1);
 }
 
 N3TreeModel::N3TreeModel(const RunModel& runs, int n, int m) : N3TreeModel(runs.size(), n, m) {
@@ -26,10 +27,6 @@ std::size_t N3TreeModel::MipBegin(int level) const {
   std::size_t begin = 0;
   for (int l = 0; l < level; ++l) begin += std::size_t{1} << (3 * (m_level_ - l));
   return begin;
-}
-
-std::size_t N3TreeModel::BrickSize() const {
-  return MipBegin(m_level_ + 1);
 }
 
 void N3TreeModel::Compile(const RunModel& runs) {

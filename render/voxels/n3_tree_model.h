@@ -41,13 +41,24 @@ class N3TreeModel final : public RebuiltModel {
   std::uint64_t brick_count() const { return voxels_.size() / BrickSize(); }
   std::uint64_t node_count() const { return nodes_.size() + 1; }
 
+  // The root is a cube of 2^level() voxels on a side, a brick one of 2^brick_level(), and a child is 2^digit_level() times
+  // smaller than its parent.
+  int level() const { return level_; }
+  int brick_level() const { return m_level_; }
+  int digit_level() const { return n_level_; }
+  const N3Node& root() const { return root_; }
+  // The N³ children of an inner node above the bricks; x is fastest.
+  const N3Node* Children(const N3Node& node) const { return nodes_.data() + (node.content - 1); }
+  // The mean of the cube of 2^level voxels on a side that holds a voxel of a brick; 0 ≤ level ≤ brick_level().
+  Voxel InBrick(const N3Node& node, VoxelPoint p, int level) const;
+
  private:
   struct Subtree {
     N3Node node;
     std::uint64_t filled = 0;
   };
   // The voxels of a brick, and those of its mip maps: M³ + (M/2)³ + … + 1.
-  std::size_t BrickSize() const;
+  std::size_t BrickSize() const { return brick_size_; }
   // Where the mip map of cubes of 2^level voxels begins in a brick.
   std::size_t MipBegin(int level) const;
   void Compile(const RunModel& runs) override;
@@ -58,9 +69,9 @@ class N3TreeModel final : public RebuiltModel {
     int level;  // of its cube
   };
   Found Find(VoxelPoint p, int level) const;
-  Voxel InBrick(const N3Node& node, VoxelPoint p, int level) const;
 
   int n_level_, m_level_, level_;  // logarithms of N, of M, and of the root's edge
+  std::size_t brick_size_;
   N3Node root_;
   std::vector<N3Node> nodes_;  // children, N³ at a time; x fastest
   std::vector<Voxel> voxels_;  // of all bricks
