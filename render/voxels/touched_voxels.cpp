@@ -6,7 +6,9 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
+#include <utility>
 
 #include "render/base/parallel.h"
 #include "render/kernels/dispatch.h"
@@ -18,6 +20,9 @@ namespace {
 
 // A piece whose box is no larger than this, in voxels, is not halved.
 constexpr double kPiece = 1;
+// A piece inside its face that is a parallelogram but for this many voxels is not halved, if its box is no larger than
+// kFlatPiece.
+constexpr double kFlat = 0.5, kFlatPiece = 32;
 // Boxes are made larger by this many voxels, far above the rounding of control points.
 constexpr double kSlack = 0x1p-30;
 // The most halvings of a patch: voxels along an axis, and some more for uneven parameters.
@@ -26,6 +31,12 @@ constexpr int kMostHalvings = 80;
 struct Mark {
   std::uint16_t x, y, z;
   std::uint32_t placed_face;
+};
+
+// The space between two planes across `normal`, which is a unit vector, or zero for all of space.
+struct SlabOfSpace {
+  Vec3 normal{0, 0, 0};
+  double near = 0, far = 0;
 };
 
 // Finds the voxels of one face after another. Each thread has one.
@@ -101,8 +112,13 @@ class Toucher {
       inside = trim == RectClass::kInside;
     }
     const Vec3 side = box.high - box.low;
-    if (std::max({side.x, side.y, side.z}) <= kPiece || piece.level == kMostHalvings)
-      return MarkBox(net, box);
+    const double longest = std::max({side.x, side.y, side.z});
+    if (longest <= kPiece || piece.level == kMostHalvings) {
+      const SlabOfSpace slab = SlabOf(net, NormalOf(net));
+      return MarkMet(box, {&slab, 1});
+    }
+    std::array<SlabOfSpace, 3> slabs;
+    if (inside && longest <= kFlatPiece && IsFlat(net, &slabs)) return MarkMet(box, slabs);
     const Direction direction = Longer(net);
     OwnedNet &low = Level(piece.level + 1, 0), &high = Level(piece.level + 1, 1);
     low.SetDegrees(net.degree_u, net.degree_v);
@@ -134,42 +150,102 @@ class Toucher {
     return u >= v ? Direction::kU : Direction::kV;
   }
 
-  void MarkBox(const BezierNet& net, const Box3& box) {
-    const auto first = [](double low) { return std::max(static_cast<int>(std::floor(low - kSlack)), 0); };
-    const auto last = [](double high, int n) {
-      return std::min(static_cast<int>(std::floor(high + kSlack)), n - 1);
-    };
-    const VoxelPoint low{first(box.low.x), first(box.low.y), first(box.low.z)},
-        high{last(box.high.x, grid_.size.x), last(box.high.y, grid_.size.y), last(box.high.z, grid_.size.z)};
-    // The piece lies in a slab across the normal of its corners.
+  // The control points of the four corners: (u, v) = (0, 0), (1, 0), (0, 1) and (1, 1).
+  static std::array<Vec3, 4> CornersOf(const BezierNet& net) {
     const int last_u = net.degree_u * net.stride(), last_v = net.degree_v;
-    const Vec3 p = Cartesian(net, 0);
-    Vec3 normal = Cross(Cartesian(net, last_u + last_v) - p, Cartesian(net, last_v) - Cartesian(net, last_u));
-    const double length = Length(normal);
-    double near = -INFINITY, far = INFINITY;
-    if (length > 0) {
-      normal = (1 / length) * normal;
-      near = INFINITY, far = -INFINITY;
-      for (int i = 0; i < net.points(); ++i) {
-        const double at = Dot(normal, Cartesian(net, i));
-        near = std::min(near, at);
-        far = std::max(far, at);
-      }
+    return {Cartesian(net, 0), Cartesian(net, last_u), Cartesian(net, last_v),
+            Cartesian(net, last_u + last_v)};
+  }
+  // The unit normal of the corners; zero if they have none.
+  static Vec3 NormalOf(const BezierNet& net) {
+    const auto [p00, p10, p01, p11] = CornersOf(net);
+    return UnitOrZero(Cross(p11 - p00, p01 - p10));
+  }
+  static Vec3 UnitOrZero(Vec3 v) {
+    const double length = Length(v);
+    return length > 0 ? (1 / length) * v : Vec3{0, 0, 0};
+  }
+  // The slab across a unit vector that holds all control points.
+  static SlabOfSpace SlabOf(const BezierNet& net, Vec3 normal) {
+    SlabOfSpace slab{normal, INFINITY, -INFINITY};
+    for (int i = 0; i < net.points(); ++i) {
+      const double at = Dot(normal, Cartesian(net, i));
+      slab.near = std::min(slab.near, at);
+      slab.far = std::max(slab.far, at);
     }
-    const double half = 0.5 * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z)) + kSlack;
-    for (int x = low.x; x <= high.x; ++x)
-      for (int y = low.y; y <= high.y; ++y)
-        for (int z = low.z; z <= high.z; ++z) {
-          const double at = Dot(normal, Vec3{x + 0.5, y + 0.5, z + 0.5});
-          if (length > 0 && (at + half < near || at - half > far)) continue;
-          const Mark mark{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                          static_cast<std::uint16_t>(z), placed_face_};
-          // Neighbouring pieces mostly touch the same voxels.
-          if (!marks.empty() && marks.back().placed_face == placed_face_ &&
-              std::tie(marks.back().x, marks.back().y, marks.back().z) == std::tie(mark.x, mark.y, mark.z))
-            continue;
-          marks.push_back(mark);
+    return slab;
+  }
+
+  // Whether the three slabs hold little more than the piece: one across its normal, and two across the sides of the
+  // parallelogram that its corners make.
+  static bool IsFlat(const BezierNet& net, std::array<SlabOfSpace, 3>* slabs) {
+    const auto [p00, p10, p01, p11] = CornersOf(net);
+    if (!(Length((p11 - p01) - (p10 - p00)) <= kFlat)) return false;
+    const Vec3 normal = NormalOf(net);
+    (*slabs)[0] = SlabOf(net, normal);
+    if (!(Length(normal) > 0 && (*slabs)[0].far - (*slabs)[0].near <= kFlat)) return false;
+    std::size_t k = 1;
+    for (const auto& [along, across] : {std::pair{p10 - p00, p01 - p00}, std::pair{p01 - p00, p10 - p00}}) {
+      const Vec3 side = UnitOrZero(Cross(normal, along));
+      SlabOfSpace& slab = (*slabs)[k++] = SlabOf(net, side);
+      if (!(Length(side) > 0 && slab.far - slab.near <= std::fabs(Dot(side, across)) + kFlat)) return false;
+    }
+    return true;
+  }
+
+  // Marks the voxels that meet the box and each of the slabs.
+  void MarkMet(const Box3& box, std::span<const SlabOfSpace> slabs) {
+    double Vec3::*const axes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+    const int sizes[] = {grid_.size.x, grid_.size.y, grid_.size.z};
+    int low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::max(static_cast<int>(std::floor(box.low.*axes[k] - kSlack)), 0);
+      high[k] = std::min(static_cast<int>(std::floor(box.high.*axes[k] + kSlack)), sizes[k] - 1);
+    }
+    // Lines of voxels run along the axis that is nearest to the normal.
+    const Vec3 normal = slabs[0].normal;
+    const Vec3 size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
+    const int c = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    int at[3];
+    for (at[a] = low[a]; at[a] <= high[a]; ++at[a])
+      for (at[b] = low[b]; at[b] <= high[b]; ++at[b]) {
+        int begin = low[c], end = high[c];
+        for (const SlabOfSpace& slab : slabs) {
+          const Vec3& n = slab.normal;
+          const double half = 0.5 * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) + kSlack;
+          const double first = n.*axes[a] * (at[a] + 0.5) + n.*axes[b] * (at[b] + 0.5) + 0.5 * n.*axes[c];
+          MeetLine(slab.near - half - first, slab.far + half - first, n.*axes[c], &begin, &end);
         }
+        for (at[c] = begin; at[c] <= end; ++at[c]) Add(at);
+      }
+  }
+
+  // Restricts begin … end to the numbers z with low ≤ slope·z ≤ high.
+  static void MeetLine(double low, double high, double slope, int* begin, int* end) {
+    constexpr double kNoSlope = 1e-15;
+    if (std::fabs(slope) < kNoSlope) {
+      if (low > 0 || high < 0) *end = *begin - 1;
+      return;
+    }
+    double first = low / slope, last = high / slope;
+    if (first > last) std::swap(first, last);
+    if (first > *end || last < *begin) {
+      *end = *begin - 1;
+      return;
+    }
+    *begin = std::max(*begin, static_cast<int>(std::ceil(std::max(first, -1.0))));
+    *end = std::min(*end, static_cast<int>(std::floor(std::min(last, double{kMostVoxelsPerAxis}))));
+  }
+
+  void Add(const int (&at)[3]) {
+    const Mark mark{static_cast<std::uint16_t>(at[0]), static_cast<std::uint16_t>(at[1]),
+                    static_cast<std::uint16_t>(at[2]), placed_face_};
+    // Neighbouring pieces mostly touch the same voxels.
+    if (!marks.empty() && marks.back().placed_face == placed_face_ &&
+        std::tie(marks.back().x, marks.back().y, marks.back().z) == std::tie(mark.x, mark.y, mark.z))
+      return;
+    marks.push_back(mark);
   }
 
   const Scene::Data& scene_;

@@ -10,33 +10,11 @@
 #include "render/model/walk.h"
 #include "render/trace/view_crossings.h"
 #include "render/view/section.h"
+#include "render/voxels/column_parts.h"
 #include "render/voxels/touched_voxels.h"
 
 namespace facetless {
 namespace {
-
-enum class Axis : std::uint8_t { kX, kY, kZ };
-
-// A camera that looks against an axis, with a pixel for each column of voxels along it. Its eye plane is the upper side of
-// the grid, so that a depth is the distance from there.
-Camera AxisCamera(const VoxelGrid& grid, Axis axis) {
-  const Vec3 low = grid.origin, high = grid.Corner(grid.size), middle = 0.5 * (low + high);
-  Camera camera;
-  camera.name = "columns";
-  camera.target = camera.eye = middle;
-  camera.projection = Projection::kOrthographic;
-  const auto look = [&](double Vec3::*along, Vec3 up, int width, int height) {
-    camera.eye.*along = high.*along;
-    camera.up = up;
-    camera.width_px = width;
-    camera.height_px = height;
-    camera.height = height * grid.pitch;
-  };
-  if (axis == Axis::kX) look(&Vec3::x, {0, 0, 1}, grid.size.y, grid.size.z);
-  if (axis == Axis::kY) look(&Vec3::y, {0, 0, 1}, grid.size.x, grid.size.z);
-  if (axis == Axis::kZ) look(&Vec3::z, {0, 1, 0}, grid.size.x, grid.size.y);
-  return camera;
-}
 
 std::uint8_t Byte(float channel) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
@@ -66,7 +44,7 @@ class VoxelColors {
   std::vector<Voxel> of_faces_, of_solids_;
 };
 
-// A part of a column inside a solid, in voxels from the bottom.
+// The voxels of a part of a column, from the bottom.
 struct Inside {
   int begin, end;
   std::uint32_t solid, lower_face, upper_face;
@@ -75,17 +53,23 @@ struct Inside {
 // Makes the runs of columns from the crossings of their rays. Each thread has one.
 class ColumnMaker {
  public:
-  ColumnMaker(const VoxelGrid& grid, const VoxelColors& colors) : grid_(grid), colors_(colors) {}
+  ColumnMaker(const VoxelGrid& grid, const VoxelColors& colors)
+      : grid_(grid), colors_(colors), parts_(grid, colors.solids()) {}
 
   VoxelStats stats;
 
   // Appends the runs of a column to *runs.
   void Make(std::span<const RayCrossing> crossings, std::uint8_t doubt, std::vector<VoxelRun>* runs) {
     ++stats.columns;
+    const std::uint64_t near_centres = CentresNear(crossings);
+    const bool odd = parts_.List(crossings);
     inside_.clear();
-    std::uint64_t near_centres = 0;
-    const bool odd = ListInside(crossings, &near_centres);
-    near_centres = std::min(near_centres, static_cast<std::uint64_t>(grid_.size.z));
+    for (const ColumnPart& part : parts_.list()) {
+      // The centre of voxel k is at k + 0.5.
+      const int begin = std::max(static_cast<int>(std::ceil(part.begin - 0.5)), 0),
+                end = std::min(static_cast<int>(std::ceil(part.end - 0.5)), grid_.size.z);
+      if (begin < end) inside_.push_back({begin, end, part.solid, part.lower_face, part.upper_face});
+    }
     if (doubt != 0 || odd) {
       ++stats.columns_in_doubt;
       stats.columns_odd += odd;
@@ -99,32 +83,18 @@ class ColumnMaker {
   }
 
  private:
-  // Lists the parts of the column inside closed solids, and counts the centres within the error of a crossing. Returns
-  // whether a solid is crossed an odd number of times.
-  bool ListInside(std::span<const RayCrossing> crossings, std::uint64_t* near_centres) {
-    open_.clear();
+  // The number of centres within the error of a crossing.
+  std::uint64_t CentresNear(std::span<const RayCrossing> crossings) const {
+    std::uint64_t centres = 0;
     for (const RayCrossing& crossing : crossings) {
-      // The centre of voxel k is at k + 0.5. A crossing without a bound may be anywhere.
+      // A crossing without a bound may be anywhere.
       const double error = std::isfinite(crossing.error) ? crossing.error / grid_.pitch : grid_.size.z;
       const double at = grid_.size.z - crossing.depth / grid_.pitch;
       const double first = std::max(std::ceil(at - error - 0.5), 0.0),
                    last = std::min(std::floor(at + error - 0.5), grid_.size.z - 1.0);
-      if (first <= last) *near_centres += static_cast<std::uint64_t>(last - first) + 1;
-      const std::uint32_t solid = colors_.solids().ClosedSolidOfFace(crossing.placed_face);
-      if (solid == kNoIndex) continue;
-      const auto entered =
-          std::find_if(open_.begin(), open_.end(), [&](const Open& o) { return o.solid == solid; });
-      if (entered == open_.end()) {
-        open_.push_back({solid, at, crossing.placed_face});
-        continue;
-      }
-      // Depths grow downwards.
-      const int begin = std::max(static_cast<int>(std::ceil(at - 0.5)), 0),
-                end = std::min(static_cast<int>(std::ceil(entered->at - 0.5)), grid_.size.z);
-      if (begin < end) inside_.push_back({begin, end, solid, crossing.placed_face, entered->face});
-      open_.erase(entered);
+      if (first <= last) centres += static_cast<std::uint64_t>(last - first) + 1;
     }
-    return !open_.empty();
+    return std::min(centres, static_cast<std::uint64_t>(grid_.size.z));
   }
 
   void AppendRuns(std::vector<VoxelRun>* runs) {
@@ -155,15 +125,10 @@ class ColumnMaker {
     }
   }
 
-  struct Open {
-    std::uint32_t solid;
-    double at;
-    std::uint32_t face;
-  };
   const VoxelGrid& grid_;
   const VoxelColors& colors_;
+  ColumnParts parts_;
   std::vector<Inside> inside_;
-  std::vector<Open> open_;
 };
 
 void Add(const VoxelStats& from, VoxelStats* to) {
@@ -235,20 +200,21 @@ class Voxelizer {
 
   Result<void> FillSolids() {
     PerThread<Slabs> workers([&] { return Slabs(grid_, colors_); });
-    const Result<CrossingStats> done = VisitCrossings(
-        scene_, AxisCamera(grid_, Axis::kZ), options_.accuracy, execution_, [&](const TileCrossings& tile) {
-          Slabs& own = workers.local();
-          if (tile.row == 0) own.slabs.assign(static_cast<std::size_t>(tile.columns), {});
-          for (int j = 0; j < tile.columns; ++j) {
-            Slabs::Slab& slab = own.slabs[static_cast<std::size_t>(j)];
-            for (int i = 0; i < tile.rows; ++i) {
-              const std::size_t before = slab.runs.size();
-              own.maker.Make(tile.Of(i, j), tile.DoubtOf(i, j), &slab.runs);
-              slab.lengths.push_back(static_cast<std::uint32_t>(slab.runs.size() - before));
-            }
-            if (tile.last_of_column) StoreSlab(tile.column + j, slab);
-          }
-        });
+    const Result<CrossingStats> done =
+        VisitCrossings(scene_, ColumnCamera(grid_, VoxelAxis::kZ), options_.accuracy, execution_,
+                       [&](const TileCrossings& tile) {
+                         Slabs& own = workers.local();
+                         if (tile.row == 0) own.slabs.assign(static_cast<std::size_t>(tile.columns), {});
+                         for (int j = 0; j < tile.columns; ++j) {
+                           Slabs::Slab& slab = own.slabs[static_cast<std::size_t>(j)];
+                           for (int i = 0; i < tile.rows; ++i) {
+                             const std::size_t before = slab.runs.size();
+                             own.maker.Make(tile.Of(i, j), tile.DoubtOf(i, j), &slab.runs);
+                             slab.lengths.push_back(static_cast<std::uint32_t>(slab.runs.size() - before));
+                           }
+                           if (tile.last_of_column) StoreSlab(tile.column + j, slab);
+                         }
+                       });
     if (!done.ok()) return done.error();
     for (const Slabs& own : workers) Add(own.maker.stats, &result_.stats);
     AddCosts(done.value());
@@ -279,10 +245,10 @@ class Voxelizer {
     };
     PerThread<std::vector<Crossed>> workers;
     const VoxelPoint n = grid_.size;
-    for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
-      const int along = axis == Axis::kX ? n.x : axis == Axis::kY ? n.y : n.z;
+    for (const VoxelAxis axis : {VoxelAxis::kX, VoxelAxis::kY, VoxelAxis::kZ}) {
+      const int along = axis == VoxelAxis::kX ? n.x : axis == VoxelAxis::kY ? n.y : n.z;
       const Result<CrossingStats> done = VisitCrossings(
-          scene_, AxisCamera(grid_, axis), options_.accuracy, execution_, [&](const TileCrossings& tile) {
+          scene_, ColumnCamera(grid_, axis), options_.accuracy, execution_, [&](const TileCrossings& tile) {
             for (int i = 0; i < tile.rows; ++i)
               for (int j = 0; j < tile.columns; ++j)
                 for (const RayCrossing& crossing : tile.Of(i, j)) {
@@ -290,9 +256,10 @@ class Voxelizer {
                   const int at = static_cast<int>(std::floor(along - crossing.depth / grid_.pitch));
                   if (at < 0 || at >= along) continue;
                   // Columns of the picture run along y, −x and x; rows run down along z, z and y.
-                  const VoxelPoint p = axis == Axis::kX   ? VoxelPoint{at, column, n.z - 1 - row}
-                                       : axis == Axis::kY ? VoxelPoint{n.x - 1 - column, at, n.z - 1 - row}
-                                                          : VoxelPoint{column, n.y - 1 - row, at};
+                  const VoxelPoint p = axis == VoxelAxis::kX ? VoxelPoint{at, column, n.z - 1 - row}
+                                       : axis == VoxelAxis::kY
+                                           ? VoxelPoint{n.x - 1 - column, at, n.z - 1 - row}
+                                           : VoxelPoint{column, n.y - 1 - row, at};
                   workers.local().push_back({p, crossing.placed_face});
                 }
           });

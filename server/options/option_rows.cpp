@@ -593,6 +593,18 @@ OptionTable VoxelRows() {
        .usual = "solid",
        .owner = OptionOwner::kCommandLine,
        .binding = Bound([](auto& o) -> auto& { return o.voxels.fill; })},
+      {.name = "fraction",
+       .kind = OptionKind::kInteger,
+       .group = kGroup,
+       .commands = kVoxelize,
+       .value = "N",
+       .help = "Also write the share of each voxel that is inside, and its bound, from N x N rays through "
+               "each voxel "
+               "(2, 4, 8, 16 or 32)",
+       .low = 2,
+       .high = 32,
+       .owner = OptionOwner::kCommandLine,
+       .binding = Bound([](auto& o) -> auto& { return o.voxels.fraction; })},
   };
 }
 

@@ -59,6 +59,7 @@ struct VoxelRunOptions {
   int resolution = 256;
   std::optional<double> pitch_mm;  // instead of the resolution
   VoxelFill fill = VoxelFill::kSolid;
+  std::optional<int> fraction;  // divisions of a voxel (render/voxels/voxel_shares.h)
 };
 
 struct RunOptions {

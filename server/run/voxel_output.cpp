@@ -1,6 +1,11 @@
 #include "server/run/voxel_output.h"
 
+#include <optional>
+#include <utility>
+
 #include "render/base/stopwatch.h"
+#include "render/voxel_files/share_file.h"
+#include "render/voxels/voxel_shares.h"
 #include "render/voxels/voxelize.h"
 #include "server/base/interrupt.h"
 #include "server/base/version.h"
@@ -39,12 +44,36 @@ std::vector<std::string> WarningsOf(const VoxelStats& stats, const VoxelFormat& 
   return warnings;
 }
 
+Json SharesJson(const VoxelShares& shares) {
+  return {{"divisions", shares.divisions},
+          {"volume_mm3", shares.volume_mm3},
+          {"volume_bound_mm3", shares.volume_bound_mm3},
+          {"partial", shares.partial},
+          {"greatest_bound", shares.greatest_bound},
+          {"rays", shares.rays},
+          {"rays_in_doubt", shares.rays_in_doubt},
+          {"bytes", shares.bytes()},
+          {"peak_bytes", shares.peak_bytes},
+          {"trace_ms", shares.trace_ms},
+          {"touch_ms", shares.touch_ms}};
+}
+
+// The error of voxels that could not be made. Calls that took too long say so.
+Error Explained(const Error& error, const Deadline& deadline, const std::string& file, double timeout_s) {
+  if (error.code != ErrorCode::kCancelled || !deadline.expired()) return error;
+  return {ErrorCode::kLimitExceeded, file + ": the voxels took longer than " +
+                                         std::to_string(static_cast<int>(timeout_s)) +
+                                         " s; use --timeout to allow more, or fewer voxels"};
+}
+
 }  // namespace
 
 Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptions& options,
                                    const std::string& path, const RunContext& context) {
   const Result<const VoxelFormat*> format = VoxelFormatOf(path);
   if (!format) return format.error();
+  if (options.voxels.fraction)
+    if (auto known = CheckShareFormat(path); !known) return known.error();
   const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
   if (!shown) return shown.error();
   const Model& model = *shown.value().imported().model;
@@ -60,16 +89,21 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
   const Scene scene(model);
   Result<Voxels> voxels =
       Voxelize(scene, grid.value(), {.fill = request.fill, .accuracy = options.accuracy}, execution);
-  if (!voxels) {
-    if (voxels.error().code != ErrorCode::kCancelled || !deadline.expired()) return voxels.error();
-    return Error{ErrorCode::kLimitExceeded, model.info.file + ": the voxels took longer than " +
-                                                std::to_string(static_cast<int>(timeout_s)) +
-                                                " s; use --timeout to allow more, or fewer voxels"};
-  }
+  if (!voxels) return Explained(voxels.error(), deadline, model.info.file, timeout_s);
   const double voxelize_ms = stopwatch.Milliseconds();
   if (context.progress) context.progress("voxels", 0.5);
+  std::optional<VoxelShares> shares;
+  if (request.fraction) {
+    Result<VoxelShares> made = MeasureShares(
+        scene, grid.value(), {.divisions = *request.fraction, .accuracy = options.accuracy}, execution);
+    if (!made) return Explained(made.error(), deadline, model.info.file, timeout_s);
+    shares = std::move(made).value();
+  }
   const Stopwatch writing;
-  if (auto written = format.value()->write(path, voxels.value().model, grid.value()); !written)
+  const RunModel& filled_model = voxels.value().model;
+  if (auto written = shares ? WriteShares(path, filled_model, *shares)
+                            : format.value()->write(path, filled_model, grid.value());
+      !written)
     return written.error();
   if (context.progress) context.progress("voxels", 1);
 
@@ -105,6 +139,7 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
                    {"trace", stats.trace_ms},
                    {"touch", stats.touch_ms},
                    {"write", writing.Milliseconds()}}}};
+  if (shares) result.json["voxels"]["fraction"] = SharesJson(*shares);
   if (!shown.value().report().is_null()) result.json["arrangement"] = shown.value().report();
   result.warnings = WarningsOf(stats, *format.value(), request.fill);
   return result;
