@@ -22,7 +22,7 @@ VoxelHit WalkAdaptive(const AdaptiveOctreeModel& model, const VoxelRay& ray, con
   Place path[kMostOctreeLevels + 1];
   int depth = 0;
   path[0] = {model.root(), {0, 0, 0}, model.level()};
-  double t = ray.t_start();
+  double t = ray.t_first();
   for (;;) {
     // Go down to the leaf, or the brick, that holds t.
     const AdaptiveNode node = path[depth].node;

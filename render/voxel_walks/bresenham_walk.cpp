@@ -13,7 +13,7 @@ namespace {
 VoxelHit WalkBresenham(const RawModel& model, const VoxelRay& ray, const WalkOptions&,
                        WalkCounters* counters) {
   ++counters->rays;
-  const double start = ray.t_start();
+  const double start = ray.t_first();
   const Vec3 direction = ray.direction();
   const double length =
       std::max(std::max(std::abs(direction.x), std::abs(direction.y)), std::abs(direction.z));

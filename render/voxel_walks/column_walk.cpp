@@ -33,7 +33,7 @@ double EnterRun(const VoxelRay& ray, std::span<const VoxelRun> runs, double t, d
 
 VoxelHit WalkColumns(const RunModel& model, const VoxelRay& ray, const WalkOptions&, WalkCounters* counters) {
   ++counters->rays;
-  double t = ray.t_start();
+  double t = ray.t_first();
   const VoxelPoint first = ray.CellAt(t), size = model.size();
   int index[2] = {first.x, first.y};
   double leave[2];

@@ -8,7 +8,7 @@ namespace {
 
 VoxelHit WalkGrid(const RawModel& model, const VoxelRay& ray, const WalkOptions&, WalkCounters* counters) {
   ++counters->rays;
-  double t = ray.t_start();
+  double t = ray.t_first();
   return StepThrough(
       ray, model.box(), &t, [&](VoxelPoint p) { return model.At(p); }, counters);
 }

@@ -72,7 +72,7 @@ VoxelHit WalkKd(const OctreeModel& model, const VoxelRay& ray, const WalkOptions
   const Exit cube_exit(ray, model.level());
   const bool levels = options.footprint_0 + options.footprint * std::min(ray.t_last(), 1e300) >= 2;
   Stack stack(capacity);
-  double t = ray.t_start();
+  double t = ray.t_first();
   std::uint64_t steps = 0, nodes = 1;
   OctreeNode node = model.root();
   VoxelPoint low{0, 0, 0};

@@ -46,7 +46,7 @@ VoxelHit WalkBricks(const N3TreeModel& model, const VoxelRay& ray, const WalkOpt
   Place path[kMostOctreeLevels + 1];
   int depth = 0;
   path[0] = {model.root(), {0, 0, 0}, model.level()};
-  double t = ray.t_start();
+  double t = ray.t_first();
   for (;;) {
     const N3Node node = path[depth].node;
     const VoxelPoint low = path[depth].low;

@@ -76,7 +76,7 @@ VoxelHit BoundNeighbours::Walk(const VoxelRay& ray, const WalkOptions& options,
                                WalkCounters* counters) const {
   ++counters->rays;
   const bool levels = options.footprint_0 + options.footprint * std::min(ray.t_last(), 1e300) >= 2;
-  double t = ray.t_start();
+  double t = ray.t_first();
   Id id = kRoot;
   VoxelPoint low{0, 0, 0};
   std::uint64_t steps = 0, nodes = 1;

@@ -10,7 +10,6 @@
 //     on every axis. So each t between the first and the last belongs to exactly one voxel, and voxels that the ray only
 //     touches are not visited. Along an axis without a component of the direction, the ray stays in the voxel of its origin.
 //  3. A hit is the first visited voxel that is filled, at the t at which the ray enters it.
-//  4. A walk may begin later than the ray, at t_start, if the ray visits no filled voxel before (BeginAt). That changes no hit.
 #pragma once
 
 #include <algorithm>
@@ -67,18 +66,11 @@ class VoxelRay {
       t_first_ = std::max(t_first_, std::min(low, high));
       t_last_ = std::min(t_last_, std::max(low, high));
     }
-    t_start_ = t_first_;
     return t_first_ < t_last_ && t_first_ < INFINITY;
-  }
-  // Lets walks begin at t, or later (law 4). Returns false if nothing of the ray is left.
-  bool BeginAt(double t) {
-    t_start_ = std::max(t_start_, t);
-    return t_start_ < t_last_;
   }
 
   double t_first() const { return t_first_; }
-  double t_start() const { return t_start_; }  // where walks begin
-  double t_last() const { return t_last_; }    // infinite only if the direction is zero
+  double t_last() const { return t_last_; }  // infinite only if the direction is zero
   int sign(int axis) const { return sign_[axis]; }
   // Components that count as 0 are 0.
   Vec3 direction() const { return {direction_[0], direction_[1], direction_[2]}; }
@@ -151,7 +143,7 @@ class VoxelRay {
 
   double origin_[3], direction_[3], inverse_[3];
   int sign_[3];  // of the direction; 0: no component along the axis
-  double t_first_ = 0, t_start_ = 0, t_last_ = 0;
+  double t_first_ = 0, t_last_ = 0;
 };
 
 }  // namespace facetless
