@@ -38,14 +38,9 @@ Camera AnyCamera(const VoxelGrid& grid) {
   return camera;
 }
 
-RC_GTEST_PROP(OctreeViews, HaveTheHitsOfTheDescent, ()) {
-  const RunModel model = AnyModel(*rc::gen::inRange(1, 60));
-  const OctreeModel octree(model);
-  const VoxelGrid grid{
-      {Within(-100, 100), Within(-100, 100), Within(-100, 100)}, Within(0.1, 10), model.size()};
-  const Camera camera = AnyCamera(grid);
+void ExpectSameHits(const OctreeModel& octree, const VoxelGrid& grid, const Camera& camera) {
   const Result<CameraFrame> frame = MakeFrame(camera, grid.bounds().diagonal());
-  if (!frame.ok()) RC_DISCARD("no camera");
+  if (!frame.ok()) return;
   const VoxelCamera rays(frame.value(), grid, camera.width_px, camera.height_px);
   const OctreeView view(octree, rays);
   const auto descent = BindVoxelWalk(octree, "descent");
@@ -71,6 +66,14 @@ RC_GTEST_PROP(OctreeViews, HaveTheHitsOfTheDescent, ()) {
       RC_ASSERT(hit.side == expected.side);
       RC_ASSERT(hit.level == expected.level);
     }
+}
+
+RC_GTEST_PROP(OctreeViews, HaveTheHitsOfTheDescent, ()) {
+  const RunModel model = AnyModel(*rc::gen::inRange(1, 60));
+  const OctreeModel octree(model);
+  const VoxelGrid grid{
+      {Within(-100, 100), Within(-100, 100), Within(-100, 100)}, Within(0.1, 10), model.size()};
+  for (int i = 0; i < 12; ++i) ExpectSameHits(octree, grid, AnyCamera(grid));
 }
 
 TEST(OctreeViews, EmptyTilesCostNothing) {
