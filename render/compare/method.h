@@ -15,6 +15,8 @@
 //   const RegisterMethod kPoints({.name = "points", .title = "Points", .help = "...", .make = MakePoints});
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -31,6 +33,17 @@
 
 namespace facetless {
 
+// Where the normals of voxels come from: from the exact surfaces that touch them, from the mean direction to empty voxels,
+// or from the side through which a ray enters.
+enum class VoxelNormals : std::uint8_t { kExact, kGrid, kSide };
+inline constexpr std::array<const char*, 3> kVoxelNormalsNames = {"exact", "grid", "side"};
+
+// How voxels are held and shown.
+struct VoxelLook {
+  std::string encoding = "octree";  // a name of VoxelEncodings()
+  VoxelNormals normals = VoxelNormals::kExact;
+};
+
 // The input of a method. All references must outlive the representation.
 struct MethodInput {
   const Scene& scene;
@@ -40,6 +53,7 @@ struct MethodInput {
   Execution execution;
   std::uint64_t max_bytes = 0;  // memory limit of the representation
   SolverOptions solver = {};    // for methods that are solvers; max_bytes is the one above
+  VoxelLook voxels = {};        // for the method voxels
 };
 
 struct Method {

@@ -23,52 +23,96 @@ Result<std::unique_ptr<const Representation>> MakeVoxels(const MethodInput& inpu
         "voxels: the number of voxels along the longest side must be a whole number from 2 to 65536"};
   const Result<VoxelGrid> grid = GridOfResolution(input.scene.model().bounds, static_cast<int>(setting));
   if (!grid.ok()) return grid.error();
+  VoxelSurface::Body body;
+  body.grid = grid.value();
+  body.normals = input.voxels.normals;
+  body.name = input.name;
+  body.title = input.title;
   VoxelizeOptions options;
   options.accuracy.max_bytes = input.max_bytes;
-  Result<Voxels> voxels = Voxelize(input.scene, grid.value(), options, input.execution);
+  Result<Voxels> voxels = Voxelize(input.scene, body.grid, options, input.execution);
   if (!voxels.ok()) return voxels.error();
-  OctreeModel octree(voxels.value().model);
-  return std::unique_ptr<const Representation>(
-      std::make_unique<VoxelSurface>(std::move(octree), grid.value(), voxels.value().stats,
-                                     stopwatch.Milliseconds(), input.name, input.title));
+  body.stats = std::move(voxels.value().stats);
+  auto model = Converted(voxels.value().model, input.voxels.encoding, input.max_bytes);
+  if (!model.ok()) return model.error();
+  body.model = std::move(model).value();
+  if (body.normals == VoxelNormals::kExact) {
+    Result<std::vector<TouchedSlab>> touched = FindTouchedVoxels(
+        input.scene, body.grid, {.max_bytes = input.max_bytes, .precise_normals = true}, input.execution);
+    if (!touched.ok()) return touched.error();
+    body.faces.emplace(std::move(touched).value(), body.grid.size.y);
+  }
+  body.make_ms = stopwatch.Milliseconds();
+  return std::unique_ptr<const Representation>(std::make_unique<VoxelSurface>(std::move(body)));
 }
 
 }  // namespace
 
 std::vector<RepresentationFact> VoxelSurface::facts() const {
   const std::uint64_t count = model_.Count();
-  return {{"pitch_mm", grid_.pitch},
-          {"voxels", static_cast<double>(count)},
-          {"volume_mm_cubed", static_cast<double>(count) * grid_.voxel_mm3()},
-          {"octree_bytes", static_cast<double>(model_.bytes())},
-          {"open_faces", static_cast<double>(stats_.open_faces)},
-          {"columns_in_doubt", static_cast<double>(stats_.columns_in_doubt)}};
+  std::vector<RepresentationFact> facts = {
+      {"pitch_mm", grid_.pitch},
+      {"voxels", static_cast<double>(count)},
+      {"volume_mm_cubed", static_cast<double>(count) * grid_.voxel_mm3()},
+      {"voxel_bytes", static_cast<double>(model_.bytes())}};
+  if (body_.faces) facts.push_back({"normal_bytes", static_cast<double>(body_.faces->bytes())});
+  facts.push_back({"open_faces", static_cast<double>(body_.stats.open_faces)});
+  facts.push_back({"columns_in_doubt", static_cast<double>(body_.stats.columns_in_doubt)});
+  return facts;
 }
 
-Vec3 VoxelSurface::NormalAt(VoxelPoint at, int side, Vec3 direction) const {
-  // The mean direction from filled to empty neighbours.
-  Vec3 sum{0, 0, 0};
-  for (int x = -kNormalReach; x <= kNormalReach; ++x)
-    for (int y = -kNormalReach; y <= kNormalReach; ++y)
-      for (int z = -kNormalReach; z <= kNormalReach; ++z) {
-        const Vec3 offset{double(x), double(y), double(z)};
-        const double square = Dot(offset, offset);
-        if (square == 0 || model_.Get(at.x + x, at.y + y, at.z + z).filled()) continue;
-        sum = sum + (1 / square) * offset;
-      }
-  constexpr double kNothing = 1e-6;
-  if (Length(sum) > kNothing && Dot(sum, direction) < 0) return Normalized(sum);
+Vec3 VoxelSurface::GridNormal(const VoxelHit& hit, Vec3 direction) const {
+  const VoxelPoint at = hit.at;
+  if (body_.normals != VoxelNormals::kSide) {
+    // The mean direction from filled to empty neighbours.
+    Vec3 sum{0, 0, 0};
+    for (int x = -kNormalReach; x <= kNormalReach; ++x)
+      for (int y = -kNormalReach; y <= kNormalReach; ++y)
+        for (int z = -kNormalReach; z <= kNormalReach; ++z) {
+          const Vec3 offset{double(x), double(y), double(z)};
+          const double square = Dot(offset, offset);
+          if (square == 0 || model_.Get(at.x + x, at.y + y, at.z + z).filled()) continue;
+          sum = sum + (1 / square) * offset;
+        }
+    constexpr double kNothing = 1e-6;
+    if (Length(sum) > kNothing && Dot(sum, direction) < 0) return Normalized(sum);
+  }
+  if (hit.side < 0) return -Normalized(direction);
   Vec3 normal{0, 0, 0};
   double Vec3::*const axes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-  if (side < 0) return -Normalized(direction);
-  normal.*axes[side] = direction.*axes[side] > 0 ? -1 : 1;
+  normal.*axes[hit.side] = direction.*axes[hit.side] > 0 ? -1 : 1;
   return normal;
+}
+
+VoxelSurface::Shown VoxelSurface::ShownAt(const VoxelHit& hit, Vec3 direction) const {
+  if (body_.normals == VoxelNormals::kExact) {
+    // A surface passes between the centre of the voxel and that of the empty one before it, so that it touches one of them.
+    const int reach = hit.level == 0 ? 1 : 1 + (1 << hit.level);
+    if (const std::optional<NearFace> near = body_.faces->Near(hit.at, reach, direction)) {
+      const bool known = Dot(near->normal, direction) < 0;
+      return {near->placed_face, known ? near->normal : GridNormal(hit, direction)};
+    }
+  }
+  return {0, GridNormal(hit, direction)};
+}
+
+VoxelHit VoxelSurface::WalkWithout(const std::vector<bool>& leave_out, const BoundWalk& walk, VoxelRay ray,
+                                   WalkCounters* counters) const {
+  for (;;) {
+    const VoxelHit hit = walk.Walk(ray, {}, counters);
+    if (!hit.hit()) return hit;
+    const TouchedVoxel* touched = body_.faces->At(hit.at);
+    if (touched != nullptr && !leave_out[touched->placed_face]) return hit;
+    if (!ray.BeginAt(ray.Leave(hit.at, 1))) return {};
+  }
 }
 
 Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest& request,
                                        const Execution& execution) const {
-  if (request.leave_out != nullptr)
-    return Error{ErrorCode::kBadUsage, "voxels name no faces, so that transparent ones cannot be left out"};
+  if (request.leave_out != nullptr && !names_faces())
+    return Error{ErrorCode::kBadUsage,
+                 "voxels without exact normals name no faces, so that transparent ones cannot "
+                 "be left out; use voxel_normals exact"};
   const Result<CameraFrame> made = MakeFrame(camera, grid_.bounds().diagonal());
   if (!made.ok()) return made.error();
   TracedView view;
@@ -100,14 +144,16 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
         VoxelRay ray;
         if (!ray.Enter(origin, direction, perspective ? frame.near_mm : 0, model_.size())) continue;
         const WalkOptions options{perspective ? 0 : pixel, perspective ? pixel : 0};
-        const VoxelHit hit = walk.Walk(ray, options, &worker.counters);
+        const VoxelHit hit = request.leave_out != nullptr
+                                 ? WalkWithout(*request.leave_out, walk, ray, &worker.counters)
+                                 : walk.Walk(ray, options, &worker.counters);
         if (!hit.hit()) continue;
         const std::size_t out = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width_px) +
                                 static_cast<std::size_t>(column);
-        const Vec3 normal = NormalAt(hit.at, hit.side, line.direction);
+        const Shown shown = ShownAt(hit, line.direction);
         view.samples.depth[out] = before + hit.t;
-        view.samples.face[out] = 0;
-        view.samples.normal[out] = {float(normal.x), float(normal.y), float(normal.z)};
+        view.samples.face[out] = shown.placed_face;
+        view.samples.normal[out] = {float(shown.normal.x), float(shown.normal.y), float(shown.normal.z)};
         ++worker.hits;
       }
     });
@@ -116,14 +162,14 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
   view.counters.trace_ms = tracing.Milliseconds();
   view.counters.rays = view.samples.size();
   for (const Worker& worker : workers) view.counters.hits += worker.hits;
-  view.structure_bytes = model_.bytes() + walk.bytes();
+  view.structure_bytes = model_.bytes() + walk.bytes() + (body_.faces ? body_.faces->bytes() : 0);
   return view;
 }
 
 Method VoxelMethod() {
   return {.name = "voxels",
           .title = "Voxels",
-          .help = "The voxels whose centres lie inside the exact solids, in an octree.",
+          .help = "The voxels whose centres lie inside the exact solids.",
           .source = "P. Procházka 2013 (octree, level of detail); Facetless (columns of certified crossings)",
           .does_not = "A part thinner than a voxel may vanish, and open shells have no inside.",
           .setting = "voxels along the longest side",

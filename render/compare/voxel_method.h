@@ -1,12 +1,16 @@
-// The method "voxels": a model is shown as the voxels of its exact solids (render/voxels/voxelize.h), in an octree.
+// The method "voxels": a model is shown as the voxels of its exact solids (render/voxels/voxelize.h).
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "render/compare/method.h"
 #include "render/compare/representation.h"
-#include "render/voxels/octree_model.h"
+#include "render/voxel_walks/voxel_walk.h"
+#include "render/voxels/near_faces.h"
 #include "render/voxels/voxel_grid.h"
 #include "render/voxels/voxelize.h"
 
@@ -15,40 +19,51 @@ namespace facetless {
 // Voxels as a representation that cameras trace.
 //
 //  1. A ray shows the first filled voxel that it enters, at the depth at which it enters it. Where a pixel is at least two
-//     voxels wide, the ray may show a cube of voxels instead, which is no wider than the pixel.
-//  2. The normal is the mean direction to the empty voxels within kNormalReach voxels along each axis. Where this direction
-//     vanishes or points away from the eye, the normal is that of the side through which the ray entered.
-//  3. Voxels name no faces: a picture has the colours of the faces that the reference shows there.
+//     voxels wide, and the encoding has levels of detail, the ray may show a cube of voxels instead, which is no wider than
+//     the pixel.
+//  2. With exact normals, the normal and the face are those of the exact surface near the voxel (near_faces.h). Where faces
+//     are left out, a ray passes all voxels that no remaining face touches.
+//  3. Grid normals are the mean direction to the empty voxels within kNormalReach voxels along each axis. Where this
+//     direction vanishes or points away from the eye, and with the normals of sides, the normal is that of the side through
+//     which the ray entered.
+//  4. Without exact normals, voxels name no faces: a picture has the colours of the faces that the reference shows there.
 class VoxelSurface final : public Representation {
  public:
   static constexpr int kNormalReach = 2;
 
-  // `stats`: of the voxels, for the facts.
-  VoxelSurface(OctreeModel model, VoxelGrid grid, VoxelStats stats, double make_ms, std::string name,
-               std::string title)
-      : model_(std::move(model)),
-        grid_(grid),
-        stats_(std::move(stats)),
-        make_ms_(make_ms),
-        name_(std::move(name)),
-        title_(std::move(title)) {}
+  struct Body {
+    std::unique_ptr<const VoxelModel> model;
+    VoxelGrid grid = {};
+    VoxelStats stats = {};                       // for the facts
+    std::optional<NearFaces> faces = {};         // for exact normals
+    VoxelNormals normals = VoxelNormals::kGrid;  // kExact requires `faces`
+    double make_ms = 0;
+    std::string name = {}, title = {};
+  };
+  explicit VoxelSurface(Body body) : body_(std::move(body)), model_(*body_.model), grid_(body_.grid) {}
 
-  std::string name() const override { return name_; }
-  std::string title() const override { return title_; }
-  double make_ms() const override { return make_ms_; }
+  std::string name() const override { return body_.name; }
+  std::string title() const override { return body_.title; }
+  double make_ms() const override { return body_.make_ms; }
   std::vector<RepresentationFact> facts() const override;
-  bool names_faces() const override { return false; }
+  bool names_faces() const override { return body_.normals == VoxelNormals::kExact; }
   Result<TracedView> Trace(const Camera& camera, const TraceRequest& request,
                            const Execution& execution) const override;
 
  private:
-  Vec3 NormalAt(VoxelPoint at, int side, Vec3 direction) const;
+  struct Shown {
+    std::uint32_t placed_face = 0;
+    Vec3 normal;
+  };
+  // The first voxel of a ray that a face touches that is not left out.
+  VoxelHit WalkWithout(const std::vector<bool>& leave_out, const BoundWalk& walk, VoxelRay ray,
+                       WalkCounters* counters) const;
+  Shown ShownAt(const VoxelHit& hit, Vec3 direction) const;
+  Vec3 GridNormal(const VoxelHit& hit, Vec3 direction) const;
 
-  const OctreeModel model_;
-  const VoxelGrid grid_;
-  const VoxelStats stats_;
-  const double make_ms_;
-  const std::string name_, title_;
+  const Body body_;
+  const VoxelModel& model_;
+  const VoxelGrid& grid_;
 };
 
 Method VoxelMethod();

@@ -30,7 +30,7 @@ constexpr int kMostHalvings = 80;
 
 struct Mark {
   std::uint16_t x, y, z;
-  std::uint32_t placed_face;
+  std::uint32_t placed_face, normal;
 };
 
 // The space between two planes across `normal`, which is a unit vector, or zero for all of space.
@@ -43,8 +43,13 @@ struct SlabOfSpace {
 class Toucher {
  public:
   Toucher(const Scene::Data& scene, const NetOperations& nets, const VoxelGrid& grid,
-          std::atomic<std::uint64_t>* marks, std::uint64_t most_marks)
-      : scene_(scene), nets_(nets), grid_(grid), total_(marks), most_marks_(most_marks) {}
+          std::atomic<std::uint64_t>* marks, std::uint64_t most_marks, bool precise_normals)
+      : scene_(scene),
+        nets_(nets),
+        grid_(grid),
+        total_(marks),
+        most_marks_(most_marks),
+        precise_normals_(precise_normals) {}
 
   // Returns false if there are too many marks.
   bool Touch(const Placement& placement, std::uint32_t face, std::uint32_t placed_face) {
@@ -118,7 +123,8 @@ class Toucher {
       return MarkMet(box, {&slab, 1});
     }
     std::array<SlabOfSpace, 3> slabs;
-    if (inside && longest <= kFlatPiece && IsFlat(net, &slabs)) return MarkMet(box, slabs);
+    if (inside && longest <= kFlatPiece && IsFlat(net, &slabs) && (!precise_normals_ || HasOneNormal(net)))
+      return MarkMet(box, slabs);
     const Direction direction = Longer(net);
     OwnedNet &low = Level(piece.level + 1, 0), &high = Level(piece.level + 1, 1);
     low.SetDegrees(net.degree_u, net.degree_v);
@@ -193,6 +199,22 @@ class Toucher {
     return true;
   }
 
+  // Whether the normals at the corners are nearly that of the piece.
+  static bool HasOneNormal(const BezierNet& net) {
+    const int stride = net.stride(), m = net.degree_u, n = net.degree_v;
+    const Vec3 normal = NormalOf(net);
+    for (const int i : {0, m})
+      for (const int j : {0, n}) {
+        const Vec3 corner = Cartesian(net, i * stride + j);
+        const Vec3 along_u = Cartesian(net, (i == 0 ? 1 : m - 1) * stride + j) - corner,
+                   along_v = Cartesian(net, i * stride + (j == 0 ? 1 : n - 1)) - corner;
+        const Vec3 at = UnitOrZero(Cross(along_u, along_v));
+        constexpr double kMostSine = 0.02;
+        if (!(Length(at) > 0 && Length(Cross(at, normal)) <= kMostSine)) return false;
+      }
+    return true;
+  }
+
   // Marks the voxels that meet the box and each of the slabs.
   void MarkMet(const Box3& box, std::span<const SlabOfSpace> slabs) {
     double Vec3::*const axes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
@@ -207,6 +229,7 @@ class Toucher {
     const Vec3 size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
     const int c = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const int a = (c + 1) % 3, b = (c + 2) % 3;
+    const std::uint32_t code = NormalCode(normal);
     int at[3];
     for (at[a] = low[a]; at[a] <= high[a]; ++at[a])
       for (at[b] = low[b]; at[b] <= high[b]; ++at[b]) {
@@ -217,7 +240,7 @@ class Toucher {
           const double first = n.*axes[a] * (at[a] + 0.5) + n.*axes[b] * (at[b] + 0.5) + 0.5 * n.*axes[c];
           MeetLine(slab.near - half - first, slab.far + half - first, n.*axes[c], &begin, &end);
         }
-        for (at[c] = begin; at[c] <= end; ++at[c]) Add(at);
+        for (at[c] = begin; at[c] <= end; ++at[c]) Add(at, code);
       }
   }
 
@@ -238,10 +261,10 @@ class Toucher {
     *end = std::min(*end, static_cast<int>(std::floor(std::min(last, double{kMostVoxelsPerAxis}))));
   }
 
-  void Add(const int (&at)[3]) {
+  void Add(const int (&at)[3], std::uint32_t normal) {
     const Mark mark{static_cast<std::uint16_t>(at[0]), static_cast<std::uint16_t>(at[1]),
-                    static_cast<std::uint16_t>(at[2]), placed_face_};
-    // Neighbouring pieces mostly touch the same voxels.
+                    static_cast<std::uint16_t>(at[2]), placed_face_, normal};
+    // Neighbouring pieces mostly touch the same voxels, with nearly the same normal.
     if (!marks.empty() && marks.back().placed_face == placed_face_ &&
         std::tie(marks.back().x, marks.back().y, marks.back().z) == std::tie(mark.x, mark.y, mark.z))
       return;
@@ -253,13 +276,14 @@ class Toucher {
   const VoxelGrid& grid_;
   std::atomic<std::uint64_t>* total_;
   const std::uint64_t most_marks_;
+  const bool precise_normals_;
   const FaceData* face_ = nullptr;
   std::uint32_t placed_face_ = 0;
   const SpanParameter *u_map_ = nullptr, *v_map_ = nullptr;
   std::vector<std::unique_ptr<OwnedNet>> levels_;
 };
 
-Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid, std::uint64_t max_bytes,
+Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid, const TouchOptions& options,
                                       const Execution& execution) {
   const Result<Kernels>& kernels = ActiveKernels();
   if (!kernels.ok()) return kernels.error();
@@ -272,11 +296,12 @@ Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid,
     for (const PlacedFace face : WalkPlacedFaces(model, model.instances[instance]))
       tasks.push_back({instance, face.face, face.id});
   // A mark is kept twice while the slabs are made.
-  const std::uint64_t most_marks = max_bytes / (sizeof(Mark) + sizeof(TouchedVoxel));
+  const std::uint64_t most_marks = options.max_bytes / (sizeof(Mark) + sizeof(TouchedVoxel));
   std::atomic<std::uint64_t> marks{0};
   std::atomic<bool> full{false};
-  PerThread<Toucher> touchers(
-      [&] { return Toucher(scene.data(), *kernels.value().nets, grid, &marks, most_marks); });
+  PerThread<Toucher> touchers([&] {
+    return Toucher(scene.data(), *kernels.value().nets, grid, &marks, most_marks, options.precise_normals);
+  });
   ParallelFor(std::size_t{0}, tasks.size(), [&](std::size_t i) {
     if (execution.cancelled() || full) return;
     const Task& task = tasks[i];
@@ -286,11 +311,12 @@ Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid,
   if (execution.cancelled()) return Error{ErrorCode::kCancelled, "cancelled while marking voxels"};
   if (full)
     return Error{ErrorCode::kLimitExceeded, "the voxels that the surfaces touch need more than " +
-                                                std::to_string(max_bytes >> 20) +
+                                                std::to_string(options.max_bytes >> 20) +
                                                 " MB; use fewer voxels, or raise --max-view-memory"};
   std::vector<TouchedSlab> slabs(static_cast<std::size_t>(grid.size.x));
   for (Toucher& toucher : touchers) {
-    for (const Mark& mark : toucher.marks) slabs[mark.x].push_back({mark.y, mark.z, mark.placed_face});
+    for (const Mark& mark : toucher.marks)
+      slabs[mark.x].push_back({mark.y, mark.z, mark.placed_face, mark.normal});
     std::vector<Mark>().swap(toucher.marks);
   }
   ParallelFor(std::size_t{0}, slabs.size(), [&](std::size_t x) { SortTouched(&slabs[x]); });
@@ -299,21 +325,62 @@ Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid,
 
 }  // namespace
 
+std::uint32_t NormalCode(Vec3 normal) {
+  const double sum = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
+  if (!(sum > 0)) return 0;
+  double u = normal.x / sum, v = normal.y / sum;
+  if (normal.z < 0) {
+    const double folded = std::copysign(1 - std::fabs(v), u);
+    v = std::copysign(1 - std::fabs(u), v);
+    u = folded;
+  }
+  // −1 … 1 onto 1 … 65535, so that no code is 0.
+  const auto code = [](double t) { return static_cast<std::uint32_t>(std::lround((t + 1) * 32767) + 1); };
+  return code(u) << 16 | code(v);
+}
+
+Vec3 NormalOfCode(std::uint32_t code) {
+  if (code == 0) return {0, 0, 0};
+  const auto value = [](std::uint32_t bits) { return (double(bits) - 1) / 32767 - 1; };
+  double u = value(code >> 16), v = value(code & 0xffff);
+  const double z = 1 - std::fabs(u) - std::fabs(v);
+  if (z < 0) {
+    const double folded = std::copysign(1 - std::fabs(v), u);
+    v = std::copysign(1 - std::fabs(u), v);
+    u = folded;
+  }
+  return Normalized({u, v, z});
+}
+
 void SortTouched(TouchedSlab* slab) {
   std::sort(slab->begin(), slab->end(), [](const TouchedVoxel& a, const TouchedVoxel& b) {
-    return std::tie(a.y, a.z, a.placed_face) < std::tie(b.y, b.z, b.placed_face);
+    return std::tie(a.y, a.z, a.placed_face, a.normal) < std::tie(b.y, b.z, b.placed_face, b.normal);
   });
-  slab->erase(
-      std::unique(slab->begin(), slab->end(),
-                  [](const TouchedVoxel& a, const TouchedVoxel& b) { return a.y == b.y && a.z == b.z; }),
-      slab->end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < slab->size();) {
+    // The voxel's entries of its lowest face come first.
+    const TouchedVoxel first = (*slab)[i];
+    const Vec3 normal = NormalOfCode(first.normal);
+    Vec3 sum = normal;
+    std::size_t k = i + 1;
+    for (; k < slab->size() && (*slab)[k].y == first.y && (*slab)[k].z == first.z; ++k) {
+      const TouchedVoxel& other = (*slab)[k];
+      if (other.placed_face != first.placed_face || other.normal == first.normal) continue;
+      const Vec3 n = NormalOfCode(other.normal);
+      sum = Dot(n, normal) < 0 ? sum - n : sum + n;
+    }
+    (*slab)[kept] = first;
+    (*slab)[kept++].normal = NormalCode(sum);
+    i = k;
+  }
+  slab->resize(kept);
   slab->shrink_to_fit();
 }
 
 Result<std::vector<TouchedSlab>> FindTouchedVoxels(const Scene& scene, const VoxelGrid& grid,
-                                                   std::uint64_t max_bytes, const Execution& execution) {
+                                                   const TouchOptions& options, const Execution& execution) {
   std::optional<Result<std::vector<TouchedSlab>>> result;
-  RunWithThreads(execution.threads, [&] { result = Find(scene, grid, max_bytes, execution); });
+  RunWithThreads(execution.threads, [&] { result = Find(scene, grid, options, execution); });
   return *std::move(result);
 }
 

@@ -1,6 +1,6 @@
 // The voxels that the faces of a model touch (voxelize.h, law 2).
 //
-//     Result<std::vector<TouchedSlab>> slabs = FindTouchedVoxels(scene, grid, max_bytes, execution);
+//     Result<std::vector<TouchedSlab>> slabs = FindTouchedVoxels(scene, grid, {.max_bytes = max_bytes}, execution);
 //     for (const TouchedVoxel& voxel : slabs.value()[x]) Mark(x, voxel.y, voxel.z);
 //
 //  1. Patches are halved until their boxes are no larger than a voxel, or until no trim curve meets them and they are
@@ -9,7 +9,8 @@
 //     between them. One slab lies across the normal of the four corners, and those of a parallelogram also across its
 //     sides. So no face meets a voxel that is not listed. A face may miss a listed voxel, by no more than about a voxel
 //     along each axis.
-//  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it.
+//  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it, and
+//     with the mean normal of this face there. The sign of a normal says nothing about inside and outside.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,13 @@ namespace facetless {
 struct TouchedVoxel {
   std::uint16_t y, z;
   std::uint32_t placed_face;
+  std::uint32_t normal = 0;  // NormalCode; 0: unknown
 };
+
+// A unit vector in 32 bits, by the octahedral mapping (Q. Meyer et al., "On floating-point normal vectors", 2010), and back.
+// The code of the zero vector is 0, and no other vector has this code.
+std::uint32_t NormalCode(Vec3 normal);
+Vec3 NormalOfCode(std::uint32_t code);
 
 // All touched voxels of one x.
 using TouchedSlab = std::vector<TouchedVoxel>;
@@ -32,8 +39,15 @@ using TouchedSlab = std::vector<TouchedVoxel>;
 // Sorts a slab, and lists each voxel once (law 2).
 void SortTouched(TouchedSlab* slab);
 
+struct TouchOptions {
+  std::uint64_t max_bytes = 0;
+  // Normals differ by no more than about 0.02 radians from those of the surface in the voxel. Otherwise they are those of
+  // pieces that may be 32 voxels wide, which takes less time.
+  bool precise_normals = false;
+};
+
 // Returns a slab for each x of the grid. Errors: kCancelled, kLimitExceeded (they need more than `max_bytes`).
 Result<std::vector<TouchedSlab>> FindTouchedVoxels(const Scene& scene, const VoxelGrid& grid,
-                                                   std::uint64_t max_bytes, const Execution& execution);
+                                                   const TouchOptions& options, const Execution& execution);
 
 }  // namespace facetless

@@ -188,7 +188,7 @@ class ShareMeter {
   Result<void> Run() {
     const Stopwatch stopwatch;
     Result<std::vector<TouchedSlab>> touched =
-        FindTouchedVoxels(scene_, fine_, options_.accuracy.max_bytes, execution_);
+        FindTouchedVoxels(scene_, fine_, {.max_bytes = options_.accuracy.max_bytes}, execution_);
     if (!touched.ok()) return touched.error();
     touched_ = std::move(touched).value();
     result_.touch_ms = stopwatch.Milliseconds();
@@ -236,7 +236,7 @@ class ShareMeter {
   std::span<const TouchedVoxel> TouchedIn(int x, int y) const {
     const TouchedSlab& slab = touched_[static_cast<std::size_t>(x)];
     const auto found =
-        std::equal_range(slab.begin(), slab.end(), TouchedVoxel{static_cast<std::uint16_t>(y), 0, 0},
+        std::equal_range(slab.begin(), slab.end(), TouchedVoxel{static_cast<std::uint16_t>(y), 0, 0, 0},
                          [](const TouchedVoxel& a, const TouchedVoxel& b) { return a.y < b.y; });
     return {found.first, found.second};
   }

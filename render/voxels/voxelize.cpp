@@ -160,7 +160,7 @@ class Voxelizer {
     Result<std::vector<TouchedSlab>> touched =
         options_.fill == VoxelFill::kThinSurface
             ? FindCrossedVoxels()
-            : FindTouchedVoxels(scene_, grid_, options_.accuracy.max_bytes, execution_);
+            : FindTouchedVoxels(scene_, grid_, {.max_bytes = options_.accuracy.max_bytes}, execution_);
     if (!touched.ok()) return touched.error();
     for (const TouchedSlab& slab : touched.value()) result_.stats.touched += slab.size();
     ParallelFor(0, grid_.size.x, [&](int x) { AddTouched(x, touched.value()[static_cast<std::size_t>(x)]); });
@@ -279,7 +279,7 @@ class Voxelizer {
       for (const Crossed& crossed : own)
         slabs[static_cast<std::size_t>(crossed.at.x)].push_back({static_cast<std::uint16_t>(crossed.at.y),
                                                                  static_cast<std::uint16_t>(crossed.at.z),
-                                                                 crossed.placed_face});
+                                                                 crossed.placed_face, 0});
     for (TouchedSlab& slab : slabs) SortTouched(&slab);
     return slabs;
   }

@@ -132,6 +132,39 @@ Result<std::vector<MethodChoice>> ParseMethods(const OptionRow& row, const Json&
   return choices;
 }
 
+// Parses numbers of voxels, and at the end at most one name of an encoding.
+Result<void> ParseVoxelsBeside(const OptionRow& row, const Json& json, RunOptions& options) {
+  auto words = ParseWords(json, row.name);
+  if (!words) return words.error();
+  std::string encodings;
+  bool has_encoding = false;
+  for (const VoxelEncoding& encoding : VoxelEncodings()) {
+    encodings += (encodings.empty() ? "" : ", ") + std::string(encoding.name);
+    if (words.value().empty() || words.value().back() != encoding.name) continue;
+    options.voxel_encoding = encoding.name;
+    has_encoding = true;
+  }
+  if (has_encoding) words.value().pop_back();
+  std::vector<MethodChoice> choices;
+  for (const std::string& word : words.value()) {
+    const bool digits =
+        !word.empty() && word.size() <= 5 && word.find_first_not_of("0123456789") == std::string::npos;
+    const int number = digits ? std::stoi(word) : 0;
+    if (number < 2 || number > kMostVoxelsPerAxis)
+      return BadUsage(row.name + " lists \"" + word + "\", which is no number of voxels from 2 to " +
+                      std::to_string(kMostVoxelsPerAxis) +
+                      "; at the end it may name an encoding: " + encodings);
+    auto choice = ParseMethod("voxels:" + std::to_string(number), row.name);
+    if (!choice) return choice.error();
+    choices.push_back(choice.value());
+  }
+  if (has_encoding && choices.empty())
+    return BadUsage(row.name + " names an encoding, but no number of voxels; write for example 128," +
+                    options.voxel_encoding);
+  options.voxels_beside = std::move(choices);
+  return {};
+}
+
 Json MethodsJson(const std::vector<MethodChoice>& methods) {
   Json choices = Json::array();
   // A choice without a number means the method's usual ones.
@@ -255,6 +288,16 @@ OptionBinding WithBinding() {
           [](const OptionRow&, const RunOptions& o) { return MethodsJson(o.with); }};
 }
 
+OptionBinding VoxelsBesideBinding() {
+  return {ParseVoxelsBeside, [](const OptionRow&, const RunOptions& o) {
+            Json words = Json::array();
+            for (const MethodChoice& choice : o.voxels_beside)
+              words.push_back(std::to_string(std::lround(choice.setting)));
+            if (!words.empty()) words.push_back(o.voxel_encoding);
+            return words;
+          }};
+}
+
 OptionBinding MethodsBinding() {
   return {[](const OptionRow& row, const Json& json, RunOptions& o) {
             Json words = json;
@@ -277,18 +320,6 @@ OptionBinding MethodBinding() {
                              o.method);
           },
           [](const OptionRow&, const RunOptions& o) -> Json { return o.method.method->name; }};
-}
-
-OptionBinding StartsBinding() {
-  return {[](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
-            auto index = ParseWord(json, row.name, row.choices);
-            if (!index) return index.error();
-            o.solver.starts = static_cast<SolverStarts>(index.value());
-            return {};
-          },
-          [](const OptionRow& row, const RunOptions& o) {
-            return o.solver.starts ? Json(row.choices[static_cast<std::size_t>(*o.solver.starts)]) : Json();
-          }};
 }
 
 OptionBinding StructureBinding() {

@@ -286,7 +286,7 @@ OptionTable MethodRows() {
                "preliminary values, whose numbers have 8 bits in published-map",
        .choices = {kSolverStartsNames.begin(), kSolverStartsNames.end()},
        .usual_words = "of the method",
-       .binding = StartsBinding()},
+       .binding = Bound([](auto& o) -> auto& { return o.solver.starts; })},
   };
 }
 
@@ -520,6 +520,13 @@ OptionTable MeshRows() {
        .help = "Also measure every triangle against the exact surface (mesh.bin)",
        .usual = false,
        .binding = Bound([](auto& o) -> auto& { return o.mesh_deviation; })},
+  };
+}
+
+// What is compared beside the mesh, or instead of it.
+OptionTable BesideRows() {
+  const std::string kGroup = "Meshes";
+  return {
       {.name = "with",
        .kind = OptionKind::kWords,
        .group = kGroup,
@@ -527,6 +534,24 @@ OptionTable MeshRows() {
        .value = "LIST",
        .help = "Methods to compare beside the mesh, as NAME or NAME:NUMBER: " + MethodNames(),
        .binding = WithBinding()},
+      {.name = "voxels",
+       .kind = OptionKind::kWords,
+       .group = kGroup,
+       .commands = kCompare | kTrade,
+       .value = "LIST",
+       .help = "Voxels to compare beside the mesh, by their number along the longest side, and at the end "
+               "the encoding "
+               "if it is not octree: 64,256,runs",
+       .binding = VoxelsBesideBinding()},
+      {.name = "voxel_normals",
+       .kind = OptionKind::kChoice,
+       .group = kGroup,
+       .commands = kCompare | kTrade,
+       .value = "NAME",
+       .help = "Normals of voxels: of the exact surface, of the empty voxels around, or of the voxel's side",
+       .choices = {kVoxelNormalsNames.begin(), kVoxelNormalsNames.end()},
+       .usual_words = "exact",
+       .binding = Bound([](auto& o) -> auto& { return o.voxel_normals; })},
       {.name = "mesh",
        .kind = OptionKind::kText,
        .group = kGroup,
@@ -599,8 +624,7 @@ OptionTable VoxelRows() {
        .commands = kVoxelize,
        .value = "N",
        .help = "Also write the share of each voxel that is inside, and its bound, from N x N rays through "
-               "each voxel "
-               "(2, 4, 8, 16 or 32)",
+               "each voxel (2, 4, 8, 16 or 32)",
        .low = 2,
        .high = 32,
        .owner = OptionOwner::kCommandLine,
@@ -795,7 +819,7 @@ const OptionTable& AllOptions() {
     OptionTable all;
     for (OptionTable rows :
          {CameraRows(), MethodRows(), AccuracyRows(), AppearanceRows(), LightRows(), PictureRows(),
-          MeshRows(), VoxelRows(), TradeRows(), VerdictRows(), ImportRows()})
+          MeshRows(), BesideRows(), VoxelRows(), TradeRows(), VerdictRows(), ImportRows()})
       for (OptionRow& row : rows) all.push_back(std::move(row));
     return all;
   }();

@@ -63,6 +63,15 @@ Result<void> CheckMethod(const RunOptions& options) {
 
 }  // namespace
 
+std::vector<MethodChoice> RunOptions::MethodsBeside() const {
+  std::vector<MethodChoice> choices = with;
+  for (const MethodChoice& choice : voxels_beside) {
+    const auto same = [&](const MethodChoice& other) { return other.given && other.Name() == choice.Name(); };
+    if (std::none_of(with.begin(), with.end(), same)) choices.push_back(choice);
+  }
+  return choices;
+}
+
 bool RunOptions::WantsAov(const std::string& name) const {
   return std::find(aovs.begin(), aovs.end(), name) != aovs.end();
 }

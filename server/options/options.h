@@ -86,7 +86,10 @@ struct RunOptions {
   PictureOptions picture;
   std::vector<std::string> aovs;
   std::string mesh, mesh_unit, mesh_up;
-  std::vector<MethodChoice> with;  // what is compared or measured beside the mesh
+  std::vector<MethodChoice> with;           // what is compared or measured beside the mesh
+  std::vector<MethodChoice> voxels_beside;  // and voxels, by their number along the longest side
+  std::string voxel_encoding = "octree";
+  std::optional<VoxelNormals> voxel_normals;  // nothing: exact
   TessellationOptions tessellation;
   ImportLimits import_limits;
   double unit_mm = 0;  // 0: the unit of the file
@@ -96,6 +99,11 @@ struct RunOptions {
   VoxelRunOptions voxels;
 
   bool WantsAov(const std::string& name) const;
+  // with and voxels_beside, each once.
+  std::vector<MethodChoice> MethodsBeside() const;
+  VoxelLook voxel_look() const {
+    return {.encoding = voxel_encoding, .normals = voxel_normals.value_or(VoxelNormals::kExact)};
+  }
 };
 
 // Parses options. Error: kBadUsage (law 2).

@@ -449,12 +449,13 @@ Result<RunResult> RunViews(const ImportedModel& whole, const RunSubject& subject
   const Representation& exact = *made.value();
   std::optional<Triangles> triangles;
   if (tree) triangles.emplace(*tree, model, sections.value(), direct.accuracy.max_bytes);
-  const auto methods = Candidates::Make(options.with,
+  const auto methods = Candidates::Make(options.MethodsBeside(),
                                         {.scene = scene,
                                          .direct = direct,
                                          .execution = run.execution(),
                                          .max_bytes = direct.accuracy.max_bytes,
-                                         .solver = options.solver},
+                                         .solver = options.solver,
+                                         .voxels = options.voxel_look()},
                                         run);
   if (!methods) return run.Explained(methods.error());
   const std::vector<const Representation*> candidates =

@@ -35,10 +35,16 @@ DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<Secti
   return direct;
 }
 
-Result<void> CheckStartsAreUsed(const RunOptions& options) {
+Result<void> CheckMethodOptions(const RunOptions& options) {
   const auto iterates = [](const MethodChoice& choice) { return choice.method->solver != nullptr; };
+  const std::vector<MethodChoice> beside = options.MethodsBeside();
+  const auto shows_voxels = [](const MethodChoice& choice) { return choice.method->name == "voxels"; };
+  if (options.voxel_normals && std::none_of(beside.begin(), beside.end(), shows_voxels))
+    return Error{
+        ErrorCode::kBadUsage,
+        "voxel_normals applies to voxels; give their number with voxels, or leave out voxel_normals"};
   if (!options.solver.starts || iterates(options.method) ||
-      std::any_of(options.with.begin(), options.with.end(), iterates) ||
+      std::any_of(beside.begin(), beside.end(), iterates) ||
       std::any_of(options.trade.methods.begin(), options.trade.methods.end(), iterates))
     return {};
   return Error{ErrorCode::kBadUsage,
@@ -49,7 +55,7 @@ Result<std::unique_ptr<const Representation>> MakeExactSide(const RunOptions& op
                                                             const DirectOptions& direct,
                                                             const Execution& execution) {
   const Method& method = *options.method.method;
-  if (auto used = CheckStartsAreUsed(options); !used) return used.error();
+  if (auto used = CheckMethodOptions(options); !used) return used.error();
   const bool certified = &method == &CertifiedMethod();
   return method.make({.scene = scene,
                       .direct = direct,

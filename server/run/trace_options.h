@@ -22,11 +22,10 @@ ViewOptions ToViewOptions(const RunOptions& options, const std::vector<SectionPl
 DirectOptions ToDirectOptions(const RunOptions& options, const std::vector<SectionPlane>& sections,
                               std::uint64_t taken_bytes = 0);
 
-// Error: kBadUsage (`starts` is given, but no method of the run iterates).
-Result<void> CheckStartsAreUsed(const RunOptions& options);
+// Error: kBadUsage (`starts` is given, but no method of the run iterates; `voxel_normals`, but the run shows no voxels).
+Result<void> CheckMethodOptions(const RunOptions& options);
 
-// Makes what shows the exact surfaces of a run: --method. Errors: those of the method; kBadUsage (`starts` without a
-// method that iterates).
+// Makes what shows the exact surfaces of a run: --method. Errors: those of the method; that of CheckMethodOptions.
 Result<std::unique_ptr<const Representation>> MakeExactSide(const RunOptions& options, const Scene& scene,
                                                             const DirectOptions& direct,
                                                             const Execution& execution);

@@ -81,9 +81,9 @@ class Sweep {
     ++steps_done_;
   }
 
-  // The methods of --with, --methods and --method, each once.
+  // The methods of --with, --voxels, --methods and --method, each once.
   std::vector<MethodChoice> MethodChoices() const {
-    std::vector<MethodChoice> choices = options_.with;
+    std::vector<MethodChoice> choices = options_.MethodsBeside();
     const auto add = [&](const MethodChoice& choice) {
       const bool listed = std::any_of(choices.begin(), choices.end(), [&](const MethodChoice& other) {
         return other.method == choice.method && other.given == choice.given &&
@@ -208,7 +208,8 @@ class Sweep {
                                                   .direct = direct,
                                                   .execution = execution().WithFlag(budget.flag()),
                                                   .max_bytes = trade().budget_mb * kMegabyte,
-                                                  .solver = options_.solver});
+                                                  .solver = options_.solver,
+                                                  .voxels = options_.voxel_look()});
     const auto cannot = [](const Error& error) { return error.code == ErrorCode::kBadUsage; };
     if (!made && !cannot(made.error()) && Stopped(made.error(), budget)) return made.error();
     const std::string reason = made                   ? ""
@@ -471,7 +472,7 @@ Result<TradeResult> RunTrade(const ImportRequest& request, const ImportedModel& 
                              const RunContext& context) {
   if (!options.sections.empty())
     return Error{ErrorCode::kBadUsage, "trade measures whole models; it takes no section"};
-  if (auto used = CheckStartsAreUsed(options); !used) return used.error();
+  if (auto used = CheckMethodOptions(options); !used) return used.error();
   const auto shown = ShownModel::Of(imported, nullptr, options.picture.arrangement);
   if (!shown) return shown.error();
   return Sweep(request, imported, shown.value(), options, directory, context).Run();

@@ -23,6 +23,7 @@ inline nlohmann::json AnotherValueOf(const OptionRow& row) {
                                     {"parts", "a"},
                                     {"hide", "a"},
                                     {"with", "fast"},
+                                    {"voxels", "12"},
                                     {"methods", "fast"},
                                     {"unit", "cm"},
                                     {"mesh", "a.stl"}})
