@@ -69,6 +69,12 @@ class VoxelRay {
     return t_first_ < t_last_ && t_first_ < INFINITY;
   }
 
+  // Ends the ray at t, or before. Returns false if nothing of it is left.
+  bool EndAt(double t) {
+    t_last_ = std::min(t_last_, t);
+    return t_first_ < t_last_;
+  }
+
   double t_first() const { return t_first_; }
   double t_last() const { return t_last_; }  // infinite only if the direction is zero
   int sign(int axis) const { return sign_[axis]; }

@@ -1,0 +1,22 @@
+// Normals of voxels, which are cubes and have none of their own.
+//
+//     const Vec3 normal = GridNormal(*model, hit, direction);
+//
+//  1. The normal of the grid is the mean direction to the empty cubes of the hit's level within kNormalReach cubes along each
+//     axis, each weighted by the inverse of its distance. Weights are whole numbers, so that the sum is exact, and does not
+//     depend on the encoding. A cube is empty if no voxel in it is filled.
+//  2. Where this direction vanishes, or does not point against the ray, the normal is that of the side through which the ray
+//     entered. Where the ray began in the voxel, it points against the ray.
+#pragma once
+
+#include "render/voxel_walks/voxel_ray.h"
+
+namespace facetless {
+
+inline constexpr int kNormalReach = 2;
+
+// Unit vectors. Require a hit, and a direction that is not zero.
+Vec3 GridNormal(const VoxelModel& model, const VoxelHit& hit, Vec3 direction);
+Vec3 SideNormal(const VoxelHit& hit, Vec3 direction);
+
+}  // namespace facetless
