@@ -42,7 +42,7 @@ class Painter {
     if (!hit.hit()) return;
     ++worker->hits;
     const Vec3 direction = ray.direction();
-    const bool of_grid = options_.normals == VoxelNormals::kGrid;
+    const bool of_grid = options_.grid_normals;
     const Vec3 normal = of_grid ? GridNormal(model_, hit, direction) : SideNormal(hit, direction);
     Vec3 light{options_.ambient, options_.ambient, options_.ambient};
     if (!lights_.empty()) {

@@ -32,14 +32,12 @@ struct PointLight {
   Vec3 color{1, 1, 1};  // linear
 };
 
-enum class VoxelNormals : std::uint8_t { kGrid, kSide };  // voxel_normal.h
-
 struct VoxelPictureOptions {
   std::string walk;       // of BindVoxelWalk; empty: octrees are entered tile by tile (octree_view.h)
   double ambient = 0.35;  // linear
   std::vector<PointLight> lights;
-  VoxelNormals normals = VoxelNormals::kGrid;
-  bool levels = true;  // levels of detail, where a pixel is at least two voxels wide
+  bool grid_normals = true;  // voxel_normal.h; false: the normals of sides
+  bool levels = true;        // levels of detail, where a pixel is at least two voxels wide
   Background background = Background::kStudio;
   int samples_x = 1, samples_y = 1;  // of a pixel, on a regular grid
 };

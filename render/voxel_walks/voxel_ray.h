@@ -69,6 +69,11 @@ class VoxelRay {
     return t_first_ < t_last_ && t_first_ < INFINITY;
   }
 
+  // Begins the ray at t, or later. Returns false if nothing of it is left.
+  bool BeginAt(double t) {
+    t_first_ = std::max(t_first_, t);
+    return t_first_ < t_last_;
+  }
   // Ends the ray at t, or before. Returns false if nothing of it is left.
   bool EndAt(double t) {
     t_last_ = std::min(t_last_, t);
