@@ -38,7 +38,7 @@ Result<std::unique_ptr<const Representation>> MakeVoxels(const MethodInput& inpu
   body.model = std::move(model).value();
   if (body.normals == VoxelNormals::kExact) {
     Result<std::vector<TouchedSlab>> touched = FindTouchedVoxels(
-        input.scene, body.grid, {.max_bytes = input.max_bytes, .precise_normals = true}, input.execution);
+        input.scene, body.grid, {.max_bytes = input.max_bytes, .details = true}, input.execution);
     if (!touched.ok()) return touched.error();
     body.faces.emplace(std::move(touched).value(), body.grid.size.y);
   }
@@ -101,8 +101,8 @@ VoxelHit VoxelSurface::WalkWithout(const std::vector<bool>& leave_out, const Bou
   for (;;) {
     const VoxelHit hit = walk.Walk(ray, {}, counters);
     if (!hit.hit()) return hit;
-    const TouchedVoxel* touched = body_.faces->At(hit.at);
-    if (touched != nullptr && !leave_out[touched->placed_face]) return hit;
+    for (const TouchedVoxel& touched : body_.faces->At(hit.at))
+      if (!leave_out[touched.placed_face]) return hit;
     if (!ray.BeginAt(ray.Leave(hit.at, 1))) return {};
   }
 }

@@ -32,33 +32,30 @@ std::span<const TouchedVoxel> NearFaces::Between(int x, int y, int low, int high
   return {from, to};
 }
 
-const TouchedVoxel* NearFaces::At(VoxelPoint at) const {
-  const std::span<const TouchedVoxel> found = Between(at.x, at.y, at.z, at.z);
-  return found.empty() ? nullptr : found.data();
-}
-
 std::optional<NearFace> NearFaces::Near(VoxelPoint at, int reach, Vec3 direction) const {
-  const auto square = [](int dx, int dy, int dz) { return dx * dx + dy * dy + dz * dz; };
   const auto visit = [&](const auto& act) {
     for (int dx = -reach; dx <= reach; ++dx)
       for (int dy = -reach; dy <= reach; ++dy)
-        for (const TouchedVoxel& voxel : Between(at.x + dx, at.y + dy, at.z - reach, at.z + reach))
-          act(voxel, square(dx, dy, voxel.z - at.z));
+        for (const TouchedVoxel& voxel : Between(at.x + dx, at.y + dy, at.z - reach, at.z + reach)) {
+          const int dz = voxel.z - at.z;
+          act(voxel, dx * dx + dy * dy + dz * dz);
+        }
   };
-  std::optional<std::pair<int, std::uint32_t>> nearest;  // the squared distance, and the face
-  visit([&](const TouchedVoxel& voxel, int distance) {
-    const std::pair<int, std::uint32_t> found{distance, voxel.placed_face};
-    if (!nearest || found < *nearest) nearest = found;
+  // Whether the face turns away, the squared distance, how far the normal turns away, and the face.
+  std::optional<std::tuple<bool, int, double, std::uint32_t>> best;
+  visit([&](const TouchedVoxel& voxel, int square) {
+    const double away = Dot(NormalOfCode(voxel.normal), direction);
+    const std::tuple found{!(away < 0), square, away, voxel.placed_face};
+    if (!best || found < *best) best = found;
   });
-  if (!nearest) return std::nullopt;
+  if (!best) return std::nullopt;
+  const std::uint32_t face = std::get<3>(*best);
   Vec3 sum{0, 0, 0};
-  visit([&](const TouchedVoxel& voxel, int distance) {
-    if (voxel.placed_face != nearest->second) return;
-    const Vec3 normal = NormalOfCode(voxel.normal);
-    sum = sum + ((Dot(normal, direction) > 0 ? -1.0 : 1.0) / (1 + distance)) * normal;
+  visit([&](const TouchedVoxel& voxel, int square) {
+    if (voxel.placed_face == face) sum = sum + (1.0 / (1 + square)) * NormalOfCode(voxel.normal);
   });
   const double length = Length(sum);
-  return NearFace{nearest->second, length > 0 ? (1 / length) * sum : Vec3{0, 0, 0}};
+  return NearFace{face, length > 0 ? (1 / length) * sum : Vec3{0, 0, 0}};
 }
 
 std::uint64_t NearFaces::bytes() const {

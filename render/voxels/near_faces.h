@@ -3,10 +3,11 @@
 //     const NearFaces faces(std::move(touched_slabs));
 //     if (const auto face = faces.Near(hit.at, 1, direction)) Shade(face->placed_face, face->normal);
 //
-//  1. The face near a voxel is that of the touched voxel whose centre is nearest, at most `reach` voxels away along each
-//     axis; of several, that of the lowest placed face.
-//  2. The normal is the mean of those of the same face's touched voxels within the reach, weighted by 1/(1 + d²), where d is
-//     the distance in voxels. Each of them counts with the sign with which it points against the direction.
+//  1. The faces near a voxel are those that touch a voxel at most `reach` voxels away along each axis. Faces whose normal
+//     there points against the direction come first; of these, the faces of the nearest voxel centre; of these, the one
+//     whose normal points most against the direction; of these, the lowest placed face.
+//  2. The normal is the mean of those of the same face within the reach, weighted by 1/(1 + d²), where d is the distance in
+//     voxels.
 #pragma once
 
 #include <optional>
@@ -20,17 +21,17 @@ namespace facetless {
 
 struct NearFace {
   std::uint32_t placed_face;
-  Vec3 normal;  // unit, against the direction; zero if no normal is known
+  Vec3 normal;  // unit, outwards; zero if no normal is known
 };
 
 class NearFaces {
  public:
-  // A slab for each x, of a grid with `size_y` voxels along y.
+  // A slab for each x, with details, of a grid with `size_y` voxels along y.
   NearFaces(std::vector<TouchedSlab> slabs, int size_y);
 
   std::optional<NearFace> Near(VoxelPoint at, int reach, Vec3 direction) const;
-  // The touched voxel at a point; null if no face touches the voxel.
-  const TouchedVoxel* At(VoxelPoint at) const;
+  // The faces that touch a voxel.
+  std::span<const TouchedVoxel> At(VoxelPoint at) const { return Between(at.x, at.y, at.z, at.z); }
   std::uint64_t bytes() const;
 
  private:

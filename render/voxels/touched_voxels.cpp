@@ -43,13 +43,8 @@ struct SlabOfSpace {
 class Toucher {
  public:
   Toucher(const Scene::Data& scene, const NetOperations& nets, const VoxelGrid& grid,
-          std::atomic<std::uint64_t>* marks, std::uint64_t most_marks, bool precise_normals)
-      : scene_(scene),
-        nets_(nets),
-        grid_(grid),
-        total_(marks),
-        most_marks_(most_marks),
-        precise_normals_(precise_normals) {}
+          std::atomic<std::uint64_t>* marks, std::uint64_t most_marks, bool details)
+      : scene_(scene), nets_(nets), grid_(grid), total_(marks), most_marks_(most_marks), details_(details) {}
 
   // Returns false if there are too many marks.
   bool Touch(const Placement& placement, std::uint32_t face, std::uint32_t placed_face) {
@@ -57,6 +52,7 @@ class Toucher {
     const Surface& surface = model.surfaces[model.faces[face].surface];
     face_ = &scene_.faces[face];
     placed_face_ = placed_face;
+    outward_ = model.faces[face].reversed != (placement.Determinant() < 0) ? -1 : 1;
     const std::size_t before = marks.size();
     for (std::uint32_t patch = 0; patch < surface.PatchCount(); ++patch) {
       if (face_->patches[patch] == RectClass::kOutside) continue;
@@ -123,7 +119,7 @@ class Toucher {
       return MarkMet(box, {&slab, 1});
     }
     std::array<SlabOfSpace, 3> slabs;
-    if (inside && longest <= kFlatPiece && IsFlat(net, &slabs) && (!precise_normals_ || HasOneNormal(net)))
+    if (inside && longest <= kFlatPiece && IsFlat(net, &slabs) && (!details_ || HasOneNormal(net)))
       return MarkMet(box, slabs);
     const Direction direction = Longer(net);
     OwnedNet &low = Level(piece.level + 1, 0), &high = Level(piece.level + 1, 1);
@@ -229,7 +225,7 @@ class Toucher {
     const Vec3 size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
     const int c = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const int a = (c + 1) % 3, b = (c + 2) % 3;
-    const std::uint32_t code = NormalCode(normal);
+    const std::uint32_t code = NormalCode(outward_ * normal);
     int at[3];
     for (at[a] = low[a]; at[a] <= high[a]; ++at[a])
       for (at[b] = low[b]; at[b] <= high[b]; ++at[b]) {
@@ -276,9 +272,10 @@ class Toucher {
   const VoxelGrid& grid_;
   std::atomic<std::uint64_t>* total_;
   const std::uint64_t most_marks_;
-  const bool precise_normals_;
+  const bool details_;
   const FaceData* face_ = nullptr;
   std::uint32_t placed_face_ = 0;
+  double outward_ = 1;  // −1: the outward normal is that against Su × Sv
   const SpanParameter *u_map_ = nullptr, *v_map_ = nullptr;
   std::vector<std::unique_ptr<OwnedNet>> levels_;
 };
@@ -300,7 +297,7 @@ Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid,
   std::atomic<std::uint64_t> marks{0};
   std::atomic<bool> full{false};
   PerThread<Toucher> touchers([&] {
-    return Toucher(scene.data(), *kernels.value().nets, grid, &marks, most_marks, options.precise_normals);
+    return Toucher(scene.data(), *kernels.value().nets, grid, &marks, most_marks, options.details);
   });
   ParallelFor(std::size_t{0}, tasks.size(), [&](std::size_t i) {
     if (execution.cancelled() || full) return;
@@ -319,7 +316,7 @@ Result<std::vector<TouchedSlab>> Find(const Scene& scene, const VoxelGrid& grid,
       slabs[mark.x].push_back({mark.y, mark.z, mark.placed_face, mark.normal});
     std::vector<Mark>().swap(toucher.marks);
   }
-  ParallelFor(std::size_t{0}, slabs.size(), [&](std::size_t x) { SortTouched(&slabs[x]); });
+  ParallelFor(std::size_t{0}, slabs.size(), [&](std::size_t x) { SortTouched(&slabs[x], options.details); });
   return slabs;
 }
 
@@ -352,25 +349,28 @@ Vec3 NormalOfCode(std::uint32_t code) {
   return Normalized({u, v, z});
 }
 
-void SortTouched(TouchedSlab* slab) {
+void SortTouched(TouchedSlab* slab, bool details) {
   std::sort(slab->begin(), slab->end(), [](const TouchedVoxel& a, const TouchedVoxel& b) {
     return std::tie(a.y, a.z, a.placed_face, a.normal) < std::tie(b.y, b.z, b.placed_face, b.normal);
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < slab->size();) {
-    // The voxel's entries of its lowest face come first.
+    // The entries of a voxel's lowest face come first.
     const TouchedVoxel first = (*slab)[i];
-    const Vec3 normal = NormalOfCode(first.normal);
-    Vec3 sum = normal;
+    Vec3 sum = NormalOfCode(first.normal);
     std::size_t k = i + 1;
-    for (; k < slab->size() && (*slab)[k].y == first.y && (*slab)[k].z == first.z; ++k) {
-      const TouchedVoxel& other = (*slab)[k];
-      if (other.placed_face != first.placed_face || other.normal == first.normal) continue;
-      const Vec3 n = NormalOfCode(other.normal);
-      sum = Dot(n, normal) < 0 ? sum - n : sum + n;
+    for (; k < slab->size(); ++k) {
+      const TouchedVoxel &other = (*slab)[k], &before = (*slab)[k - 1];
+      if (other.y != first.y || other.z != first.z) break;
+      if (other.placed_face != first.placed_face) {
+        if (details) break;
+        continue;
+      }
+      if (details && other.normal != before.normal) sum = sum + NormalOfCode(other.normal);
     }
     (*slab)[kept] = first;
-    (*slab)[kept++].normal = NormalCode(sum);
+    if (details) (*slab)[kept].normal = NormalCode(sum);
+    ++kept;
     i = k;
   }
   slab->resize(kept);

@@ -9,8 +9,9 @@
 //     between them. One slab lies across the normal of the four corners, and those of a parallelogram also across its
 //     sides. So no face meets a voxel that is not listed. A face may miss a listed voxel, by no more than about a voxel
 //     along each axis.
-//  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it, and
-//     with the mean normal of this face there. The sign of a normal says nothing about inside and outside.
+//  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it. With
+//     TouchOptions::details, it is listed once for each face that touches it, in ascending order, with the mean normal of
+//     the face there. Normals point outwards.
 #pragma once
 
 #include <cstdint>
@@ -36,14 +37,14 @@ Vec3 NormalOfCode(std::uint32_t code);
 // All touched voxels of one x.
 using TouchedSlab = std::vector<TouchedVoxel>;
 
-// Sorts a slab, and lists each voxel once (law 2).
-void SortTouched(TouchedSlab* slab);
+// Sorts a slab, and lists each voxel once (law 2), or once for each face.
+void SortTouched(TouchedSlab* slab, bool details);
 
 struct TouchOptions {
   std::uint64_t max_bytes = 0;
-  // Normals differ by no more than about 0.02 radians from those of the surface in the voxel. Otherwise they are those of
-  // pieces that may be 32 voxels wide, which takes less time.
-  bool precise_normals = false;
+  // Law 2. The normals differ by no more than about 0.02 radians from those of the surface in the voxel. Without it, they
+  // are those of pieces that may be 32 voxels wide, which takes less time.
+  bool details = false;
 };
 
 // Returns a slab for each x of the grid. Errors: kCancelled, kLimitExceeded (they need more than `max_bytes`).

@@ -280,7 +280,7 @@ class Voxelizer {
         slabs[static_cast<std::size_t>(crossed.at.x)].push_back({static_cast<std::uint16_t>(crossed.at.y),
                                                                  static_cast<std::uint16_t>(crossed.at.z),
                                                                  crossed.placed_face, 0});
-    for (TouchedSlab& slab : slabs) SortTouched(&slab);
+    for (TouchedSlab& slab : slabs) SortTouched(&slab, false);
     return slabs;
   }
 
