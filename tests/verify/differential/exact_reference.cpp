@@ -2,9 +2,12 @@
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepClass_FaceClassifier.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <ElCLib.hxx>
 #include <IGESControl_Reader.hxx>
 #include <Message.hxx>
@@ -194,7 +197,13 @@ double IntoRange(double t, double low, double high, bool periodic, double period
 
 }  // namespace
 
+struct ReferenceSolid {
+  Bnd_Box box;
+  std::unique_ptr<BRepClass3d_SolidClassifier> classifier;
+};
+
 struct ExactReference::Data {
+  std::vector<ReferenceSolid> solids;
   std::vector<ReferenceFace> faces;
   std::unique_ptr<ExactIntersector> intersector;  // for the same faces
 
@@ -218,6 +227,11 @@ Result<ExactReference> ExactReference::Load(const std::string& path, bool one_pl
     face.face = TopoDS::Face(faces.Current());
     BRepTools::UVBounds(face.face, face.u_low, face.u_high, face.v_low, face.v_high);
     data->faces.push_back(std::move(face));
+  }
+  for (TopExp_Explorer solids(shape.value(), TopAbs_SOLID); solids.More(); solids.Next()) {
+    ReferenceSolid& solid = data->solids.emplace_back();
+    BRepBndLib::Add(solids.Current(), solid.box);
+    solid.classifier = std::make_unique<BRepClass3d_SolidClassifier>(solids.Current());
   }
   std::vector<TopoDS_Face> shapes;
   for (const ReferenceFace& face : data->faces) shapes.push_back(face.face);
@@ -314,6 +328,26 @@ Judgement ExactReference::Judge(const Ray& ray, double depth, double tolerance_m
       best = judgement;
   }
   return best;
+}
+
+std::size_t ExactReference::solid_count() const {
+  return data_->solids.size();
+}
+
+std::optional<bool> ExactReference::IsInside(Vec3 point, double tolerance_mm) {
+  bool decided = true;
+  for (const ReferenceSolid& solid : data_->solids) {
+    if (solid.box.IsOut(ToPoint(point))) continue;
+    try {
+      OCC_CATCH_SIGNALS
+      solid.classifier->Perform(ToPoint(point), tolerance_mm);
+      if (solid.classifier->State() == TopAbs_IN) return true;
+      if (solid.classifier->State() != TopAbs_OUT) decided = false;
+    } catch (const Standard_Failure&) {
+      decided = false;
+    }
+  }
+  return decided ? std::optional<bool>(false) : std::nullopt;
 }
 
 }  // namespace facetless

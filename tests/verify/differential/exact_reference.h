@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,12 @@ class ExactReference {
   // Returns the position of the point at `depth` on `ray` relative to the faces near it. `tolerance_mm` is
   // the distance up to which a point counts as on the surface.
   Judgement Judge(const Ray& ray, double depth, double tolerance_mm);
+
+  // The shape's solids, as its explorer lists them.
+  std::size_t solid_count() const;
+  // Returns whether OpenCASCADE's classifier says that the point is inside a solid; nothing if it says that the point is on
+  // the border of one, or fails. `tolerance_mm` is the distance up to which a point counts as on the border.
+  std::optional<bool> IsInside(Vec3 point, double tolerance_mm);
 
  private:
   struct Data;
