@@ -47,6 +47,7 @@ export class Form {
     options.view = views.length ? views : ["iso"];
     set("projection", text("projection"), "orthographic");
     set("size", text("size"), "1024x1024");
+    if (text("voxels") !== "none") options.voxels = text("voxels").split(",");
     if (this.kind === "trade") {
       set("methods", text("methods"), "none");
       return options;

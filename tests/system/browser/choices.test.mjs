@@ -105,7 +105,7 @@ test("shadows, occlusion and a ground, and what the mesh does to them", async ()
   noFaults(page);
 });
 
-test("another method for the exact side, and all of them on the plots", async () => {
+test("another method for the exact side, voxels beside the mesh, and all methods on the plots", async () => {
   const server = await Server.start();
   const page = await newTab({ width: 1600, height: 1000 });
   await page.goto(server.address);
@@ -114,6 +114,7 @@ test("another method for the exact side, and all of them on the plots", async ()
   await page.selectOption("#deflection", "0.01");
   assert.equal(await page.isVisible("#methods"), false);
   await page.selectOption("#method", "martin");
+  await page.selectOption("#voxels", "64");
   await drop(page, sample("torus.step"));
   await state(page, "shown");
   await pixelsRead(page);
@@ -121,6 +122,9 @@ test("another method for the exact side, and all of them on the plots", async ()
   const offered = await page.locator("#method option").evaluateAll((all) => all.map((option) => option.value));
   assert.deepEqual(offered.toSorted(), report.methods.filter((method) => method.setting === null).map((method) => method.name).toSorted());
   assert.match(await page.textContent('[aria-label="Certificates"]'), /martin/);
+  await page.click("[aria-label='Compared with'] >> text=\"Voxels 64\"");
+  await pixelsRead(page);
+  assert.ok(Number(await page.textContent(".faces tbody tr:first-child td:nth-child(3)")) > 0.1, "voxels of this size deviate visibly");
   await page.selectOption("#kind", "trade");
   assert.equal(await page.isVisible("#methods"), true);
   assert.equal(await page.isVisible("#method"), false);
