@@ -7,7 +7,9 @@
 
 #include "render/base/parallel.h"
 #include "render/base/stopwatch.h"
-#include "render/voxel_walks/voxel_walk.h"
+#include "render/voxel_walks/octree_view.h"
+#include "render/voxel_walks/voxel_camera.h"
+#include "render/voxel_walks/voxel_normal.h"
 
 namespace facetless {
 namespace {
@@ -61,27 +63,9 @@ std::vector<RepresentationFact> VoxelSurface::facts() const {
   return facts;
 }
 
-Vec3 VoxelSurface::GridNormal(const VoxelHit& hit, Vec3 direction) const {
-  const VoxelPoint at = hit.at;
-  if (body_.normals != VoxelNormals::kSide) {
-    // The mean direction from filled to empty neighbours.
-    Vec3 sum{0, 0, 0};
-    for (int x = -kNormalReach; x <= kNormalReach; ++x)
-      for (int y = -kNormalReach; y <= kNormalReach; ++y)
-        for (int z = -kNormalReach; z <= kNormalReach; ++z) {
-          const Vec3 offset{double(x), double(y), double(z)};
-          const double square = Dot(offset, offset);
-          if (square == 0 || model_.Get(at.x + x, at.y + y, at.z + z).filled()) continue;
-          sum = sum + (1 / square) * offset;
-        }
-    constexpr double kNothing = 1e-6;
-    if (Length(sum) > kNothing && Dot(sum, direction) < 0) return Normalized(sum);
-  }
-  if (hit.side < 0) return -Normalized(direction);
-  Vec3 normal{0, 0, 0};
-  double Vec3::*const axes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-  normal.*axes[hit.side] = direction.*axes[hit.side] > 0 ? -1 : 1;
-  return normal;
+Vec3 VoxelSurface::NormalOf(const VoxelHit& hit, Vec3 direction) const {
+  return body_.normals == VoxelNormals::kSide ? SideNormal(hit, direction)
+                                              : GridNormal(model_, hit, direction);
 }
 
 VoxelSurface::Shown VoxelSurface::ShownAt(const VoxelHit& hit, Vec3 direction) const {
@@ -90,10 +74,10 @@ VoxelSurface::Shown VoxelSurface::ShownAt(const VoxelHit& hit, Vec3 direction) c
     const int reach = hit.level == 0 ? 1 : 1 + (1 << hit.level);
     if (const std::optional<NearFace> near = body_.faces->Near(hit.at, reach, direction)) {
       const bool known = Dot(near->normal, direction) < 0;
-      return {near->placed_face, known ? near->normal : GridNormal(hit, direction)};
+      return {near->placed_face, known ? near->normal : NormalOf(hit, direction)};
     }
   }
-  return {0, GridNormal(hit, direction)};
+  return {0, NormalOf(hit, direction)};
 }
 
 VoxelHit VoxelSurface::WalkWithout(const std::vector<bool>& leave_out, const BoundWalk& walk, VoxelRay ray,
@@ -119,39 +103,43 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
   view.frame = made.value();
   const CameraFrame& frame = view.frame;
   view.samples.Resize(camera.width_px, camera.height_px);
-  const bool perspective = frame.projection == Projection::kPerspective;
-  // Rays of orthographic views begin in front of the grid.
-  const Box3 bounds = grid_.bounds();
-  const double before = perspective ? 0 : Dot(bounds.center() - frame.eye, frame.forward) - bounds.diagonal();
-  const double scale = 1 / grid_.pitch, pixel = std::max(frame.pixel_x, frame.pixel_y) * scale;
   const Stopwatch tracing;
   const Result<std::unique_ptr<const BoundWalk>> bound = BindVoxelWalk(model_, "");
   if (!bound.ok()) return bound.error();
   const BoundWalk& walk = *bound.value();
+  const VoxelCamera rays(frame, grid_, camera.width_px, camera.height_px);
+  std::optional<OctreeView> tiles;
+  if (const auto* octree = dynamic_cast<const OctreeModel*>(&model_);
+      octree != nullptr && request.leave_out == nullptr)
+    tiles.emplace(*octree, rays);
+  const WalkOptions footprint = rays.Footprint();
   struct Worker {
     WalkCounters counters;
     std::uint64_t hits = 0;
   };
   PerThread<Worker> workers;
   RunWithThreads(execution.threads, [&] {
-    ParallelFor(0, camera.height_px, [&](int row) {
+    constexpr int kTile = OctreeView::kTile;
+    ParallelFor(0, (camera.height_px + kTile - 1) / kTile, [&](int tile_row) {
       if (execution.cancelled()) return;
       Worker& worker = workers.local();
-      for (int column = 0; column < camera.width_px; ++column) {
-        const Ray line = PixelRay(frame, column + 0.5, row + 0.5);
-        const Vec3 origin = scale * (line.origin + before * line.direction - grid_.origin),
-                   direction = scale * line.direction;
+      for (int i = 0; i < kTile * ((camera.width_px + kTile - 1) / kTile) * kTile; ++i) {
+        // Tile by tile: neighbouring rays read the same nodes.
+        const int column = i / (kTile * kTile) * kTile + i % kTile,
+                  row = tile_row * kTile + i / kTile % kTile;
+        if (column >= camera.width_px || row >= camera.height_px) continue;
+        if (tiles && !tiles->MayHit(column, row)) continue;
         VoxelRay ray;
-        if (!ray.Enter(origin, direction, perspective ? frame.near_mm : 0, model_.size())) continue;
-        const WalkOptions options{perspective ? 0 : pixel, perspective ? pixel : 0};
+        if (!rays.EnterPixel(column + 0.5, row + 0.5, model_.size(), &ray)) continue;
         const VoxelHit hit = request.leave_out != nullptr
                                  ? WalkWithout(*request.leave_out, walk, ray, &worker.counters)
-                                 : walk.Walk(ray, options, &worker.counters);
+                             : tiles ? tiles->Walk(column, row, ray, footprint, &worker.counters)
+                                     : walk.Walk(ray, footprint, &worker.counters);
         if (!hit.hit()) continue;
         const std::size_t out = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width_px) +
                                 static_cast<std::size_t>(column);
-        const Shown shown = ShownAt(hit, line.direction);
-        view.samples.depth[out] = before + hit.t;
+        const Shown shown = ShownAt(hit, ray.direction());
+        view.samples.depth[out] = rays.before + hit.t;
         view.samples.face[out] = shown.placed_face;
         view.samples.normal[out] = {float(shown.normal.x), float(shown.normal.y), float(shown.normal.z)};
         ++worker.hits;
@@ -162,7 +150,8 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
   view.counters.trace_ms = tracing.Milliseconds();
   view.counters.rays = view.samples.size();
   for (const Worker& worker : workers) view.counters.hits += worker.hits;
-  view.structure_bytes = model_.bytes() + walk.bytes() + (body_.faces ? body_.faces->bytes() : 0);
+  view.structure_bytes =
+      model_.bytes() + walk.bytes() + (tiles ? tiles->bytes() : 0) + (body_.faces ? body_.faces->bytes() : 0);
   return view;
 }
 

@@ -23,14 +23,11 @@ namespace facetless {
 //     the pixel.
 //  2. With exact normals, the normal and the face are those of the exact surface near the voxel (near_faces.h). Where faces
 //     are left out, a ray passes all voxels that no remaining face touches.
-//  3. Grid normals are the mean direction to the empty voxels within kNormalReach voxels along each axis. Where this
-//     direction vanishes or points away from the eye, and with the normals of sides, the normal is that of the side through
-//     which the ray entered.
+//  3. Grid normals are the mean direction to the empty voxels around (voxel_normal.h). With the normals of sides, the normal
+//     is that of the side through which the ray entered.
 //  4. Without exact normals, voxels name no faces: a picture has the colours of the faces that the reference shows there.
 class VoxelSurface final : public Representation {
  public:
-  static constexpr int kNormalReach = 2;
-
   struct Body {
     std::unique_ptr<const VoxelModel> model;
     VoxelGrid grid = {};
@@ -59,7 +56,7 @@ class VoxelSurface final : public Representation {
   VoxelHit WalkWithout(const std::vector<bool>& leave_out, const BoundWalk& walk, VoxelRay ray,
                        WalkCounters* counters) const;
   Shown ShownAt(const VoxelHit& hit, Vec3 direction) const;
-  Vec3 GridNormal(const VoxelHit& hit, Vec3 direction) const;
+  Vec3 NormalOf(const VoxelHit& hit, Vec3 direction) const;
 
   const Body body_;
   const VoxelModel& model_;
