@@ -46,8 +46,7 @@ class Painter {
     const Vec3 normal = of_grid ? GridNormal(model_, hit, direction) : SideNormal(hit, direction);
     Vec3 light{options_.ambient, options_.ambient, options_.ambient};
     if (!lights_.empty()) {
-      const Vec3 start = of_grid ? ray.PointAt(hit.t) + kShadowOffset * (1 << hit.level) * normal
-                                 : BesideSide(ray, hit, normal);
+      const Vec3 start = of_grid ? AboveVoxel(ray, hit, normal) : BesideSide(ray, hit);
       for (std::size_t i = 0; i < lights_.size(); ++i)
         light = light + Arriving(start, lights_[i], normal, worker) * options_.lights[i].color;
     }
@@ -57,8 +56,19 @@ class Painter {
   }
 
  private:
+  // The point at which a ray enters a voxel, moved along the normal; beside the side, if a filled voxel is there.
+  Vec3 AboveVoxel(const VoxelRay& ray, const VoxelHit& hit, Vec3 normal) const {
+    const Vec3 above = ray.PointAt(hit.t) + kShadowOffset * (1 << hit.level) * normal;
+    const auto index = [](double at, int size) { return at >= 0 && at < size ? static_cast<int>(at) : -1; };
+    const VoxelPoint size = model_.size();
+    const bool filled =
+        model_.Get(index(above.x, size.x), index(above.y, size.y), index(above.z, size.z)).filled();
+    return filled ? BesideSide(ray, hit) : above;
+  }
+
   // The point at which a ray enters a voxel, moved across the side to the other voxel there.
-  Vec3 BesideSide(const VoxelRay& ray, const VoxelHit& hit, Vec3 normal) const {
+  Vec3 BesideSide(const VoxelRay& ray, const VoxelHit& hit) const {
+    const Vec3 normal = SideNormal(hit, ray.direction());
     Vec3 point = ray.PointAt(hit.t);
     const int level = hit.level,
               at[3] = {hit.at.x >> level << level, hit.at.y >> level << level, hit.at.z >> level << level};
@@ -108,8 +118,8 @@ void AddTo(const WalkCounters& from, WalkCounters* to) {
 PointLight LightBesideEye(const CameraFrame& frame, const VoxelGrid& grid) {
   const Box3 bounds = grid.bounds();
   const double distance = 2 * bounds.diagonal();
-  return {.at = bounds.center() - distance * frame.forward - 0.6 * distance * frame.right -
-                0.8 * distance * frame.down,
+  return {.at = bounds.center() - distance * frame.forward - 0.35 * distance * frame.right -
+                0.55 * distance * frame.down,
           .color = {0.75, 0.75, 0.75}};
 }
 

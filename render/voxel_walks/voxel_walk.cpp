@@ -7,7 +7,7 @@
 namespace facetless {
 namespace {
 
-constexpr VoxelWalk kWalks[] = {
+constexpr NamedVoxelWalk kWalks[] = {
     {.name = "grid",
      .description = "Passes all voxels along the ray, one by one.",
      .encoding = "raw",
@@ -73,13 +73,13 @@ constexpr VoxelWalk kWalks[] = {
 
 Error NoSuchWalk(std::string_view name) {
   std::string names;
-  for (const VoxelWalk& walk : kWalks) names += (names.empty() ? "" : ", ") + std::string(walk.name);
+  for (const NamedVoxelWalk& walk : kWalks) names += (names.empty() ? "" : ", ") + std::string(walk.name);
   return {ErrorCode::kBadUsage,
           "there is no walk through voxels '" + std::string(name) + "'; there are: " + names};
 }
 
 // The number after the name of a walk.
-Result<int> SettingOf(const VoxelWalk& walk, std::string_view text) {
+Result<int> SettingOf(const NamedVoxelWalk& walk, std::string_view text) {
   int setting = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), setting);
   const std::string name(walk.name);
@@ -95,18 +95,18 @@ Result<int> SettingOf(const VoxelWalk& walk, std::string_view text) {
 
 }  // namespace
 
-std::span<const VoxelWalk> VoxelWalks() {
+std::span<const NamedVoxelWalk> VoxelWalks() {
   return kWalks;
 }
 
-Result<const VoxelWalk*> FindVoxelWalk(std::string_view name) {
-  for (const VoxelWalk& walk : kWalks)
+Result<const NamedVoxelWalk*> FindVoxelWalk(std::string_view name) {
+  for (const NamedVoxelWalk& walk : kWalks)
     if (walk.name == name) return &walk;
   return NoSuchWalk(name);
 }
 
-const VoxelWalk& UsualVoxelWalk(std::string_view encoding) {
-  for (const VoxelWalk& walk : kWalks)
+const NamedVoxelWalk& UsualVoxelWalk(std::string_view encoding) {
+  for (const NamedVoxelWalk& walk : kWalks)
     if (walk.encoding == encoding) return walk;
   return kWalks[0];
 }
@@ -114,9 +114,9 @@ const VoxelWalk& UsualVoxelWalk(std::string_view encoding) {
 Result<std::unique_ptr<const BoundWalk>> BindVoxelWalk(const VoxelModel& model, std::string_view text) {
   if (text.empty()) text = UsualVoxelWalk(model.encoding()).name;
   const std::size_t colon = text.find(':');
-  const Result<const VoxelWalk*> found = FindVoxelWalk(text.substr(0, colon));
+  const Result<const NamedVoxelWalk*> found = FindVoxelWalk(text.substr(0, colon));
   if (!found) return found.error();
-  const VoxelWalk& walk = *found.value();
+  const NamedVoxelWalk& walk = *found.value();
   int setting = walk.usual;
   if (colon != std::string_view::npos) {
     const Result<int> given = SettingOf(walk, text.substr(colon + 1));

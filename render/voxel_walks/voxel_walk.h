@@ -46,7 +46,7 @@ class BoundWalk {
   virtual std::uint64_t bytes() const { return 0; }
 };
 
-struct VoxelWalk {
+struct NamedVoxelWalk {
   std::string_view name;
   std::string_view description;   // one sentence
   std::string_view encoding;      // of the models that it takes
@@ -59,11 +59,11 @@ struct VoxelWalk {
 };
 
 // All walks. The first one of each encoding is the usual one.
-std::span<const VoxelWalk> VoxelWalks();
+std::span<const NamedVoxelWalk> VoxelWalks();
 // Error: kBadUsage (no walk has that name; the message lists the names).
-Result<const VoxelWalk*> FindVoxelWalk(std::string_view name);
+Result<const NamedVoxelWalk*> FindVoxelWalk(std::string_view name);
 // Requires a name of VoxelEncodings().
-const VoxelWalk& UsualVoxelWalk(std::string_view encoding);
+const NamedVoxelWalk& UsualVoxelWalk(std::string_view encoding);
 
 // Binds a walk, "NAME" or "NAME:SETTING"; an empty text is the usual walk of the model's encoding. Errors: kBadUsage (the
 // name; the setting; the walk takes another encoding).

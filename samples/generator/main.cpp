@@ -22,6 +22,7 @@
 #include "samples/generator/broken.h"
 #include "samples/generator/expected.h"
 #include "samples/generator/shapes.h"
+#include "samples/generator/voxels.h"
 #include "samples/generator/writer.h"
 
 namespace {
@@ -64,6 +65,10 @@ void WriteAll(const fs::path& folder) {
   const TopoDS_Shape trimmed = facetless::samples::TrimmedFaces();
   WriteIges(trimmed, "trimmed", (folder / "trimmed.iges").string());
   expected["trimmed.iges"] = Measure(trimmed, (folder / "trimmed.iges").string());
+
+  std::cout << "terrain and head" << std::endl;
+  expected["terrain.vxl"] = facetless::samples::WriteTerrain(folder);
+  expected["head.nrrd"] = facetless::samples::WriteHead(folder);
 
   facetless::samples::WriteBroken(folder);
   for (const char* name : {"truncated.step", "nan.step", "wrong_type.step", "empty.step", "mesh.stl"}) {

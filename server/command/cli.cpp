@@ -54,7 +54,11 @@ constexpr const char* kRenderFooter = R"(Examples:
   facetless render part.step --out images --view front --view top --view iso --sheet --turntable 36
 
 The command writes NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html
-to the directory of --out, and prints the path of report.json.)";
+to the directory of --out, and prints the path of report.json.
+
+A voxel file (.oct, .vxl, .raw, .nrrd, .vti) is rendered to one picture, and the command prints JSON about it:
+  facetless render terrain.vxl --out terrain.png --size 800x600 --point-light 100,50,300
+  facetless render part.oct --out part.png --view front --walk kd-shortstack:4 --ambient 0.2)";
 
 constexpr const char* kCompareFooter = R"(Examples:
   facetless compare part.step --out report
@@ -173,6 +177,17 @@ CLI::App* AddMethodsCommand(CLI::App& app, CommandArguments& arguments) {
   return methods;
 }
 
+CLI::App* AddRenderCommand(CLI::App& app, CommandArguments& arguments) {
+  CLI::App* render =
+      AddFileCommand(app, "render", "Render the exact surfaces, or a voxel file", kRenderFooter, arguments);
+  render
+      ->add_option("--out", arguments.out,
+                   "Directory for the results, created if absent; of a voxel file, the picture NAME.png")
+      ->required()
+      ->type_name("DIR");
+  return render;
+}
+
 CLI::App* AddVoxelizeCommand(CLI::App& app, CommandArguments& arguments) {
   CLI::App* voxelize =
       AddFileCommand(app, "voxelize", "Write the voxels of the exact solids: .oct, .vxl, .raw, .nrrd, .vti",
@@ -235,6 +250,7 @@ int Dispatch(int (*command)(const CommandArguments&), CommandArguments& argument
   auto options = ParseOptions(json.value());
   if (!options) return PrintError(options.error());
   arguments.options = std::move(options).value();
+  for (const auto& option : json.value().items()) arguments.given.push_back(option.key());
   return command(arguments);
 }
 
@@ -273,7 +289,7 @@ int RunCommandLine(int argc, char** argv) {
                      kInspectFooter, arguments);
   CLI::App* continuity = AddFileCommand(
       app, "continuity", "Measure how smoothly neighbouring faces meet (JSON)", kContinuityFooter, arguments);
-  CLI::App* render = AddFileCommand(app, "render", "Render the exact surfaces", kRenderFooter, arguments);
+  CLI::App* render = AddRenderCommand(app, arguments);
   CLI::App* mesh = AddFileCommand(app, "mesh", "Write a tessellation: glTF binary, STL, OBJ or 3MF",
                                   kMeshFooter, arguments);
   CLI::App* compare =
@@ -298,7 +314,7 @@ int RunCommandLine(int argc, char** argv) {
   CLI::App* store_check = AddStoreCheckCommand(app, arguments);
 
   // Add their options.
-  for (CLI::App* command : {render, compare, trade})
+  for (CLI::App* command : {compare, trade})
     command->add_option("--out", arguments.out, "Directory for the results; created if absent")
         ->required()
         ->type_name("DIR");

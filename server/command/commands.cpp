@@ -22,6 +22,7 @@
 #include "server/run/trade.h"
 #include "server/run/verdict.h"
 #include "server/run/voxel_output.h"
+#include "server/run/voxel_render.h"
 
 namespace facetless {
 namespace {
@@ -121,6 +122,16 @@ int ContinuityCommand(const CommandArguments& arguments) {
 
 int RenderCommand(const CommandArguments& arguments) {
   Progress progress(arguments.progress);
+  const bool voxels = VoxelFormatOf(arguments.file).ok();
+  if (const auto allowed = CheckRenderOptions(arguments.given, voxels); !allowed)
+    return PrintError(allowed.error());
+  if (voxels) {
+    const auto rendered =
+        RunVoxelRender(arguments.file, arguments.options, arguments.out, ToContext(arguments, progress));
+    if (!rendered) return PrintError(rendered.error());
+    Print(JsonText(rendered.value()));
+    return kExitDone;
+  }
   auto imported = Import(ToImportRequest(arguments, progress));
   if (!imported) return PrintError(imported.error());
   return PrintRun(

@@ -12,7 +12,7 @@
 namespace facetless {
 
 struct CommandArguments {
-  std::string file;       // the CAD file, or the manifest of regress
+  std::string file;       // the CAD file, the voxel file of render, or the manifest of regress
   std::string out;        // --out
   bool progress = false;  // --progress
   bool update = false;    // regress --update
@@ -21,6 +21,7 @@ struct CommandArguments {
   std::string json_out, plot_out, stage_plot_out;  // --json, --plot, --stage-plot; empty: not written
   BenchSettings bench;
   RunOptions options;
+  std::vector<std::string> given;  // the names of the options that were given
 };
 
 int InspectCommand(const CommandArguments& arguments);

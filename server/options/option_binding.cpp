@@ -378,6 +378,34 @@ OptionBinding SectionsBinding() {
           }};
 }
 
+OptionBinding PointLightsBinding() {
+  return {
+      [](const OptionRow& row, const Json& json, RunOptions& o) -> Result<void> {
+        std::vector<PointLight> lights;
+        for (const Json& light : json.is_array() ? json : Json::array({json})) {
+          const Result<std::vector<double>> parsed = ParseNumbers(light, row.name, -1e12, 1e12);
+          if (!parsed) return parsed.error();
+          const std::vector<double>& n = parsed.value();
+          if (n.size() != 3 && n.size() != 6)
+            return BadUsage(row.name + " is X,Y,Z in mm, and may have a color R,G,B; it has " +
+                            std::to_string(n.size()) + " numbers");
+          PointLight point{.at = {n[0], n[1], n[2]}};
+          if (n.size() == 6) point.color = {n[3], n[4], n[5]};
+          if (point.color.x < 0 || point.color.y < 0 || point.color.z < 0)
+            return BadUsage(row.name + ": the color of a light is not negative");
+          lights.push_back(point);
+        }
+        o.voxel_picture.lights = std::move(lights);
+        return {};
+      },
+      [](const OptionRow&, const RunOptions& o) {
+        Json lights = Json::array();
+        for (const PointLight& light : o.voxel_picture.lights)
+          lights.push_back({light.at.x, light.at.y, light.at.z, light.color.x, light.color.y, light.color.z});
+        return lights;
+      }};
+}
+
 OptionBinding ColorBinding() {
   return {[](const OptionRow&, const Json& json, RunOptions& o) {
             return StoreInto(ParseColoring(json), o.picture.coloring);

@@ -98,6 +98,7 @@ OptionBinding ShadeBinding();
 OptionBinding OcclusionBinding();
 OptionBinding MaterialsBinding();
 OptionBinding SectionsBinding();
+OptionBinding PointLightsBinding();
 OptionBinding ColorBinding();
 OptionBinding TurntableBinding();
 OptionBinding PatternsBinding(std::vector<std::string> ArrangementRequest::*member);

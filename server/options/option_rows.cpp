@@ -632,6 +632,54 @@ OptionTable VoxelRows() {
   };
 }
 
+OptionTable VoxelPictureRows() {
+  const std::string kGroup = "Pictures of voxels";
+  return {
+      {.name = "walk",
+       .kind = OptionKind::kText,
+       .group = kGroup,
+       .commands = kRender,
+       .value = "NAME",
+       .help =
+           "How rays walk through the voxels, as NAME or NAME:NUMBER (docs/voxels.md); the encoding follows "
+           "from it",
+       .usual_words = "an octree, tile by tile",
+       .owner = OptionOwner::kCommandLine,
+       .binding = Bound([](auto& o) -> auto& { return o.voxel_picture.walk; })},
+      {.name = "ambient",
+       .kind = OptionKind::kNumber,
+       .group = kGroup,
+       .commands = kRender,
+       .value = "LIGHT",
+       .help = "Light that arrives everywhere, as a share of white",
+       .low = 0,
+       .high = 1,
+       .usual_words = "0.35",
+       .owner = OptionOwner::kCommandLine,
+       .binding = Bound([](auto& o) -> auto& { return o.voxel_picture.ambient; })},
+      {.name = "point_light",
+       .kind = OptionKind::kJson,
+       .group = kGroup,
+       .commands = kRender,
+       .value = "X,Y,Z[,R,G,B]",
+       .help = "A light at a point in mm that casts shadows, with a color of 0 to 1 per channel; repeatable",
+       .usual_words = "one beside the eye",
+       .owner = OptionOwner::kCommandLine,
+       .json_types = {"string", "array"},
+       .repeatable = true,
+       .binding = PointLightsBinding()},
+      {.name = "side_normals",
+       .kind = OptionKind::kFlag,
+       .group = kGroup,
+       .commands = kRender,
+       .value = "",
+       .help = "Take the normals of the voxels' sides, and not those of the grid around them",
+       .usual = false,
+       .owner = OptionOwner::kCommandLine,
+       .binding = Bound([](auto& o) -> auto& { return o.voxel_picture.side_normals; })},
+  };
+}
+
 OptionTable TradeRows() {
   const std::string kGroup = "Speed against accuracy";
   return {
@@ -817,9 +865,9 @@ OptionTable ImportRows() {
 const OptionTable& AllOptions() {
   static const OptionTable table = [] {
     OptionTable all;
-    for (OptionTable rows :
-         {CameraRows(), MethodRows(), AccuracyRows(), AppearanceRows(), LightRows(), PictureRows(),
-          MeshRows(), BesideRows(), VoxelRows(), TradeRows(), VerdictRows(), ImportRows()})
+    for (OptionTable rows : {CameraRows(), MethodRows(), AccuracyRows(), AppearanceRows(), LightRows(),
+                             PictureRows(), MeshRows(), BesideRows(), VoxelRows(), VoxelPictureRows(),
+                             TradeRows(), VerdictRows(), ImportRows()})
       for (OptionRow& row : rows) all.push_back(std::move(row));
     return all;
   }();

@@ -26,6 +26,7 @@
 #include "render/trace/direct.h"
 #include "render/trade/trade_answers.h"
 #include "render/view/camera.h"
+#include "render/voxel_walks/voxel_picture.h"
 #include "render/voxels/voxelize.h"
 #include "server/importer/import_process.h"
 #include "server/options/option_table.h"
@@ -60,6 +61,14 @@ struct VoxelRunOptions {
   std::optional<double> pitch_mm;  // instead of the resolution
   VoxelFill fill = VoxelFill::kSolid;
   std::optional<int> fraction;  // divisions of a voxel (render/voxels/voxel_shares.h)
+};
+
+// How `facetless render` shows a voxel file.
+struct VoxelPictureRunOptions {
+  std::string walk;                // empty: the usual one of an octree
+  std::optional<double> ambient;   // nothing: that of VoxelPictureOptions
+  std::vector<PointLight> lights;  // none: one beside the eye
+  bool side_normals = false;
 };
 
 struct RunOptions {
@@ -97,6 +106,7 @@ struct RunOptions {
   Thresholds fail;
   TradeOptions trade;
   VoxelRunOptions voxels;
+  VoxelPictureRunOptions voxel_picture;
 
   bool WantsAov(const std::string& name) const;
   // with and voxels_beside, each once.

@@ -12,14 +12,15 @@
 
 namespace facetless {
 
-// Returns the names in expected.json: "bracket.step", "broken/empty.step". Returns nothing if the file is
+// Returns the names of CAD files in expected.json, "bracket.step", "broken/empty.step", or those of voxel files. Returns nothing if the file is
 // missing: this function runs while a program is loaded and must not throw, and a test reports the missing
 // file.
-inline std::vector<std::string> SampleNames() {
+inline std::vector<std::string> SampleNames(bool voxels = false) {
   std::vector<std::string> names;
   std::ifstream file(Sample("expected.json"));
   const nlohmann::json expected = nlohmann::json::parse(file, nullptr, false);
-  for (const auto& [name, value] : expected.items()) names.push_back(name);
+  for (const auto& [name, value] : expected.items())
+    if (value.contains("voxels") == voxels) names.push_back(name);
   return names;
 }
 

@@ -101,6 +101,25 @@ TEST_P(SampleFile, InspectGivesItsExitCodeAndReport) {
   EXPECT_EQ(model["loops_lost"], json::array());
 }
 
+TEST(VoxelSamples, AreReadAndRendered) {
+  ASSERT_EQ(SampleNames(true).size(), 2u);
+  for (const std::string& name : SampleNames(true)) {
+    SCOPED_TRACE(name);
+    const json expected = Expected()[name];
+    EXPECT_LT(fs::file_size(Sample(name)), 700'000u);
+    const fs::path picture = fs::path(testing::TempDir()) / "voxel_sample.png";
+    fs::remove(picture);
+    const ProgramResult rendered = RunProgram("facetless render '" + Sample(name) + "' --out '" +
+                                              picture.string() + "' --size 64x64 --samples 1");
+    ASSERT_EQ(rendered.exit_code, expected["exit"].get<int>()) << rendered.output;
+    EXPECT_TRUE(fs::exists(picture));
+    const json answer = json::parse(rendered.output);
+    for (const char* key : {"size", "filled", "pitch_mm"})
+      EXPECT_EQ(answer["voxels"][key], expected["voxels"][key]) << key;
+    EXPECT_GT(answer["rays"]["primary"]["hits"], 500);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SampleFile, testing::ValuesIn(SampleNames()),
                          [](const auto& info) { return TestName(info.param); });
 

@@ -25,6 +25,8 @@ inline nlohmann::json AnotherValueOf(const OptionRow& row) {
                                     {"with", "fast"},
                                     {"voxels", "12"},
                                     {"methods", "fast"},
+                                    {"walk", "grid"},
+                                    {"point_light", "1,2,3"},
                                     {"unit", "cm"},
                                     {"mesh", "a.stl"}})
     if (row.name == name) return value;

@@ -80,7 +80,7 @@ std::unique_ptr<const BoundWalk> Bound(const VoxelModel& model, std::string_view
 }
 
 // The name of a walk with a setting drawn from its whole range, if it has one.
-std::string AnySetting(const VoxelWalk& walk) {
+std::string AnySetting(const NamedVoxelWalk& walk) {
   const std::string name(walk.name);
   return walk.setting.empty() ? name : name + ":" + std::to_string(*rc::gen::inRange(1, walk.most + 1));
 }
@@ -98,7 +98,7 @@ RC_GTEST_PROP(VoxelWalks, AllFindWhatTheDefinitionSays, ()) {
   std::vector<VoxelHit> expected;
   for (const VoxelRay& ray : rays) expected.push_back(ByDefinition(model, ray));
   std::size_t walks = 0;
-  for (const VoxelWalk& walk : VoxelWalks()) {
+  for (const NamedVoxelWalk& walk : VoxelWalks()) {
     if (!walk.exact) continue;
     ++walks;
     const auto encoded = Converted(model, walk.encoding);
@@ -130,7 +130,7 @@ RC_GTEST_PROP(VoxelWalks, OctreesAgreeOnLevels, ()) {
                               .footprint = 0.01 * *rc::gen::inRange(0, 100) * length};
     WalkCounters counters;
     const VoxelHit expected = descent->Walk(ray, options, &counters);
-    for (const VoxelWalk& walk : VoxelWalks()) {
+    for (const NamedVoxelWalk& walk : VoxelWalks()) {
       if (walk.encoding != "octree") continue;
       const std::string name = AnySetting(walk);
       if (!Same(Bound(octree, name)->Walk(ray, options, &counters), expected))
@@ -198,7 +198,7 @@ TEST(VoxelWalks, ARayMayStartInside) {
   model.Fill({{0, 0, 0}, {8, 8, 8}}, Voxel::Of(9, 9, 9));
   VoxelRay ray;
   ASSERT_TRUE(ray.Enter({3.5, 3.5, 3.5}, {0, 0, -1}, 0, model.size()));
-  for (const VoxelWalk& walk : VoxelWalks()) {
+  for (const NamedVoxelWalk& walk : VoxelWalks()) {
     const auto encoded = Converted(model, walk.encoding);
     WalkCounters counters;
     const VoxelHit hit = Bound(*encoded.value(), walk.name)->Walk(ray, {}, &counters);
