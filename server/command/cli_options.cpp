@@ -58,7 +58,8 @@ void AddOptions(CLI::App* app, Commands command, OptionCollector& options, const
 
 void AddBenchOptions(CLI::App* app, CommandArguments& arguments) {
   BenchSettings& bench = arguments.bench;
-  app->add_option("FILE", arguments.files, "STEP, IGES, BREP or model files");
+  app->add_option("FILE", arguments.files,
+                  "STEP, IGES, BREP or model files; with --published also voxel files");
   app->add_option("--repeats", bench.repeats,
                   "Runs of each measurement after a warm-up; the median is reported")
       ->type_name("N")

@@ -16,6 +16,7 @@
 #include "bench/model_tables.h"
 #include "bench/patch_scene.h"
 #include "bench/plot.h"
+#include "bench/prochazka.h"
 #include "bench/sample_cost.h"
 #include "bench/sisojevs.h"
 #include "bench/skala.h"
@@ -26,6 +27,8 @@
 #include "render/baseline/mesh_file.h"
 #include "render/model/model_file.h"
 #include "render/trade/quantity_text.h"
+#include "render/voxel_files/voxel_file.h"
+#include "render/voxels/voxelize.h"
 #include "server/base/load_average.h"
 #include "server/base/version.h"
 #include "server/run/bench_import.h"
@@ -170,7 +173,7 @@ class Bench {
       details_.push_back(costs.value().details);
       views.push_back(std::move(costs.value().details));
     }
-    if (settings_.published) return {};
+    if (settings_.published) return MeasureVoxelsOf(std::filesystem::path(path).filename().string(), model);
     if (imported)
       if (auto done = MeasurePrograms(request); !done) return done.error();
     if (settings_.growth && !growth_measured_) {
@@ -239,6 +242,30 @@ class Bench {
     return {};
   }
 
+  // The tables of voxels: the cube, and after the files those that they hold.
+  Result<void> MeasureCube() { return AddVoxels(CubeOfThesis()); }
+  Result<void> MeasureVoxelFile(const std::string& path) {
+    Result<VoxelFile> file = ReadVoxels(path, options_.accuracy.max_bytes);
+    if (!file) return file.error();
+    const VoxelModel& voxels = *file.value().model;
+    const VoxelGrid grid = file.value().grid.value_or(VoxelGrid{{0, 0, 0}, 1, voxels.size()});
+    return AddVoxels({std::filesystem::path(path).stem().string(), RunsOf(voxels), grid});
+  }
+  Result<void> MeasureVoxelsOf(const std::string& name, const Model& model) {
+    const Scene scene(model);
+    for (const int resolution : {128, 256, 512}) {
+      const Result<VoxelGrid> grid = GridOfResolution(model.bounds, resolution);
+      if (!grid) return grid.error();
+      Result<Voxels> voxels =
+          Voxelize(scene, grid.value(), {.accuracy = options_.accuracy}, context_.execution);
+      if (!voxels) return voxels.error();
+      auto done =
+          AddVoxels({name + " " + std::to_string(resolution), std::move(voxels.value().model), grid.value()});
+      if (!done) return done.error();
+    }
+    return {};
+  }
+
   BenchReport Take() && {
     json_["rows"] = Json::array();
     for (const AimSummary& summary : Summarise(values_)) json_["rows"].push_back(SummaryJson(summary));
@@ -250,6 +277,7 @@ class Bench {
                                        CounterTable(details_), SampleTable(details_)});
     }
     for (Table& table : StageTables(stages_)) tables_.push_back(std::move(table));
+    for (Table& table : VoxelTables(voxels_)) tables_.push_back(std::move(table));
     for (const ProgramStages& run : stages_) json_["stages"].push_back(StagesJson(run));
     BenchReport report;
     report.text = Heading();
@@ -303,6 +331,15 @@ class Bench {
     return {};
   }
 
+  Result<void> AddVoxels(const VoxelBenchModel& model) {
+    Step("voxels: " + model.name);
+    auto bench = MeasureVoxels(model, {.repeats = settings_.repeats, .execution = context_.execution});
+    if (!bench) return bench.error();
+    json_["published"]["prochazka"].push_back(VoxelBenchJson(bench.value()));
+    voxels_.push_back(std::move(bench).value());
+    return {};
+  }
+
   // Returns the heading, which names the machine and the program.
   std::string Heading() const {
     const Json& machine = json_.at("machine");
@@ -337,6 +374,7 @@ class Bench {
   std::vector<Json> details_;
   std::vector<ProgramStages> stages_;
   std::vector<SurfaceRayBench> surface_rays_;
+  std::vector<VoxelBench> voxels_;
   std::vector<Table> tables_;
   bool growth_measured_ = false;
 };
@@ -351,12 +389,17 @@ Result<BenchReport> RunBench(const std::vector<std::string>& files, const Import
   if (settings.published && settings.structures)
     return Error{ErrorCode::kBadUsage, "--published and --structures exclude each other"};
   Bench bench(request, options, settings, context);
-  if (settings.published)
+  if (settings.published) {
     if (auto done = bench.MeasurePublished(); !done) return done.error();
+    if (auto done = bench.MeasureCube(); !done) return done.error();
+  }
   if (settings.structures)
     if (auto done = bench.MeasureRandomScenes(); !done) return done.error();
-  for (const std::string& file : files)
-    if (auto done = bench.MeasureFile(file); !done) return done.error();
+  for (const std::string& file : files) {
+    const bool voxels = settings.published && VoxelFormatOf(file).ok();
+    if (auto done = voxels ? bench.MeasureVoxelFile(file) : bench.MeasureFile(file); !done)
+      return done.error();
+  }
   return std::move(bench).Take();
 }
 
