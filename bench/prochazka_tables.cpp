@@ -126,23 +126,21 @@ Table Nodes(const std::vector<VoxelBench>& models) {
 
 // "kd-restart is the fastest, 1.3 times as fast as kd-backtrack: it reads 40 nodes per ray, and that 15."
 std::string PathSentence(const VoxelBench& bench) {
-  const auto nodes = [](const PathFigures& path) {
-    const double rays = static_cast<double>(path.primary.rays + path.shadow.rays);
-    return rays > 0 ? static_cast<double>(path.primary.nodes + path.shadow.nodes) / rays : 0;
+  const auto per_ray = [](const PathFigures& path, std::uint64_t count) {
+    return static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(path.primary.rays, 1));
   };
   const auto [slowest, fastest] = std::minmax_element(
       bench.paths.begin(), bench.paths.end(), [](const auto& a, const auto& b) { return a.fps < b.fps; });
   const PathFigures& first = bench.paths.front();
-  const double rays = static_cast<double>(first.primary.rays + first.shadow.rays);
-  const double steps = rays > 0 ? static_cast<double>(first.primary.steps + first.shadow.steps) / rays : 0;
   std::string text = bench.name + ": " + fastest->walk + " is the fastest, " +
                      ThreeDigits(fastest->fps / slowest->fps) + " times as fast as " + slowest->walk +
-                     ". A ray passes " + ThreeDigits(steps) + " leaves and reads";
+                     ". A ray passes " + ThreeDigits(per_ray(first, first.primary.steps)) +
+                     " leaves and reads";
   for (const PathFigures& path : bench.paths)
     text += (&path == &bench.paths.front()  ? " "
              : &path == &bench.paths.back() ? " and "
                                             : ", ") +
-            ThreeDigits(nodes(path)) + " nodes with " + path.walk;
+            ThreeDigits(per_ray(path, path.primary.nodes)) + " nodes with " + path.walk;
   if (const Published* published = PublishedOf(bench)) {
     const double there = published->fps[1] / published->fps[0],
                  here = bench.paths[1].fps / bench.paths[0].fps;
