@@ -112,7 +112,10 @@ Result<TracedView> VoxelSurface::Trace(const Camera& camera, const TraceRequest&
   if (const auto* octree = dynamic_cast<const OctreeModel*>(&model_);
       octree != nullptr && request.leave_out == nullptr)
     tiles.emplace(*octree, rays);
-  const WalkOptions footprint = rays.Footprint();
+  // Cubes are no wider than half a pixel, so that their depth is as good as that of a pixel's centre.
+  WalkOptions footprint = rays.Footprint();
+  footprint.footprint_0 *= 0.5;
+  footprint.footprint *= 0.5;
   struct Worker {
     WalkCounters counters;
     std::uint64_t hits = 0;

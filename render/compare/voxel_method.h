@@ -18,9 +18,9 @@ namespace facetless {
 
 // Voxels as a representation that cameras trace.
 //
-//  1. A ray shows the first filled voxel that it enters, at the depth at which it enters it. Where a pixel is at least two
+//  1. A ray shows the first filled voxel that it enters, at the depth at which it enters it. Where a pixel is at least four
 //     voxels wide, and the encoding has levels of detail, the ray may show a cube of voxels instead, which is no wider than
-//     the pixel.
+//     half the pixel.
 //  2. With exact normals, the normal and the face are those of the exact surface near the voxel (near_faces.h). Where faces
 //     are left out, a ray passes all voxels that no remaining face touches.
 //  3. Grid normals are the mean direction to the empty voxels around (voxel_normal.h). With the normals of sides, the normal
