@@ -11,6 +11,7 @@
 #include "render/image/atomic_file.h"
 #include "render/image/codec.h"
 #include "render/image/io.h"
+#include "render/image/slice_pictures.h"
 
 namespace facetless {
 namespace {
@@ -46,7 +47,7 @@ void Append(png_structp png, png_bytep data, png_size_t size) {
 void Flush(png_structp) {}
 
 [[noreturn]] void Fail(png_structp png, png_const_charp message) {
-  static_cast<Sink*>(png_get_error_ptr(png))->failure = message;
+  *static_cast<std::string*>(png_get_error_ptr(png)) = message;
   png_longjmp(png, 1);
 }
 
@@ -85,7 +86,7 @@ std::vector<unsigned char> Compressed(const std::vector<unsigned char>& bytes, i
 // belongs to the caller. Returns false on failure, with the reason in sink.failure.
 bool Encode(const Image8& image, Meaning meaning, int level, const std::vector<unsigned char>& stream,
             Sink& sink) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, Fail, IgnoreWarning);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink.failure, Fail, IgnoreWarning);
   if (png == nullptr) return false;
   png_infop info = nullptr;
   if (setjmp(png_jmpbuf(png)) != 0) {
@@ -141,6 +142,64 @@ Result<void> Write(const std::string& path, const Result<std::vector<unsigned ch
   return WriteAtomically(path, bytes.value());
 }
 
+// What ReadPngSlice reads: the bytes of the file become rows of 1 to 4 channels of 8 or 16 bits.
+struct Slice {
+  std::vector<unsigned char> bytes;
+  std::size_t at = 0;
+  std::uint64_t max_bytes = 0;
+  std::string failure;
+  bool too_large = false;
+
+  std::size_t width = 0, height = 0, channels = 0, row_bytes = 0;
+  bool wide = false;  // 16 bits
+  std::vector<unsigned char> pixels;
+  std::vector<png_bytep> rows;
+};
+
+void Take(png_structp png, png_bytep data, png_size_t size) {
+  auto* slice = static_cast<Slice*>(png_get_io_ptr(png));
+  if (slice->bytes.size() - slice->at < size) png_error(png, "the file ends too early");
+  std::memcpy(data, slice->bytes.data() + slice->at, size);
+  slice->at += size;
+}
+
+// libpng leaves this function by longjmp on errors, so every object with a destructor belongs to the caller.
+bool Decode(Slice& slice) {
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &slice.failure, Fail, IgnoreWarning);
+  if (png == nullptr) return false;
+  png_infop info = nullptr;
+  if (setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_read_struct(&png, &info, nullptr);
+    return false;
+  }
+  info = png_create_info_struct(png);
+  if (info == nullptr) png_error(png, kOutOfMemory);
+  png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
+  png_set_read_fn(png, &slice, Take);
+  png_read_info(png, info);
+  png_set_expand(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  slice.width = png_get_image_width(png, info);
+  slice.height = png_get_image_height(png, info);
+  slice.channels = png_get_channels(png, info);
+  slice.wide = png_get_bit_depth(png, info) == 16;
+  slice.row_bytes = png_get_rowbytes(png, info);
+  slice.too_large = (slice.row_bytes + 4 * slice.width) * slice.height > slice.max_bytes;
+  if (slice.too_large) png_error(png, "too large");
+  try {
+    slice.pixels.resize(slice.row_bytes * slice.height);
+    slice.rows.resize(slice.height);
+  } catch (const std::bad_alloc&) {
+    png_error(png, kOutOfMemory);
+  }
+  for (std::size_t y = 0; y < slice.height; ++y) slice.rows[y] = slice.pixels.data() + y * slice.row_bytes;
+  png_read_image(png, slice.rows.data());
+  png_read_end(png, nullptr);
+  png_destroy_read_struct(&png, &info, nullptr);
+  return true;
+}
+
 }  // namespace
 
 Result<void> WritePng(const std::string& path, const Image8& image) {
@@ -190,6 +249,48 @@ Result<Image8> ReadPng(const std::string& path) {
     return ImageTooLarge(path);
   }
   if (png_image_finish_read(&reader, nullptr, image.bytes.data(), 0, nullptr) == 0) return broken();
+  return image;
+}
+
+Result<Image8> ReadPngSlice(const std::string& path, double threshold, std::uint64_t max_bytes) {
+  Result<std::vector<unsigned char>> bytes = ReadImageBytes(path);
+  if (!bytes.ok()) return bytes.error();
+  if (bytes.value().size() < 8 || png_sig_cmp(bytes.value().data(), 0, 8) != 0)
+    return Error{ErrorCode::kFormatUnknown, path + ": not a PNG image"};
+  Slice slice;
+  slice.bytes = std::move(bytes).value();
+  slice.max_bytes = max_bytes;
+  if (!Decode(slice)) {
+    if (slice.too_large)
+      return Error{ErrorCode::kLimitExceeded, path + ": needs more than " + std::to_string(max_bytes >> 20) +
+                                                  " MB; raise --max-view-memory"};
+    if (slice.failure == kOutOfMemory) return ImageTooLarge(path);
+    return Error{ErrorCode::kFormatBroken, path + ": " + slice.failure};
+  }
+  Image8 image{static_cast<int>(slice.width), static_cast<int>(slice.height), 4, {}};
+  try {
+    image.bytes.resize(4 * slice.width * slice.height);
+  } catch (const std::bad_alloc&) {
+    return ImageTooLarge(path);
+  }
+  const bool alpha = slice.channels == 2 || slice.channels == 4;
+  const std::size_t width = slice.wide ? 2 : 1, colors = alpha ? slice.channels - 1 : slice.channels;
+  std::uint8_t* to = image.bytes.data();
+  for (std::size_t y = 0; y < slice.height; ++y)
+    for (std::size_t x = 0; x < slice.width; ++x, to += 4) {
+      // Numbers of 16 bits have their high byte first.
+      const unsigned char* from = slice.rows[y] + x * slice.channels * width;
+      const auto number = [&](std::size_t channel) {
+        return slice.wide ? from[2 * channel] << 8 | from[2 * channel + 1] : from[channel];
+      };
+      bool filled = alpha && number(colors) > 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t channel = std::min(c, colors - 1);
+        to[c] = from[channel * width];
+        filled = filled || (!alpha && number(channel) > threshold);
+      }
+      to[3] = filled ? 255 : 0;
+    }
   return image;
 }
 

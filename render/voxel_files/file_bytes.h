@@ -6,6 +6,7 @@
 #include <fstream>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/base/result.h"
@@ -20,9 +21,7 @@ class VoxelFileWriter {
   VoxelFileWriter(const VoxelFileWriter&) = delete;
   VoxelFileWriter& operator=(const VoxelFileWriter&) = delete;
 
-  void Text(const std::string& text) {
-    stream_.write(text.data(), static_cast<std::streamsize>(text.size()));
-  }
+  void Text(std::string_view text) { stream_.write(text.data(), static_cast<std::streamsize>(text.size())); }
   // An integer or a floating-point number.
   template <typename T>
   void Number(T value) {
@@ -30,10 +29,14 @@ class VoxelFileWriter {
     std::memcpy(bytes, &value, sizeof(T));
     stream_.write(bytes, sizeof(T));
   }
+  // Whether everything was written so far, so that a writer of many slices can stop early. Error: kWriteFailed.
+  Result<void> Checked() const;
   // Error: kWriteFailed.
   Result<void> Finish();
 
  private:
+  Error Failed() const;
+
   const std::string path_, partial_;
   std::ofstream stream_;
   bool finished_ = false;
@@ -67,6 +70,11 @@ class VoxelFileReader {
 
 // Errors: kFileUnreadable, kLimitExceeded (larger than `max_bytes`).
 Result<std::vector<unsigned char>> ReadVoxelBytes(const std::string& path, std::uint64_t max_bytes);
+
+// The size of a regular file. Error: kFileUnreadable.
+Result<std::uint64_t> VoxelFileSize(const std::string& path);
+// The first bytes of a file, at most `most`. Error: kFileUnreadable.
+Result<std::string> ReadVoxelStart(const std::string& path, std::size_t most);
 
 // The shortest decimal text that reads back as the same number.
 std::string PreciseText(double value);

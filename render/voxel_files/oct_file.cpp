@@ -38,7 +38,8 @@ void AppendChildren(const OctreeModel& tree, const OctreeNode& node, std::string
     if (!children[child].leaf()) AppendChildren(tree, children[child], bytes);
 }
 
-Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid& grid) {
+Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid& grid,
+                   const VoxelFileOptions&) {
   std::unique_ptr<VoxelModel> made;
   const auto* tree = dynamic_cast<const OctreeModel*>(&model);
   if (tree == nullptr) {
@@ -66,7 +67,8 @@ Result<void> Write(const std::string& path, const VoxelModel& model, const Voxel
 // Reads a tree, and fills its leaves into a model.
 class TreeReader {
  public:
-  TreeReader(VoxelFileReader reader, OctreeModel* model) : reader_(reader), model_(*model) {}
+  TreeReader(VoxelFileReader reader, std::uint64_t max_bytes, OctreeModel* model)
+      : reader_(reader), max_bytes_(max_bytes), model_(*model) {}
 
   // Returns what is wrong; empty if the tree is sound.
   std::string Read() {
@@ -78,8 +80,10 @@ class TreeReader {
     if (wrong.empty() && reader_.left() > 0) wrong = "bytes follow the end of the tree";
     return wrong;
   }
+  bool too_large() const { return blocks_ * kBlockBytes > max_bytes_; }
 
  private:
+  static constexpr std::uint64_t kBlockBytes = 8 * sizeof(OctreeNode) + sizeof(std::uint64_t);
   static constexpr const char* kShort = "the tree ends too early";
 
   std::string ReadLeaf(unsigned kind, Voxel voxel, const VoxelCube& cube) {
@@ -94,6 +98,8 @@ class TreeReader {
 
   std::string ReadChildren(const VoxelCube& cube) {
     if (cube.level == 0) return "the tree is deeper than its size";
+    ++blocks_;
+    if (too_large()) return "the tree needs too much memory";
     std::uint16_t kinds = 0;
     if (!reader_.Number(&kinds)) return kShort;
     for (int child = 0; child < 8; ++child) {
@@ -110,11 +116,13 @@ class TreeReader {
   }
 
   VoxelFileReader reader_;
+  const std::uint64_t max_bytes_;
+  std::uint64_t blocks_ = 0;  // of eight nodes
   OctreeModel& model_;
 };
 
-Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
-  const Result<std::vector<unsigned char>> bytes = ReadVoxelBytes(path, max_bytes);
+Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options) {
+  const Result<std::vector<unsigned char>> bytes = ReadVoxelBytes(path, options.max_bytes);
   if (!bytes.ok()) return bytes.error();
   VoxelFileReader reader(bytes.value());
   char magic[sizeof kMagic];
@@ -134,11 +142,17 @@ Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
     return BrokenVoxelFile(path, "the file does not have the length that it claims");
   if (Checksum(reader.rest()) != checksum)
     return BrokenVoxelFile(path, "the checksum does not match the tree");
-  const Result<VoxelPoint> size = CheckVoxelSize(path, n[0], n[1], n[2], 0, max_bytes);
+  const Result<VoxelPoint> size = CheckVoxelSize(path, n[0], n[1], n[2]);
   if (!size.ok()) return size.error();
   auto model = std::make_unique<OctreeModel>(size.value());
-  if (const std::string wrong = TreeReader(reader, model.get()).Read(); !wrong.empty())
+  TreeReader tree(reader, options.max_bytes, model.get());
+  if (const std::string wrong = tree.Read(); tree.too_large()) {
+    return Error{ErrorCode::kLimitExceeded, path + ": the tree needs more than " +
+                                                std::to_string(options.max_bytes >> 20) +
+                                                " MB; raise --max-view-memory"};
+  } else if (!wrong.empty()) {
     return BrokenVoxelFile(path, wrong);
+  }
   VoxelFile file{std::move(model), std::nullopt};
   if (numbers[0] > 0 && std::isfinite(numbers[0] + numbers[1] + numbers[2] + numbers[3]))
     file.grid = VoxelGrid{{numbers[1], numbers[2], numbers[3]}, numbers[0], size.value()};

@@ -17,6 +17,16 @@ constexpr std::size_t kCameraBytes = 12 * sizeof(double);
 // The bytes of a span's header hold heights up to this; the lowest layer is solid everywhere.
 constexpr int kMostHeight = 255;
 
+// Whether all voxels of the lowest layer are filled.
+bool HasGround(const RunModel& model) {
+  for (int x = 0; x < model.size().x; ++x)
+    for (int y = 0; y < model.size().y; ++y) {
+      const std::span<const VoxelRun> column = model.Column(x, y);
+      if (column.empty() || column[0].z_begin > 0) return false;
+    }
+  return true;
+}
+
 std::uint32_t ColorOf(Voxel voxel) {
   // Blue is the lowest byte; the highest is the brightness, of which 128 is the usual.
   return std::uint32_t{voxel.blue()} | std::uint32_t{voxel.green()} << 8 | std::uint32_t{voxel.red()} << 16 |
@@ -35,7 +45,9 @@ struct Column {
 
 class VxlWriter {
  public:
-  VxlWriter(const RunModel& model) : model_(model), height_(model.size().z + 1) {}
+  // Adds a solid layer below unless the model has one.
+  VxlWriter(const RunModel& model, bool has_ground)
+      : model_(model), height_(model.size().z + (has_ground ? 0 : 1)) {}
 
   // Appends the spans of a column.
   void AppendColumn(int x, int y, std::string& bytes) {
@@ -75,7 +87,7 @@ class VxlWriter {
         for (const VoxelRun& run : model_.Column(at_x, at_y))
           for (int z = run.z_begin; z < run.z_end; ++z) voxels[Index(n - 1 - z)] = run.voxel;
       constexpr std::uint8_t kGround = 96;
-      voxels[Index(n)] = Voxel::Of(kGround, kGround, kGround);
+      if (!voxels.back().filled()) voxels.back() = Voxel::Of(kGround, kGround, kGround);
     };
     load(x, y, column_.voxels);
     column_.visible.assign(Index(height_), false);
@@ -97,13 +109,18 @@ class VxlWriter {
   std::vector<Voxel> neighbour_;
 };
 
-Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid&) {
+Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid&,
+                   const VoxelFileOptions&) {
   const VoxelPoint n = model.size();
-  if (n.z >= kMostHeight)
+  const auto too_high = [&] {
     return Error{ErrorCode::kBadUsage, path + ": .vxl files are at most " + std::to_string(kMostHeight - 1) +
                                            " voxels high, not " + std::to_string(n.z) +
                                            "; use fewer voxels, or another format"};
+  };
+  if (n.z > kMostHeight + 1) return too_high();
   const RunModel runs = RunsOf(model);
+  const bool has_ground = HasGround(runs);
+  if (n.z >= kMostHeight && !has_ground) return too_high();
   VoxelFileWriter out(path);
   out.Number(kMagic);
   out.Number(static_cast<std::uint32_t>(n.x));
@@ -111,7 +128,7 @@ Result<void> Write(const std::string& path, const VoxelModel& model, const Voxel
   // A camera above the middle, which looks down.
   for (const double number : {n.x / 2.0, n.y / 2.0, -1.0 * n.z, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0})
     out.Number(number);
-  VxlWriter writer(runs);
+  VxlWriter writer(runs, has_ground);
   std::string bytes;
   for (int y = 0; y < n.y; ++y) {
     bytes.clear();
@@ -172,8 +189,8 @@ class ColumnReader {
   }
 };
 
-Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
-  const Result<std::vector<unsigned char>> bytes = ReadVoxelBytes(path, max_bytes);
+Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options) {
+  const Result<std::vector<unsigned char>> bytes = ReadVoxelBytes(path, options.max_bytes);
   if (!bytes.ok()) return bytes.error();
   VoxelFileReader reader(bytes.value());
   std::uint32_t magic = 0, x_size = 0, y_size = 0;
@@ -186,7 +203,7 @@ Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
   if (std::uint64_t{x_size} * y_size > reader.left() / kLeast)
     return BrokenVoxelFile(path, "the file is too short for the " + std::to_string(x_size) + " × " +
                                      std::to_string(y_size) + " columns that it claims");
-  const Result<VoxelPoint> size = CheckVoxelSize(path, x_size, y_size, kMostHeight + 1, 0, max_bytes);
+  const Result<VoxelPoint> size = CheckVoxelSize(path, x_size, y_size, kMostHeight + 1);
   if (!size.ok()) return size.error();
   auto model = std::make_unique<RunModel>(size.value());
   ColumnReader columns;
@@ -211,7 +228,7 @@ Result<VoxelFile> Read(const std::string& path, std::uint64_t max_bytes) {
 VoxelFormat VxlFormat() {
   return {".vxl", "Voxlap",
           "Files of Voxlap hold no materials, no colours of hidden voxels, and not where the voxels are; a "
-          "solid layer is added below the model.",
+          "solid layer is added below a model that has none.",
           Write, Read};
 }
 

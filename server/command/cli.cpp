@@ -87,8 +87,18 @@ constexpr const char* kVoxelizeFooter = R"(Examples:
   facetless voxelize part.step --resolution 1024 --out part.oct
   facetless compare part.step --out report --with voxels:256                          the voxels beside the exact image
 
-The suffix selects the format: .oct, .vxl, .raw, .nrrd or .vti. The command prints what it made, and how much of it is proven,
-as JSON. docs/voxels.md describes the fills and the formats.)";
+The suffix selects the format: .oct, .vxl, .raw, .nrrd, .vti, .vdb or .tif; a name that ends with / is a folder of PNG slices.
+The command prints what it made, and how much of it is proven, as JSON. docs/voxels.md describes the fills and the formats.)";
+
+constexpr const char* kConvertFooter = R"(Examples:
+  facetless convert part.vxl --out part.oct
+  facetless convert part.nrrd --out slices/ --axis y                PNG files, one for each y
+  facetless convert scan/ --out scan.vti --pitch-mm 0.5 --threshold 90
+  facetless convert part.oct --out part.vdb                         for Blender and Houdini
+
+The suffix selects the format, as for voxelize; a folder has slices, PNG or TIFF files in the order of the numbers in their
+names. The command prints what it made as JSON, and on standard error what the format cannot hold. docs/voxels.md describes
+the formats.)";
 
 constexpr const char* kMethodsFooter = R"(Examples:
   facetless methods                                      all methods, their sources, and what they do not promise
@@ -189,13 +199,31 @@ CLI::App* AddRenderCommand(CLI::App& app, CommandArguments& arguments) {
 }
 
 CLI::App* AddVoxelizeCommand(CLI::App& app, CommandArguments& arguments) {
-  CLI::App* voxelize =
-      AddFileCommand(app, "voxelize", "Write the voxels of the exact solids: .oct, .vxl, .raw, .nrrd, .vti",
-                     kVoxelizeFooter, arguments);
+  CLI::App* voxelize = AddFileCommand(
+      app, "voxelize", "Write the voxels of the exact solids: .oct, .nrrd, .vti, .vdb, slices …",
+      kVoxelizeFooter, arguments);
   voxelize->add_option("--out", arguments.out, "The file to write; its suffix selects the format")
       ->required()
       ->type_name("FILE");
   return voxelize;
+}
+
+CLI::App* AddBenchCommand(CLI::App& app, CommandArguments& arguments) {
+  CLI::App* bench =
+      app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
+  bench->footer(kBenchFooter);
+  AddBenchOptions(bench, arguments);
+  return bench;
+}
+
+CLI::App* AddConvertCommand(CLI::App& app, CommandArguments& arguments) {
+  CLI::App* convert = app.add_subcommand("convert", "Write a file of voxels in another format (JSON)");
+  convert->footer(kConvertFooter);
+  convert->add_option("VOXELS", arguments.file, "File of voxels, or folder of slices")->required();
+  convert->add_option("--out", arguments.out, "The file to write; its suffix selects the format")
+      ->required()
+      ->type_name("FILE");
+  return convert;
 }
 
 CLI::App* AddStoreCheckCommand(CLI::App& app, CommandArguments& arguments) {
@@ -299,9 +327,8 @@ int RunCommandLine(int argc, char** argv) {
                                    kTradeFooter, arguments);
   CLI::App* methods = AddMethodsCommand(app, arguments);
   CLI::App* voxelize = AddVoxelizeCommand(app, arguments);
-  CLI::App* bench =
-      app.add_subcommand("bench", "Measure performance on files, or reproduce the published tables");
-  bench->footer(kBenchFooter);
+  CLI::App* convert = AddConvertCommand(app, arguments);
+  CLI::App* bench = AddBenchCommand(app, arguments);
   CLI::App* regress = app.add_subcommand("regress", "Compare renderings with reference images, for CI");
   regress->footer(kRegressFooter);
   regress->add_option("MANIFEST", arguments.file, "JSON file with the models, views and tolerances")
@@ -322,7 +349,6 @@ int RunCommandLine(int argc, char** argv) {
                    "The file to write; its suffix selects the format: .glb, .stl, .obj or .3mf")
       ->required()
       ->type_name("FILE");
-  AddBenchOptions(bench, arguments);
   regress->add_flag("--update", arguments.update,
                     "Write the reference images instead of comparing with them");
   regress->add_option("--out", arguments.out, "Directory for pictures of the views that failed")
@@ -335,6 +361,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {trade, kTrade},
                                      {methods, kMethods},
                                      {voxelize, kVoxelize},
+                                     {convert, kConvert},
                                      {bench, kBench},
                                      {regress, kRegress}}) {
     AddOptions(command, bit, options);
@@ -364,6 +391,7 @@ int RunCommandLine(int argc, char** argv) {
                                      {trade, &TradeCommand},
                                      {methods, &MethodsCommand},
                                      {voxelize, &VoxelizeCommand},
+                                     {convert, &ConvertCommand},
                                      {bench, &BenchCommand},
                                      {regress, &RegressCommand}}) {
     if (*command) return Dispatch(run, arguments, options);

@@ -21,6 +21,7 @@
 #include "server/run/run.h"
 #include "server/run/trade.h"
 #include "server/run/verdict.h"
+#include "server/run/voxel_convert.h"
 #include "server/run/voxel_output.h"
 #include "server/run/voxel_render.h"
 
@@ -239,6 +240,17 @@ int VoxelizeCommand(const CommandArguments& arguments) {
   for (const std::string& warning : made.value().warnings)
     std::fprintf(stderr, "facetless: warning: %s\n", Printable(warning).c_str());
   return LossExitCode(arguments.options, *imported.value().model);
+}
+
+int ConvertCommand(const CommandArguments& arguments) {
+  Progress progress(arguments.progress);
+  auto converted =
+      RunConvert(arguments.file, arguments.out, arguments.options, ToContext(arguments, progress));
+  if (!converted) return PrintError(converted.error());
+  Print(JsonText(converted.value().json));
+  for (const std::string& warning : converted.value().warnings)
+    std::fprintf(stderr, "facetless: warning: %s\n", Printable(warning).c_str());
+  return kExitDone;
 }
 
 int BenchCommand(const CommandArguments& arguments) {

@@ -32,6 +32,7 @@ int CompareCommand(const CommandArguments& arguments);
 int TradeCommand(const CommandArguments& arguments);
 int MethodsCommand(const CommandArguments& arguments);
 int VoxelizeCommand(const CommandArguments& arguments);
+int ConvertCommand(const CommandArguments& arguments);
 int BenchCommand(const CommandArguments& arguments);
 int RegressCommand(const CommandArguments& arguments);
 

@@ -44,7 +44,7 @@ enum class OptionKind {
 // A set of commands, as bits.
 using Commands = unsigned;
 inline constexpr Commands kInspect = 1, kContinuity = 2, kRender = 4, kMesh = 8, kCompare = 16, kTrade = 32,
-                          kBench = 64, kRegress = 128, kMethods = 512, kVoxelize = 1024;
+                          kBench = 64, kRegress = 128, kMethods = 512, kVoxelize = 1024, kConvert = 2048;
 // Entries of a manifest of regress, which say how one file is rendered. This is no command, but entries take
 // options, too.
 inline constexpr Commands kManifest = 256;

@@ -55,12 +55,17 @@ struct TradeOptions {
 // The default time limits for everything after the import, seconds. No input can keep a run going endlessly.
 inline constexpr double kRunTimeoutS = 600, kTradeTimeoutS = 3600;
 
-// How `facetless voxelize` makes voxels.
+// The axis of slices of voxels: that of the header beside them, or z; or an axis by name.
+enum class SliceAxis { kAuto, kX, kY, kZ };
+
+// How `facetless voxelize` makes voxels, and how `facetless convert` reads and writes them.
 struct VoxelRunOptions {
   int resolution = 256;
   std::optional<double> pitch_mm;  // instead of the resolution
   VoxelFill fill = VoxelFill::kSolid;
   std::optional<int> fraction;  // divisions of a voxel (render/voxels/voxel_shares.h)
+  SliceAxis slice_axis = SliceAxis::kAuto;
+  double threshold = 0;  // of convert: a voxel of a file of numbers is filled if its number is above it
 };
 
 // How `facetless render` shows a voxel file.

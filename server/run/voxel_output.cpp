@@ -100,9 +100,12 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
     shares = std::move(made).value();
   }
   const Stopwatch writing;
+  VoxelFileOptions file_options;
+  if (request.slice_axis != SliceAxis::kAuto)
+    file_options.slice_axis = static_cast<int>(request.slice_axis) - 1;
   const RunModel& filled_model = voxels.value().model;
   if (auto written = shares ? WriteShares(path, filled_model, *shares)
-                            : format.value()->write(path, filled_model, grid.value());
+                            : format.value()->write(path, filled_model, grid.value(), file_options);
       !written)
     return written.error();
   if (context.progress) context.progress("voxels", 1);

@@ -183,7 +183,10 @@ TEST(Layering, EachLibraryHasOneHome) {
   EXPECT_THAT(IncludersOutside("embree.*", {"render/baseline/", "render/accel/embree_boxes.cpp"}), IsEmpty());
   EXPECT_THAT(IncludersOf("(png|tiffio|ImfOutputFile)\\.h"),
               testing::UnorderedElementsAre("render/image/png_file.cpp", "render/image/depth_file.cpp",
-                                            "render/image/exr_file.cpp"));
+                                            "render/image/tiff_pages.cpp", "render/image/exr_file.cpp"));
+  EXPECT_THAT(IncludersOf("zlib\\.h"),
+              testing::UnorderedElementsAre("render/voxel_files/byte_source.cpp",
+                                            "tests/unit/voxel_files/other_programs_test.cpp"));
   EXPECT_THAT(IncludersOf("webp/.*"), testing::UnorderedElementsAre("render/image/webp_file.cpp"));
   EXPECT_THAT(IncludersOutside("OpenImageIO/.*", {"tests/unit/image/"}), IsEmpty())
       << "it loads two hundred libraries when a program starts";

@@ -32,58 +32,99 @@ void Store(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
+// The path of a model in a format.
+std::string PathFor(const TemporaryFolder& folder, const VoxelFormat& format, const std::string& name) {
+  return folder.File(name) + std::string(format.suffix);
+}
+
+// Whether a model that was read from a .vxl file is what was written: it stands on a layer that is solid down to the bottom,
+// and is 256 voxels high.
+void CheckVoxlap(const VoxelModel& model, const VoxelModel& other) {
+  const VoxelPoint n = model.size();
+  const int shift = other.size().z - n.z;
+  for (int x = 0; x < n.x; ++x)
+    for (int y = 0; y < n.y; ++y) {
+      RC_ASSERT(other.Get(x, y, std::max(shift - 1, 0)).filled() && other.Get(x, y, 0).filled());
+      for (int z = 0; z < n.z; ++z) {
+        const Voxel a = model.Get(x, y, z), b = other.Get(x, y, z + shift);
+        RC_ASSERT(a.filled() == b.filled());
+        bool visible = false;
+        for (const auto& [dx, dy, dz] :
+             {std::tuple{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}})
+          visible = visible || (!model.Get(x + dx, y + dy, z + dz).filled() && z + dz >= 0);
+        if (a.filled() && visible) RC_ASSERT((a.bits & 0xffffffu) == (b.bits & 0xffffffu));
+      }
+    }
+}
+
+// Whether a model that was read is what was written, but for what the format loses.
+void CheckRead(const VoxelFormat& format, const VoxelModel& model, const VoxelModel& other) {
+  if (format.suffix == ".vxl") return CheckVoxlap(model, other);
+  RC_ASSERT((other.size() == model.size()));
+  if (format.loses.empty()) RC_ASSERT(SameVoxels(other, model));
+  for (int x = 0; x < model.size().x; ++x)
+    for (int y = 0; y < model.size().y; ++y)
+      for (int z = 0; z < model.size().z; ++z) {
+        const Voxel a = model.Get(x, y, z), b = other.Get(x, y, z);
+        RC_ASSERT(a.filled() == b.filled());
+        if (format.suffix == ".nrrd") RC_ASSERT(a.material() == b.material());
+        if (format.name.find("slices") != std::string_view::npos)
+          RC_ASSERT((a.bits & 0xffffffu) == (b.bits & 0xffffffu));
+      }
+}
+
 RC_GTEST_PROP(VoxelFiles, AreReadAsTheyWereWritten, ()) {
   const TemporaryFolder folder;
   const RunModel model = AnyModel(12);
   const VoxelGrid grid{{0.1 * *rc::gen::inRange(-50, 50), 1e6, -3e-5},
                        std::exp2(*rc::gen::inRange(-30, 30)) / 3,
                        model.size()};
+  const VoxelFileOptions options{.slice_axis = *rc::gen::inRange(0, 3)};
   for (const VoxelFormat& format : VoxelFormats()) {
-    const std::string path = folder.File("a" + std::string(format.suffix));
-    RC_ASSERT(WriteVoxels(path, model, grid).ok());
+    const std::string path = PathFor(folder, format, "a");
+    RC_ASSERT(WriteVoxels(path, model, grid, options).ok());
+    // The header says across which axis slices lie.
     const Result<VoxelFile> read = ReadVoxels(path, kMemory);
     RC_ASSERT(read.ok());
-    const VoxelModel& other = *read.value().model;
-    if (format.suffix == ".vxl") {
-      // The model stands on a layer that is solid down to the bottom, and is 256 voxels high.
-      const int shift = 256 - model.size().z;
-      for (int x = 0; x < model.size().x; ++x)
-        for (int y = 0; y < model.size().y; ++y) {
-          RC_ASSERT(other.Get(x, y, shift - 1).filled() && other.Get(x, y, 0).filled());
-          for (int z = 0; z < model.size().z; ++z) {
-            const Voxel a = model.Get(x, y, z), b = other.Get(x, y, z + shift);
-            RC_ASSERT(a.filled() == b.filled());
-            bool visible = false;
-            for (const auto& [dx, dy, dz] :
-                 {std::tuple{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}})
-              visible = visible || (!model.Get(x + dx, y + dy, z + dz).filled() && z + dz >= 0);
-            if (a.filled() && visible) RC_ASSERT((a.bits & 0xffffffu) == (b.bits & 0xffffffu));
-          }
-        }
-      continue;
-    }
-    RC_ASSERT((other.size() == model.size()));
+    CheckRead(format, model, *read.value().model);
+    if (format.suffix == ".vxl") continue;
     RC_ASSERT(read.value().grid.has_value());
     RC_ASSERT(read.value().grid->pitch == grid.pitch);
     RC_ASSERT(Length(read.value().grid->origin - grid.origin) <= 1e-9 * (1 + grid.pitch));
-    if (format.suffix == ".nrrd") {
-      for (int x = 0; x < model.size().x; ++x)
-        for (int y = 0; y < model.size().y; ++y)
-          for (int z = 0; z < model.size().z; ++z)
-            RC_ASSERT(other.Get(x, y, z).material() == model.Get(x, y, z).material());
-    } else {
-      RC_ASSERT(SameVoxels(other, model));
-    }
   }
+}
+
+// Reads a model in one format, and writes what was read in another.
+void CheckConversion(const VoxelFormat& from, const VoxelFormat& to, const RunModel& model) {
+  const TemporaryFolder folder;
+  const std::string source = PathFor(folder, from, "a"), target = PathFor(folder, to, "b");
+  RC_ASSERT(WriteVoxels(source, model, {{}, 1, model.size()}).ok());
+  const Result<VoxelFile> read = ReadVoxels(source, kMemory);
+  RC_ASSERT(read.ok());
+  RC_ASSERT(WriteVoxels(target, *read.value().model, {{}, 1, read.value().model->size()}).ok());
+  const Result<VoxelFile> again = ReadVoxels(target, kMemory);
+  RC_ASSERT(again.ok());
+  CheckRead(to, *read.value().model, *again.value().model);
+}
+
+RC_GTEST_PROP(VoxelFiles, ConvertBetweenFormats, ()) {
+  const int formats = static_cast<int>(VoxelFormats().size());
+  const auto any = [&] { return VoxelFormats()[static_cast<std::size_t>(*rc::gen::inRange(0, formats))]; };
+  CheckConversion(any(), any(), AnyModel(12));
 }
 
 TEST(VoxelFiles, EveryFormatSaysWhatItLoses) {
   for (const VoxelFormat& format : VoxelFormats())
-    EXPECT_EQ(format.loses.empty(), format.suffix != ".vxl" && format.suffix != ".nrrd") << format.name;
+    EXPECT_EQ(format.loses.empty(),
+              format.suffix == ".oct" || format.suffix == ".raw" || format.suffix == ".vti")
+        << format.name;
   const auto unknown = VoxelFormatOf("part.stl");
   ASSERT_FALSE(unknown);
-  EXPECT_THAT(unknown.error().message, HasSubstr(".oct, .vxl, .raw, .nrrd, .vti"));
+  EXPECT_THAT(unknown.error().message, HasSubstr(".oct, .vxl, .raw, .nrrd, .vti, .tif, or a folder"));
   EXPECT_TRUE(VoxelFormatOf("PART.NRRD"));
+  EXPECT_EQ(VoxelFormatOf("a.TIFF").value()->name, "TIFF slices");
+  EXPECT_EQ(VoxelFormatOf("a.nrrd/").value()->name, "folder of slices");
+  EXPECT_FALSE(VoxelFormatOf("voxels"));
 }
 
 RunModel Sample() {
@@ -94,11 +135,20 @@ RunModel Sample() {
   return model;
 }
 
+TEST(VoxelFiles, EveryFormatConvertsToEveryOther) {
+  for (const VoxelFormat& from : VoxelFormats())
+    for (const VoxelFormat& to : VoxelFormats()) {
+      SCOPED_TRACE(std::string(from.name) + " to " + std::string(to.name));
+      EXPECT_NO_THROW(CheckConversion(from, to, Sample()));
+    }
+}
+
 // Every prefix of a file, and every file with one changed byte, is read as a model or is an error that names the file.
 TEST(VoxelFiles, ThatAreCutOrChangedAreOneError) {
   const TemporaryFolder folder;
   for (const VoxelFormat& format : VoxelFormats()) {
-    const std::string path = folder.File("a" + std::string(format.suffix));
+    if (format.suffix == "/") continue;
+    const std::string path = PathFor(folder, format, "a");
     ASSERT_TRUE(WriteVoxels(path, Sample(), {{0, 0, 0}, 1, {7, 6, 5}}));
     const std::string whole = Bytes(path);
     const bool vti = format.suffix == ".vti";  // bytes may be missing after its arrays
@@ -109,7 +159,7 @@ TEST(VoxelFiles, ThatAreCutOrChangedAreOneError) {
       ASSERT_FALSE(read) << path << " of " << length << " bytes";
       EXPECT_THAT(read.error().message, StartsWith(path));
     }
-    for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 400)
+    for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 150)
       for (const int mask : {1, 0x80, 0xff}) {
         std::string changed = whole;
         changed[at] = static_cast<char>(changed[at] ^ mask);
@@ -129,12 +179,19 @@ TEST(VoxelFiles, ThatAreCutOrChangedAreOneError) {
 TEST(VoxelFiles, HostileSizesAreNotAllocated) {
   const TemporaryFolder folder;
   const std::string nrrd = folder.File("a.nrrd");
-  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 65536 65536 65536\nencoding: raw\n\nabc");
+  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 65536 65536 65536\nencoding: gzip\n\nabc");
   EXPECT_EQ(ReadVoxels(nrrd, kMemory).error().code, ErrorCode::kLimitExceeded);
+  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 65536 65536 65536\nencoding: raw\n\nabc");
+  EXPECT_EQ(ReadVoxels(nrrd, kMemory).error().code, ErrorCode::kFormatBroken);
   Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: -1 2 3\nencoding: raw\n\nabc");
   EXPECT_EQ(ReadVoxels(nrrd, kMemory).error().code, ErrorCode::kFormatBroken);
   Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\nabc");
-  EXPECT_THAT(ReadVoxels(nrrd, kMemory).error().message, HasSubstr("encoding raw"));
+  EXPECT_THAT(ReadVoxels(nrrd, kMemory).error().message, HasSubstr("end too early, or are damaged"));
+  Store(nrrd, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: bzip2\n\nabc");
+  EXPECT_THAT(ReadVoxels(nrrd, kMemory).error().message,
+              HasSubstr("'bzip2' are not read; raw, gzip and ascii are"));
+  Store(nrrd, "NRRD0004\ntype: block\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\nabc");
+  EXPECT_THAT(ReadVoxels(nrrd, kMemory).error().message, HasSubstr("type 'block'"));
   const std::string raw = folder.File("a.raw");
   Store(raw, "12345678");
   EXPECT_THAT(ReadVoxels(raw, kMemory).error().message, HasSubstr("needs the header beside it"));
@@ -182,7 +239,15 @@ TEST(VoxelFiles, AVoxlapFileOfOthers) {
 
 TEST(VoxelFiles, TooHighForVoxlap) {
   const TemporaryFolder folder;
+  RunModel model({2, 2, 256});
   EXPECT_EQ(WriteVoxels(folder.File("a.vxl"), RunModel({2, 2, 255}), {}).error().code, ErrorCode::kBadUsage);
+  EXPECT_EQ(WriteVoxels(folder.File("a.vxl"), model, {}).error().code, ErrorCode::kBadUsage);
+  // One that stands on a solid layer needs no other.
+  model.Fill({{0, 0, 0}, {2, 2, 1}}, Voxel::Of(1, 2, 3));
+  model.Fill({{0, 0, 1}, {1, 1, 256}}, Voxel::Of(9, 8, 7));
+  ASSERT_TRUE(WriteVoxels(folder.File("b.vxl"), model, {}));
+  EXPECT_TRUE(SameVoxels(*ReadVoxels(folder.File("b.vxl"), kMemory).value().model, RunModel(model)) ||
+              ReadVoxels(folder.File("b.vxl"), kMemory).value().model->Count() == model.Count());
   EXPECT_EQ(WriteVoxels("/nowhere/a.oct", Sample(), {}).error().code, ErrorCode::kWriteFailed);
 }
 

@@ -1,7 +1,8 @@
-// Fuzz target: voxel files of all formats. A file that can be read is walked through, encoded in all ways, and counted.
+// Fuzz target: voxel files of all formats, and pictures of slices. A file that can be read is walked through, encoded in all ways, and counted.
 #include <cstring>
 #include <vector>
 
+#include "render/image/slice_pictures.h"
 #include "render/voxel_files/file_bytes.h"
 #include "render/voxel_files/voxel_file.h"
 #include "render/voxel_walks/voxel_walk.h"
@@ -29,8 +30,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::uint8_t> bytes(data, data + size);
   Seal(bytes);
   const std::string path = file.Write(bytes.data(), bytes.size());
+  if (const Result<Image8> slice = ReadPngSlice(path, 0, kMemory); slice.ok())
+    Require(slice.value().bytes.size() == std::size_t(slice.value().width) * slice.value().height * 4);
   for (const VoxelFormat& format : VoxelFormats()) {
-    const Result<VoxelFile> read = format.read(path, kMemory);
+    const Result<VoxelFile> read = format.read(path, {.max_bytes = kMemory});
     if (!read.ok()) continue;
     const VoxelModel& model = *read.value().model;
     // Wide models of few voxels take long to encode.
