@@ -15,6 +15,7 @@
 #include "server/command/cli_options.h"
 #include "server/command/commands.h"
 #include "server/options/option_values.h"
+#include "server/run/openvdb_format.h"
 #include "server/service/access/keys.h"
 #include "server/service/serve.h"
 #include "server/service/serve_config.h"
@@ -116,6 +117,7 @@ constexpr const char* kBenchFooter = R"(Examples:
   facetless bench --published                            the tables of the published papers, on this machine
   facetless bench --published part.step                  also compare acceleration structures over this file's leaves
   facetless bench --structures part.step                 structures for rays in any direction, on boxes and on this file
+  facetless bench --openvdb part.step                    voxels of this file, and rays through them, beside OpenVDB's
 
 The two sides of each comparison are measured in turn, and their medians are reported; the machine should otherwise be idle.
 docs/performance.md has results and explains them.)";
@@ -302,6 +304,7 @@ int NoCommand(const CLI::App& app, const std::string& word) {
 
 int RunCommandLine(int argc, char** argv) {
   InstallInterruptHandlers();
+  AddOpenVdbFormat();
   CLI::App app{
       "Facetless renders CAD models from their exact surfaces, and shows the errors of a tessellation.",
       "facetless"};

@@ -79,6 +79,7 @@ void AddBenchOptions(CLI::App* app, CommandArguments& arguments) {
   app->add_flag("!--no-growth", bench.growth, "Leave out row 9, which takes about a minute");
   app->add_flag("!--no-stages", bench.stages, "Leave out the stages of render and compare");
   app->add_flag("--published", bench.published, "Measure the tables of the published papers instead");
+  app->add_flag("--openvdb", bench.openvdb, "Compare voxels of the files with OpenVDB's instead");
   app->add_flag("--structures", bench.structures,
                 "Compare the structures for rays in any direction instead, on random boxes and on the files");
 }

@@ -32,6 +32,7 @@
 #include "server/base/load_average.h"
 #include "server/base/version.h"
 #include "server/run/bench_import.h"
+#include "server/run/bench_openvdb.h"
 #include "server/run/bench_stages.h"
 
 namespace facetless {
@@ -379,6 +380,21 @@ class Bench {
   bool growth_measured_ = false;
 };
 
+Result<BenchReport> CompareWithOpenVdb(const std::vector<std::string>& files, const ImportRequest& request,
+                                       const RunOptions& options, const BenchSettings& settings,
+                                       const RunContext& context) {
+  BenchReport report;
+  report.json = {{"facetless", ProgramJson(context.execution.threads)}, {"openvdb", Json::array()}};
+  for (const std::string& file : files) {
+    auto measured = MeasureOpenVdb(file, request, options, settings.repeats, context);
+    if (!measured) return measured.error();
+    report.json["openvdb"].push_back(std::move(measured.value().json));
+    for (const Table& table : measured.value().tables)
+      report.text += TableText(table, settings.markdown ? TableStyle::kMarkdown : TableStyle::kText);
+  }
+  return report;
+}
+
 }  // namespace
 
 Result<BenchReport> RunBench(const std::vector<std::string>& files, const ImportRequest& request,
@@ -388,6 +404,9 @@ Result<BenchReport> RunBench(const std::vector<std::string>& files, const Import
     return Error{ErrorCode::kBadUsage, "bench needs a file, --published or --structures"};
   if (settings.published && settings.structures)
     return Error{ErrorCode::kBadUsage, "--published and --structures exclude each other"};
+  if (settings.openvdb && (settings.published || settings.structures || files.empty()))
+    return Error{ErrorCode::kBadUsage, "--openvdb needs a file, and excludes --published and --structures"};
+  if (settings.openvdb) return CompareWithOpenVdb(files, request, options, settings, context);
   Bench bench(request, options, settings, context);
   if (settings.published) {
     if (auto done = bench.MeasurePublished(); !done) return done.error();

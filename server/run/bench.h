@@ -7,7 +7,8 @@
 //     measured on processes of their own.
 //  3. --published measures the tables of the published papers instead, on generated scenes. A file then
 //     supplies the leaves for the comparison of acceleration structures.
-//  3. --structures compares the structures of render/accel for rays in any direction instead, on random boxes
+//  4. --openvdb compares voxels and rays through them with OpenVDB's instead, on files (bench_openvdb.h).
+//  5. --structures compares the structures of render/accel for rays in any direction instead, on random boxes
 //     and on the boxes of each file's surfaces.
 #pragma once
 
@@ -26,6 +27,7 @@ struct BenchSettings {
   double exact_s = 6;        // time limit of OpenCASCADE's exact intersector
   bool published = false;
   bool structures = false;
+  bool openvdb = false;
   bool markdown = false;
   bool growth = true;  // row 9, on the first file and on generated faces
   bool stages = true;  // the stages of `render` and `compare`, from start to end

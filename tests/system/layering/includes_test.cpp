@@ -2,7 +2,7 @@
 // changed in both places.
 //
 //  1. Of our own folders: server → bench, render, sandbox; bench → render; import → render/base, render/model,
-//     sandbox; render → render; sandbox → sandbox. Nothing includes tests/ or samples/.
+//     sandbox; openvdb → render; render → render; sandbox → sandbox. Nothing includes tests/ or samples/.
 //  2. The folders of render/ form a chain, and so do those of server/: each includes itself and those before
 //     it.
 //  3. Each third-party library has one home.
@@ -47,7 +47,8 @@ SourceFile ReadSource(const fs::path& root, const fs::path& file) {
 const std::vector<SourceFile>& Sources() {
   static const std::vector<SourceFile> sources = [] {
     std::vector<SourceFile> found;
-    for (const char* folder : {"import", "render", "sandbox", "bench", "server", "samples", "tests"}) {
+    for (const char* folder :
+         {"import", "openvdb", "render", "sandbox", "bench", "server", "samples", "tests"}) {
       for (const auto& entry : fs::recursive_directory_iterator(SourceRoot() / folder)) {
         const std::string extension = entry.path().extension().string();
         if (extension == ".h" || extension == ".cpp") found.push_back(ReadSource(SourceRoot(), entry.path()));
@@ -121,6 +122,17 @@ TEST(Layering, RenderKnowsNothingOfOursOutside) {
 TEST(Layering, ImportSeesOnlyTheModel) {
   EXPECT_THAT(ForbiddenIncludes("import/", {"import/", "render/base/", "render/model/", "sandbox/"}),
               IsEmpty());
+}
+
+TEST(Layering, OpenVdbSeesOnlyFilesOfVoxels) {
+  std::vector<std::string> forbidden;
+  for (const SourceFile& source : Sources()) {
+    if (!StartsWith(source.path, "openvdb/")) continue;
+    for (const std::string& include : source.includes)
+      if (StartsWithAny(include, {"import/", "sandbox/", "bench/", "server/"})) forbidden.push_back(include);
+  }
+  EXPECT_THAT(forbidden, IsEmpty());
+  EXPECT_THAT(IncludersOutside("openvdb/.*", {"openvdb/"}), IsEmpty());
 }
 
 TEST(Layering, ServerDoesNotSeeImport) {

@@ -43,7 +43,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     VoxelRay ray;
     if (!ray.Enter({-1, 0.5, 0.5}, {1, 0.25, 0.125}, 0, model.size())) continue;
     WalkCounters counters;
-    const VoxelHit hit = WalkDescent(dynamic_cast<const OctreeModel&>(*octree.value()), ray, {}, &counters);
+    const auto walk = BindVoxelWalk(*octree.value(), "");
+    Require(walk.ok());
+    const VoxelHit hit = walk.value()->Walk(ray, {}, &counters);
     Require(!hit.hit() || model.Get(hit.at.x, hit.at.y, hit.at.z) == hit.voxel);
   }
   return 0;
