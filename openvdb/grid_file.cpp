@@ -51,31 +51,30 @@ Result<std::pair<openvdb::Coord, VoxelPoint>> PlaceOf(const openvdb::GridBase& g
 // Sets the grid in millimetres, or says why there is none.
 void SetGrid(const openvdb::GridBase& grid, const openvdb::Coord& low, VoxelPoint size, VoxelFile& file) {
   const openvdb::math::Transform& transform = grid.transform();
-  const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(1, 0, 0)) -
-                           transform.indexToWorld(openvdb::Vec3d(0.0)),
-                       y = transform.indexToWorld(openvdb::Vec3d(0, 1, 0)) -
-                           transform.indexToWorld(openvdb::Vec3d(0.0)),
-                       z = transform.indexToWorld(openvdb::Vec3d(0, 0, 1)) -
-                           transform.indexToWorld(openvdb::Vec3d(0.0));
-  double pitch = transform.voxelSize().x();
-  constexpr double kRounding = 1e-9;
-  const auto is = [&](const openvdb::Vec3d& step, int axis) {
-    openvdb::Vec3d expected(0.0);
-    expected[axis] = pitch;
-    return (step - expected).length() <= kRounding * pitch;
-  };
-  if (!transform.isLinear() || !(pitch > 0) || !is(x, 0) || !is(y, 1) || !is(z, 2)) {
+  double pitch = 0;
+  bool cubes = transform.isLinear();
+  if (cubes) {
+    // Points are rows, so the first three rows are the steps along the axes.
+    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+    pitch = matrix[0][0];
+    constexpr double kRounding = 1e-12;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        cubes = cubes && std::abs(matrix[i][j] - (i == j ? pitch : 0)) <= kRounding * pitch;
+  }
+  if (!cubes || !(pitch > 0)) {
     file.warnings.push_back(
         "the transform of the grid '" + grid.getName() +
         "' does not make its voxels cubes along the axes, so they are read as if they were");
     return;
   }
   const openvdb::Vec3d center = transform.indexToWorld(low.asVec3d());
+  constexpr double kSame = 1e-9;
   Vec3 origin{center.x() - 0.5 * pitch, center.y() - 0.5 * pitch, center.z() - 0.5 * pitch};
   if (const auto stated = grid.getMetadata<openvdb::Vec3DMetadata>(kOrigin);
       stated && low == openvdb::Coord(0))
     if (const Vec3 exact{stated->value().x(), stated->value().y(), stated->value().z()};
-        Length(exact - origin) <= kRounding * (Length(origin) + pitch))
+        Length(exact - origin) <= kSame * (Length(origin) + pitch))
       origin = exact;
   if (std::isfinite(pitch + origin.x + origin.y + origin.z)) file.grid = VoxelGrid{origin, pitch, size};
 }
@@ -264,6 +263,11 @@ Result<VoxelFile> ReadGrids(const std::string& path, double threshold, std::uint
 }
 
 Result<void> WriteGrids(const std::string& path, const VoxelModel& model, const VoxelGrid& grid) {
+  // OpenVDB takes the determinant of such a transform for 0.
+  constexpr double kSmallest = 2e-5;
+  if (!(grid.pitch >= kSmallest))
+    return Error{ErrorCode::kBadUsage,
+                 "OpenVDB holds no voxels with a side below 2e-5 mm; use another format"};
   std::optional<OctreeModel> copy;
   const auto* tree = dynamic_cast<const OctreeModel*>(&model);
   if (tree == nullptr) tree = &copy.emplace(RunsOf(model));

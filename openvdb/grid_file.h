@@ -20,7 +20,7 @@ namespace facetless {
 // Errors: kFormatUnknown, kFormatBroken, kNothingUsable (no grid that is read; no voxel), kLimitExceeded.
 Result<VoxelFile> ReadGrids(const std::string& path, double threshold, std::uint64_t max_bytes);
 
-// Error: kWriteFailed.
+// Error: kBadUsage (a pitch below 2e-5 mm). Exceptions of the library leave both functions.
 Result<void> WriteGrids(const std::string& path, const VoxelModel& model, const VoxelGrid& grid);
 
 }  // namespace facetless

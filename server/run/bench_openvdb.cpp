@@ -138,13 +138,13 @@ double WalkMs(const BoundWalk& walk, VoxelPoint size, const BenchRays& rays, std
 }
 
 // Voxels that only one of two models fills.
-struct Difference {
+struct VoxelDifference {
   std::uint64_t only_ours = 0, only_theirs = 0;
   std::uint64_t all() const { return only_ours + only_theirs; }
 };
 
-Difference Compare(const RunModel& ours, const VoxelModel& theirs) {
-  Difference difference;
+VoxelDifference CompareVoxels(const RunModel& ours, const VoxelModel& theirs) {
+  VoxelDifference difference;
   const VoxelPoint n = ours.size();
   std::vector<bool> filled(static_cast<std::size_t>(n.z));
   for (int x = 0; x < n.x; ++x)
@@ -181,7 +181,7 @@ std::string Count(std::uint64_t n) {
 }
 
 Table MakingTable(const std::string& name, const Ours& ours, const Mesh& mesh, std::uint64_t triangles,
-                  const Json& answer, const Difference& difference, std::uint64_t wrong) {
+                  const Json& answer, const VoxelDifference& difference, std::uint64_t wrong) {
   Table table{"Voxels of " + name + ", " + std::to_string(kBenchVoxels) + " along the longest side",
               {"", "time", "memory", "voxels inside"},
               {},
@@ -272,7 +272,7 @@ Result<OpenVdbBench> MeasureOpenVdb(const std::string& file, const ImportRequest
   const Result<std::string> their_depths = ReadFile(out + ".depths", depths.size() * sizeof(double));
   if (!their_depths) return their_depths.error();
 
-  const Difference difference = Compare(ours.value().runs, *theirs.value().model);
+  const VoxelDifference difference = CompareVoxels(ours.value().runs, *theirs.value().model);
   const std::uint64_t unproven = ours.value().stats.not_certified,
                       wrong = difference.all() - std::min(difference.all(), unproven);
   const std::uint64_t different = DifferentHits(depths, their_depths.value());
