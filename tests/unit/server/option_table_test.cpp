@@ -125,7 +125,7 @@ TEST(OptionTable, RangesHoldAtBothEnds) {
       continue;
     RunOptions options;
     EXPECT_TRUE(row.binding.store(row, row.low, options).ok()) << row.name;
-    const auto below = row.binding.store(row, row.low > 0 ? row.low / 2 : -1.0, options);
+    const auto below = row.binding.store(row, row.low > 0 ? row.low / 2 : 2 * row.low - 1, options);
     ASSERT_FALSE(below.ok()) << row.name;
     EXPECT_THAT(below.error().message, HasSubstr(row.name));
     if (!std::isinf(row.high)) {
