@@ -9,31 +9,32 @@ namespace {
 // Rays and projections round each coordinate by a few units of 2⁻⁵³ of the largest one. This is far more.
 constexpr double kRounding = 0x1p-36;
 
-// Whether a ray that descends along the axes `descends` passes cube a before cube b: the order of the tree's nodes, seen from
-// the corner in which such rays begin.
-struct Precedes {
-  unsigned descends;
-  template <typename Cube>
-  bool operator()(const Cube& a, const Cube& b) const {
-    const auto corner = [&](const Cube& cube, int at, int axis) {
-      return descends >> axis & 1 ? ~static_cast<unsigned>(at + (1 << cube.level) - 1)
-                                  : static_cast<unsigned>(at);
-    };
-    const unsigned of_a[3] = {corner(a, a.low.x, 0), corner(a, a.low.y, 1), corner(a, a.low.z, 2)},
-                   of_b[3] = {corner(b, b.low.x, 0), corner(b, b.low.y, 1), corner(b, b.low.z, 2)};
-    // The axis with the highest differing digit decides; of equal ones z, as it has the highest digit of a child's number.
-    int axis = 2;
-    unsigned highest = of_a[2] ^ of_b[2];
-    for (int other = 1; other >= 0; --other) {
-      const unsigned differing = of_a[other] ^ of_b[other];
-      if (highest < differing && highest < (highest ^ differing)) {
-        axis = other;
-        highest = differing;
-      }
+// A cube as a ray sees it that descends along other axes: `turned` has those along which the two differ.
+OctreeCube Turned(OctreeCube cube, unsigned turned) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (turned >> axis & 1) cube.low[axis] = -cube.low[axis] - (1 << cube.level);
+  return cube;
+}
+
+// Whether an ascending ray passes cube a before cube b: the order of the tree's nodes.
+bool Precedes(const OctreeCube& a, const OctreeCube& b) {
+  // Coordinates are moved above 0 by a multiple of the root's edge.
+  constexpr int kAbove = 1 << (kMostOctreeLevels + 1);
+  const auto digits = [](const OctreeCube& cube, int axis) {
+    return static_cast<unsigned>(static_cast<int>(cube.low[axis]) + kAbove);
+  };
+  // The axis with the highest differing digit decides; of equal ones z, as it has the highest digit of a child's number.
+  int axis = 2;
+  unsigned highest = digits(a, 2) ^ digits(b, 2);
+  for (int other = 1; other >= 0; --other) {
+    const unsigned differing = digits(a, other) ^ digits(b, other);
+    if (highest < differing && highest < (highest ^ differing)) {
+      axis = other;
+      highest = differing;
     }
-    return of_a[axis] < of_b[axis];
   }
-};
+  return digits(a, axis) < digits(b, axis);
+}
 
 }  // namespace
 
@@ -74,7 +75,9 @@ void OctreeView::Collect(const OctreeNode& node, VoxelPoint low, int level, int 
   const TileRange range = Project(low, level);
   if (range.empty()) return;
   if (node.leaf() || level == cut) {
-    cubes_.push_back({node, low, level});
+    const OctreeCube cube{
+        node, {static_cast<double>(low.x), static_cast<double>(low.y), static_cast<double>(low.z)}, level};
+    cubes_.push_back(Turned(cube, descends_));
     ranges->push_back(range);
     return;
   }
@@ -155,9 +158,11 @@ void OctreeView::OrderLists() {
       const unsigned descends = unsigned{d.x < 0} | unsigned{d.y < 0} << 1 | unsigned{d.z < 0} << 2;
       if (descends == descends_) continue;
       octants_[tile] = static_cast<std::uint8_t>(descends);
-      const Precedes precedes{descends};
+      const unsigned turned = descends ^ descends_;
       std::sort(lists_.begin() + first_[tile], lists_.begin() + first_[tile + 1],
-                [&](std::uint32_t a, std::uint32_t b) { return precedes(cubes_[a], cubes_[b]); });
+                [&](std::uint32_t a, std::uint32_t b) {
+                  return Precedes(Turned(cubes_[a], turned), Turned(cubes_[b], turned));
+                });
     }
 }
 
@@ -171,28 +176,27 @@ VoxelHit OctreeView::Walk(int column, int row, const VoxelRay& ray, const WalkOp
       unsigned{ray.sign(0) == 0} | unsigned{ray.sign(1) == 0} << 1 | unsigned{ray.sign(2) == 0} << 2;
   if (((up.descends ^ octants_[tile]) & ~still) != 0)
     return Descend(model_, RootCube(model_, up), ray, up, ray.t_first(), ray.t_last(), options, counters);
+  const unsigned turned = up.descends ^ descends_;
   for (std::uint32_t i = first_[tile]; i < first_[tile + 1]; ++i) {
-    const Cube& cube = cubes_[lists_[i]];
+    const OctreeCube& stored = cubes_[lists_[i]];
+    const OctreeCube other = turned == 0 ? OctreeCube{} : Turned(stored, turned);
+    const OctreeCube& cube = turned == 0 ? stored : other;
     const double edge = 1 << cube.level;
-    const double at[3] = {static_cast<double>(cube.low.x), static_cast<double>(cube.low.y),
-                          static_cast<double>(cube.low.z)};
-    OctreeCube start{cube.node, {}, cube.level};
     double t = ray.t_first(), t_out = ray.t_last();
     for (int axis = 0; axis < 3; ++axis) {
-      start.low[axis] = up.descends >> axis & 1 ? -at[axis] - edge : at[axis];
-      t = std::max(t, up.Pass(axis, start.low[axis]));
-      t_out = std::min(t_out, up.Pass(axis, start.low[axis] + edge));
+      t = std::max(t, up.Pass(axis, cube.low[axis]));
+      t_out = std::min(t_out, up.Pass(axis, cube.low[axis] + edge));
     }
     ++counters->nodes;
     if (!(t < t_out)) continue;
-    const VoxelHit hit = Descend(model_, start, ray, up, t, t_out, options, counters);
+    const VoxelHit hit = Descend(model_, cube, ray, up, t, t_out, options, counters);
     if (hit.hit()) return hit;
   }
   return {};
 }
 
 std::uint64_t OctreeView::bytes() const {
-  return cubes_.capacity() * sizeof(Cube) + octants_.capacity() +
+  return cubes_.capacity() * sizeof(OctreeCube) + octants_.capacity() +
          (first_.capacity() + lists_.capacity()) * sizeof(std::uint32_t);
 }
 

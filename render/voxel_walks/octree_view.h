@@ -46,11 +46,6 @@ class OctreeView {
  private:
   static constexpr int kLevel = 3;  // of the cubes, if no level of detail is coarser
 
-  struct Cube {
-    OctreeNode node;
-    VoxelPoint low;
-    int level = 0;
-  };
   struct TileRange {
     int first_column, last_column, first_row, last_row;  // of tiles; empty if first > last
     bool empty() const { return first_column > last_column || first_row > last_row; }
@@ -76,7 +71,7 @@ class OctreeView {
   Direction right_, down_, forward_;
   double margin_ = 0;                  // mm, for the rounding of rays and projections
   unsigned descends_ = 0;              // the axes on which the ray through the picture's centre descends
-  std::vector<Cube> cubes_;            // in the order in which that ray passes them
+  std::vector<OctreeCube> cubes_;      // as that ray sees them, in the order in which it passes them
   std::vector<std::uint8_t> octants_;  // the axes on which the ray through each tile's centre descends
   std::vector<std::uint32_t> first_;   // of each tile's list, and the end
   std::vector<std::uint32_t> lists_;   // cubes

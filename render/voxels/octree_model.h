@@ -12,6 +12,7 @@
 #include <array>
 #include <vector>
 
+#include "render/base/large_pages.h"
 #include "render/voxels/encodings.h"
 #include "render/voxels/run_model.h"
 #include "render/voxels/voxel_model.h"
@@ -74,9 +75,9 @@ class OctreeModel final : public VoxelModel {
 
   int level_;
   OctreeNode root_;
-  std::vector<Block> blocks_;          // block 0 is not used
-  std::vector<std::uint64_t> filled_;  // filled voxels below each block
-  std::vector<std::uint32_t> free_;    // blocks that edits gave back
+  std::vector<Block, LargePages<Block>> blocks_;  // block 0 is not used
+  std::vector<std::uint64_t> filled_;             // filled voxels below each block
+  std::vector<std::uint32_t> free_;               // blocks that edits gave back
 };
 
 }  // namespace facetless
