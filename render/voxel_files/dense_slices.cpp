@@ -99,25 +99,29 @@ void VisitSlices(const VoxelModel& model,
   static_cast<void>(visited);
 }
 
-SliceCollector::SliceCollector(const std::string& path, VoxelPoint size, int axis, std::uint64_t max_bytes)
+SliceCollector::SliceCollector(const std::string& path, VoxelPoint size, int axis,
+                               const VoxelFileOptions& options)
     : path_(path),
       size_(size),
       axis_(axis),
-      max_bytes_(max_bytes),
+      max_bytes_(options.max_bytes),
+      cancel_(options.cancel),
       shape_(ShapeOfSlices(size, axis)),
       columns_(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {}
 
 Result<SliceCollector> SliceCollector::Of(const std::string& path, VoxelPoint size, int axis,
-                                          std::uint64_t max_bytes) {
+                                          const VoxelFileOptions& options) {
   // What a column and a pixel of a slice need.
   constexpr double kColumnBytes = sizeof(std::vector<VoxelRun>) + 2 * sizeof(std::uint32_t), kPixelBytes = 16;
   const double bytes =
       kColumnBytes * size.x * size.y + kPixelBytes * static_cast<double>(ShapeOfSlices(size, axis).area());
-  if (bytes > static_cast<double>(max_bytes)) return TooManyVoxels(path, max_bytes);
-  return SliceCollector(path, size, axis, max_bytes);
+  if (bytes > static_cast<double>(options.max_bytes)) return TooManyVoxels(path, options.max_bytes);
+  return SliceCollector(path, size, axis, options);
 }
 
 Result<void> SliceCollector::Add(std::span<const Voxel> slice) {
+  if (Execution{0, cancel_}.cancelled())
+    return Error{ErrorCode::kCancelled, path_ + ": the reading was stopped"};
   std::size_t pixel = 0;
   for (int j = 0; j < shape_.height; ++j)
     for (int i = 0; i < shape_.width; ++i, ++pixel) {

@@ -10,6 +10,7 @@
 
 #include "render/base/execution.h"
 #include "render/base/result.h"
+#include "render/voxel_files/voxel_file.h"
 #include "render/voxels/run_model.h"
 
 namespace facetless {
@@ -35,21 +36,23 @@ void VisitSlices(const VoxelModel& model,
 // Makes a model of slices that are read one after the other.
 class SliceCollector {
  public:
-  // Error: kLimitExceeded (the columns alone need more than `max_bytes`); the message names `path`.
+  // Of the options, max_bytes and cancel are used. Error: kLimitExceeded (the columns alone need more than max_bytes); the
+  // message names `path`.
   static Result<SliceCollector> Of(const std::string& path, VoxelPoint size, int axis,
-                                   std::uint64_t max_bytes);
+                                   const VoxelFileOptions& options);
   const SliceShape& shape() const { return shape_; }
-  // Adds the next slice. Error: kLimitExceeded (the runs need more than `max_bytes`).
+  // Adds the next slice. Errors: kLimitExceeded (the runs need more than max_bytes), kCancelled.
   Result<void> Add(std::span<const Voxel> slice);
   RunModel Take();
 
  private:
-  SliceCollector(const std::string& path, VoxelPoint size, int axis, std::uint64_t max_bytes);
+  SliceCollector(const std::string& path, VoxelPoint size, int axis, const VoxelFileOptions& options);
 
   std::string path_;
   VoxelPoint size_;
   int axis_;
   std::uint64_t max_bytes_, runs_ = 0;
+  const std::atomic<bool>* cancel_;
   SliceShape shape_;
   int next_ = 0;
   std::vector<std::vector<VoxelRun>> columns_;  // x·size.y + y

@@ -207,7 +207,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
   if (!size.ok()) return size.error();
   Result<NumberSource> numbers = NumbersOf(path, header, *type, VoxelBox{{0, 0, 0}, size.value()}.volume());
   if (!numbers.ok()) return numbers.error();
-  Result<SliceCollector> slices = SliceCollector::Of(path, size.value(), 2, options.max_bytes);
+  Result<SliceCollector> slices = SliceCollector::Of(path, size.value(), 2, options);
   if (!slices.ok()) return slices.error();
   std::vector<double> values(slices.value().shape().area());
   std::vector<Voxel> slice(values.size());

@@ -49,7 +49,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
   if (found.value() != expected)
     return BrokenVoxelFile(path, "the header needs " + std::to_string(expected) +
                                      " bytes of voxels, but the file has " + std::to_string(found.value()));
-  Result<SliceCollector> slices = SliceCollector::Of(path, size.value(), 2, options.max_bytes);
+  Result<SliceCollector> slices = SliceCollector::Of(path, size.value(), 2, options);
   if (!slices.ok()) return slices.error();
   const std::unique_ptr<ByteSource> bytes = FileRange(path, 0);
   std::vector<Voxel> slice(slices.value().shape().area());

@@ -91,15 +91,13 @@ Result<VoxelFile> Collect(const std::string& path, const std::string& header_pat
   std::vector<Voxel> voxels;
   VoxelPoint size;
   for (int index = 0; index < count; ++index) {
-    if (Execution{0, options.cancel}.cancelled())
-      return Error{ErrorCode::kCancelled, path + ": the reading was stopped"};
     const Result<Image8> image = next(index);
     if (!image.ok()) return image.error();
     const SliceShape shape{image.value().width, image.value().height, count};
     if (index == 0) {
       size = SizeOfSlices(shape, layout.value().axis);
       if (auto checked = layout.value().Check(header_path, size); !checked.ok()) return checked.error();
-      Result<SliceCollector> made = SliceCollector::Of(path, size, layout.value().axis, options.max_bytes);
+      Result<SliceCollector> made = SliceCollector::Of(path, size, layout.value().axis, options);
       if (!made.ok()) return made.error();
       slices = std::move(made).value();
       voxels.resize(shape.area());

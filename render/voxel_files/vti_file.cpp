@@ -309,7 +309,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
   if (const auto wrong = image.Open()) return *wrong;
   const Result<VoxelPoint> size = image.Size();
   if (!size.ok()) return size.error();
-  Result<SliceCollector> slices = SliceCollector::Of(path, size.value(), 2, options.max_bytes);
+  Result<SliceCollector> slices = SliceCollector::Of(path, size.value(), 2, options);
   if (!slices.ok()) return slices.error();
   const std::uint64_t count = VoxelBox{{0, 0, 0}, size.value()}.volume();
   Result<NumberSource> material = image.Numbers(image.material(), count);

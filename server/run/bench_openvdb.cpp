@@ -37,9 +37,9 @@ double MedianOf(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-Result<Ours> MakeOurs(const Model& model, const RunOptions& options, int repeats,
+Result<Ours> MakeOurs(const Model& model, const RunOptions& options, int repeats, int resolution,
                       const Execution& execution) {
-  const Result<VoxelGrid> grid = GridOfResolution(model.bounds, kBenchVoxels);
+  const Result<VoxelGrid> grid = GridOfResolution(model.bounds, resolution);
   if (!grid) return grid.error();
   Ours ours;
   ours.grid = grid.value();
@@ -182,7 +182,9 @@ std::string Count(std::uint64_t n) {
 
 Table MakingTable(const std::string& name, const Ours& ours, const Mesh& mesh, std::uint64_t triangles,
                   const Json& answer, const VoxelDifference& difference, std::uint64_t wrong) {
-  Table table{"Voxels of " + name + ", " + std::to_string(kBenchVoxels) + " along the longest side",
+  Table table{"Voxels of " + name + ", " +
+                  std::to_string(std::max({ours.grid.size.x, ours.grid.size.y, ours.grid.size.z})) +
+                  " along the longest side",
               {"", "time", "memory", "voxels inside"},
               {},
               {}};
@@ -233,7 +235,8 @@ Table RaysTable(const std::string& name, std::string_view walk, double walk_ms,
 }  // namespace
 
 Result<OpenVdbBench> MeasureOpenVdb(const std::string& file, const ImportRequest& request,
-                                    const RunOptions& options, int repeats, const RunContext& context) {
+                                    const RunOptions& options, int repeats, const RunContext& context,
+                                    int resolution) {
   ImportRequest import = request;
   import.input = file;
   import.meshes = {{.deflection = kDeflection }};
@@ -242,7 +245,7 @@ Result<OpenVdbBench> MeasureOpenVdb(const std::string& file, const ImportRequest
   const Model& model = *imported.value().model;
   const Mesh& mesh = imported.value().meshes.at(0);
   const std::string name = std::filesystem::path(file).filename().string();
-  const Result<Ours> ours = MakeOurs(model, options, repeats, context.execution);
+  const Result<Ours> ours = MakeOurs(model, options, repeats, resolution, context.execution);
   if (!ours) return ours.error();
   const VoxelGrid& grid = ours.value().grid;
   const Result<BenchRays> rays = RaysOf(model, grid);
@@ -283,7 +286,7 @@ Result<OpenVdbBench> MeasureOpenVdb(const std::string& file, const ImportRequest
       RaysTable(name, walk_name, walk_ms, depths, answer.value(), different)};
   bench.json = {
       {"file", name},
-      {"voxels", kBenchVoxels},
+      {"voxels", resolution},
       {"ours",
        {{"runs_ms", ours.value().runs_ms},
         {"octree_ms", ours.value().octree_ms},

@@ -8,6 +8,8 @@
 #include <set>
 
 #include "server/base/exit_code.h"
+#include "server/importer/openvdb_process.h"
+#include "server/run/bench_openvdb.h"
 #include "tests/unit/server/support.h"
 
 namespace facetless {
@@ -45,6 +47,27 @@ void CheckStages(const Json& report) {
     EXPECT_EQ(ms.at("mesh_trace") > 0, commands.back() == "compare");
   }
   EXPECT_EQ(commands, (std::vector<std::string>{"render", "compare"}));
+}
+
+// Both sides have the same voxels but near the surface, where the mesh is not the solid, and their rays find the same ones.
+TEST(OpenVdbBench, ComparesVoxelsAndRays) {
+  if (!HasOpenVdb()) GTEST_SKIP() << "this build has no OpenVDB";
+  const auto bench = MeasureOpenVdb(Sample("torus.step"), {}, {}, 1, {}, 64);
+  ASSERT_TRUE(bench) << bench.error().message;
+  const Json& json = bench.value().json;
+  const auto inside = json.at("ours").at("inside").get<std::uint64_t>();
+  EXPECT_EQ(json.at("ours").at("not_certified"), 0);
+  EXPECT_GT(inside, 10000u);
+  const auto differ = json.at("only_ours").get<std::uint64_t>() + json.at("only_theirs").get<std::uint64_t>();
+  EXPECT_GT(differ, 0u) << "triangles are not a torus";
+  EXPECT_LT(differ, inside / 50);
+  EXPECT_EQ(json.at("at_least_wrong"), differ);
+  EXPECT_EQ(json.at("rays_that_differ"), 0);
+  EXPECT_GT(json.at("openvdb").at("volume").at("hits"), 10000);
+  for (const Json& band : json.at("openvdb").at("bands"))
+    EXPECT_EQ(band.at("inside").get<std::uint64_t>(), inside - json.at("only_ours").get<std::uint64_t>() +
+                                                          json.at("only_theirs").get<std::uint64_t>());
+  EXPECT_EQ(bench.value().tables.size(), 2u);
 }
 
 TEST_F(BenchProgram, MeasuresAFileAgainstTheAims) {

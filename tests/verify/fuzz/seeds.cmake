@@ -1,4 +1,4 @@
-# cmake -DIMPORTER=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: writes the seeds of the fuzz targets,
+# cmake -DIMPORTER=… -DFACETLESS=… -DSAMPLES=… -DOUTPUT=… -P seeds.cmake: writes the seeds of the fuzz targets,
 # made from the project's own samples.
 file(MAKE_DIRECTORY ${OUTPUT}/step_text ${OUTPUT}/iges_text ${OUTPUT}/model_file ${OUTPUT}/views ${OUTPUT}/mesh ${OUTPUT}/options ${OUTPUT}/http ${OUTPUT}/voxel_file)
 file(COPY ${SAMPLES}/sphere.step ${SAMPLES}/trimmed.iges ${SAMPLES}/broken/mesh.stl DESTINATION ${OUTPUT})
@@ -36,3 +36,16 @@ file(WRITE ${OUTPUT}/voxel_file/labels.vti "<VTKFile type=\"ImageData\" byte_ord
 string(REPEAT "a" 80 letters)
 file(WRITE ${OUTPUT}/voxel_file/tree.oct "FLVXOCT\n${letters}")
 file(WRITE ${OUTPUT}/voxel_file/column.vxl "${letters}${letters}")
+# CMake cannot write these, so the program does, if it is built.
+if(EXISTS "${FACETLESS}")
+  file(REMOVE_RECURSE ${OUTPUT}/slices)
+  foreach(target voxel_file/slices.tif slices/)
+    execute_process(COMMAND ${FACETLESS} convert ${OUTPUT}/voxel_file/labels.nrrd --out ${OUTPUT}/${target}
+                    OUTPUT_QUIET ERROR_QUIET RESULT_VARIABLE failed)
+    if(failed)
+      message(FATAL_ERROR "${FACETLESS} wrote no ${target}")
+    endif()
+  endforeach()
+  file(REMOVE ${OUTPUT}/voxel_file/slices.tif.json)
+  file(RENAME ${OUTPUT}/slices/slice_0001.png ${OUTPUT}/voxel_file/slice.png)
+endif()

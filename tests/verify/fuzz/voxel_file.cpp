@@ -15,7 +15,7 @@ namespace {
 // Gives an octree's file the length and the checksum of its tree, so that mutants reach the reader of trees.
 void Seal(std::vector<std::uint8_t>& bytes) {
   constexpr std::size_t kLengthAt = 56, kTreeAt = 72;
-  if (bytes.size() < kTreeAt) return;
+  if (bytes.size() < kTreeAt || std::memcmp(bytes.data(), "FLVXOCT\n", 8) != 0) return;
   const std::uint64_t numbers[2] = {bytes.size() - kTreeAt, Checksum(std::span(bytes).subspan(kTreeAt))};
   std::memcpy(bytes.data() + kLengthAt, numbers, sizeof numbers);
 }
