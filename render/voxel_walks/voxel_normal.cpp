@@ -53,7 +53,13 @@ struct FilledNodes {
 
   void Visit(const OctreeNode& node, const VoxelCube& cube) {
     if (!node.voxel.filled()) return;
-    const VoxelBox inside = Intersection(cube.box(), around);
+    const auto later = [](int a, int b) { return a > b ? a : b; };
+    const auto sooner = [](int a, int b) { return a < b ? a : b; };
+    const int edge = cube.edge();
+    const VoxelBox inside{
+        {later(cube.low.x, around.low.x), later(cube.low.y, around.low.y), later(cube.low.z, around.low.z)},
+        {sooner(cube.low.x + edge, around.high.x), sooner(cube.low.y + edge, around.high.y),
+         sooner(cube.low.z + edge, around.high.z)}};
     if (inside.empty()) return;
     if (node.leaf() || cube.level == 0) {
       Add(inside, at, &sum);
@@ -83,14 +89,30 @@ Sum SumOfFilled(const VoxelModel& model, VoxelPoint at, int level) {
   return sum;
 }
 
+// The normal that the sum of empty cubes says, or that of the side.
+Vec3 NormalOf(Vec3 sum, const VoxelHit& hit, Vec3 direction) {
+  // At a plane across an axis, the sum of the weights on one side of it has this length.
+  constexpr double kPlane = 4964, kLeast = kPlane / 5;
+  const Vec3 side = SideNormal(hit, direction);
+  const bool clear = Dot(sum, sum) > kLeast * kLeast && Dot(sum, direction) < 0 && Dot(sum, side) > 0;
+  return clear ? Normalized(sum) : side;
+}
+
 }  // namespace
 
-Vec3 GridNormal(const VoxelModel& model, const VoxelHit& hit, Vec3 direction) {
-  const Sum sum =
-      SumOfFilled(model, {hit.at.x >> hit.level, hit.at.y >> hit.level, hit.at.z >> hit.level}, hit.level);
-  // All weights together are zero, so that the sum of the empty cubes is that of the filled ones, negated.
-  const Vec3 normal{-static_cast<double>(sum.x), -static_cast<double>(sum.y), -static_cast<double>(sum.z)};
-  return Dot(normal, direction) < 0 ? Normalized(normal) : SideNormal(hit, direction);
+Vec3 GridNormal(const VoxelModel& model, const VoxelHit& hit, Vec3 direction, NormalMemory* memory) {
+  const VoxelPoint at{hit.at.x >> hit.level, hit.at.y >> hit.level, hit.at.z >> hit.level};
+  if (memory == nullptr || !(memory->at == at) || memory->level != hit.level) {
+    const Sum sum = SumOfFilled(model, at, hit.level);
+    // All weights together are zero, so that the sum of the empty cubes is that of the filled ones, negated.
+    const NormalMemory found{
+        at,
+        hit.level,
+        {-static_cast<double>(sum.x), -static_cast<double>(sum.y), -static_cast<double>(sum.z)}};
+    if (memory == nullptr) return NormalOf(found.sum, hit, direction);
+    *memory = found;
+  }
+  return NormalOf(memory->sum, hit, direction);
 }
 
 Vec3 SideNormal(const VoxelHit& hit, Vec3 direction) {

@@ -30,6 +30,7 @@ class Painter {
   struct Worker {
     WalkCounters primary, shadow;
     std::uint64_t hits = 0;
+    NormalMemory normals;
   };
 
   // The light of a sample; nothing is changed where no voxel is seen.
@@ -43,7 +44,8 @@ class Painter {
     ++worker->hits;
     const Vec3 direction = ray.direction();
     const bool of_grid = options_.grid_normals;
-    const Vec3 normal = of_grid ? GridNormal(model_, hit, direction) : SideNormal(hit, direction);
+    const Vec3 normal =
+        of_grid ? GridNormal(model_, hit, direction, &worker->normals) : SideNormal(hit, direction);
     Vec3 light{options_.ambient, options_.ambient, options_.ambient};
     if (!lights_.empty()) {
       const Vec3 start = of_grid ? AboveVoxel(ray, hit, normal) : BesideSide(ray, hit);

@@ -129,14 +129,13 @@ void BuildHouse(World* world, int x, int y, int length, int width, int ground, s
       world->Fill({at, y + width - 1, floor}, {at + 2, y + width, floor + 3}, 0);
     }
   world->Fill({x, y + width / 2 - 1, ground - 5}, {x + 1, y + width / 2 + 1, ground}, 0);
-  // The roof rises by a voxel with each row, and projects by one; its ends are closed.
+  // The roof rises by a voxel with each row, and projects by one; there is no room under it.
   for (int row = -1; row <= width / 2; ++row) {
     const int z = top - 1 - row;
     world->Fill({x - 1, y + row, z}, {x + length + 1, y + row + 1, z + 1}, roof);
     world->Fill({x - 1, y + width - 1 - row, z}, {x + length + 1, y + width - row, z + 1}, roof);
     if (row < 0) continue;
-    for (const int end : {x, x + length - 1})
-      world->Fill({end, y + row + 1, z}, {end + 1, std::max(y + row + 1, y + width - 1 - row), z + 1}, wall);
+    world->Fill({x, y + row + 1, z}, {x + length, std::max(y + row + 1, y + width - 1 - row), z + 1}, wall);
   }
 }
 

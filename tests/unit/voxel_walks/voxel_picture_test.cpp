@@ -141,7 +141,28 @@ TEST(VoxelPictures, ErrorsNameTheWalk) {
   EXPECT_EQ(picture.error().code, ErrorCode::kBadUsage);
 }
 
-TEST(VoxelNormals, OfThePlaneAndOfTheSphere) {
+TEST(VoxelNormals, OfAPlaneAndOfASheet) {
+  RunModel model({20, 20, 20});
+  model.Fill({{0, 0, 0}, {20, 20, 8}}, kWhite);
+  // A slope that is a voxel thick: the empty voxels on both sides cancel.
+  for (int i = 0; i < 10; ++i) model.Fill({{5, 5 + i, 8 + i}, {15, 6 + i, 9 + i}}, kWhite);
+  const RunModel& runs = model;
+  const auto walk = BindVoxelWalk(runs, "");
+  const auto normal = [&](Vec3 from, int* side) {
+    VoxelRay ray;
+    EXPECT_TRUE(ray.Enter(from, {0, 0.1, -1}, 0, runs.size()));
+    WalkCounters counters;
+    const VoxelHit hit = walk.value()->Walk(ray, {}, &counters);
+    *side = hit.side;
+    return GridNormal(runs, hit, ray.direction());
+  };
+  int side = 0;
+  EXPECT_NEAR(normal({2.5, 5.5, 19}, &side).z, 1, 1e-12);
+  EXPECT_EQ(normal({10.5, 8.5, 19}, &side).z, 1);
+  EXPECT_EQ(side, 2);
+}
+
+TEST(VoxelNormals, OfASphere) {
   RunModel model({64, 64, 64});
   for (int x = 0; x < 64; ++x)
     for (int y = 0; y < 64; ++y)
