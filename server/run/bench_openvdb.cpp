@@ -237,6 +237,10 @@ Table RaysTable(const std::string& name, std::string_view walk, double walk_ms,
 Result<OpenVdbBench> MeasureOpenVdb(const std::string& file, const ImportRequest& request,
                                     const RunOptions& options, int repeats, const RunContext& context,
                                     int resolution) {
+  if (!HasOpenVdb())
+    return Error{
+        ErrorCode::kBadUsage,
+        "--openvdb: this build has no OpenVDB; install libopenvdb-dev and libboost-dev and build again"};
   ImportRequest import = request;
   import.input = file;
   import.meshes = {{.deflection = kDeflection }};

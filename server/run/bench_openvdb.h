@@ -22,7 +22,7 @@ struct OpenVdbBench {
   std::vector<Table> tables;
 };
 
-// Errors: those of Import, Voxelize and RunOpenVdb.
+// Errors: kBadUsage (the build has no OpenVDB), those of Import, Voxelize and RunOpenVdb.
 Result<OpenVdbBench> MeasureOpenVdb(const std::string& file, const ImportRequest& request,
                                     const RunOptions& options, int repeats, const RunContext& context,
                                     int resolution = kBenchVoxels);

@@ -289,6 +289,21 @@ TEST_F(Slices, OfOtherProgramsAreReadInNaturalOrder) {
   EXPECT_EQ(across_x.value().model->Get(7, 1, 2).red(), 7);
 }
 
+TEST_F(Slices, MayBeTiffFilesOfOnePage) {
+  RunModel layer({3, 2, 1});
+  for (const int z : {1, 2, 3}) {
+    layer.Set(z - 1, 1, 0, Voxel::Of(static_cast<std::uint8_t>(z), 0, 0));
+    ASSERT_TRUE(WriteVoxels(File("s" + std::to_string(z) + ".tiff"), layer, {{}, 1, layer.size()}));
+  }
+  const auto read = Read();
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read.value().model->size(), (VoxelPoint{3, 2, 3}));
+  EXPECT_EQ(read.value().model->Count(), 6u);
+  EXPECT_EQ(read.value().model->Get(1, 1, 2).red(), 2);
+  ASSERT_TRUE(WriteVoxels(File("s2.tiff"), RunModel({3, 2, 2}), {{}, 1, {3, 2, 2}}));
+  EXPECT_THAT(Message(), AllOf(StartsWith(File("s2.tiff")), HasSubstr("2 pages")));
+}
+
 TEST_F(Slices, WhatIsWrongIsOneErrorThatNamesTheFile) {
   EXPECT_THAT(Message(), HasSubstr("has no slices"));
   ASSERT_TRUE(WritePng(File("s1.png"), Picture(2, 2, 4, 9)));
