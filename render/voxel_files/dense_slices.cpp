@@ -19,27 +19,34 @@ Error TooManyVoxels(const std::string& path, std::uint64_t max_bytes) {
                                          " MB; raise --max-view-memory"};
 }
 
-// Copies slices across z, whose pixels lie in columns of their own.
+// Copies slices across z, whose pixels lie in columns of their own. Few columns change from one slice to the next, so only
+// these are looked up.
 class LayersOfRuns {
  public:
   explicit LayersOfRuns(const RunModel& runs)
       : runs_(runs),
-        next_(static_cast<std::size_t>(runs.size().x) * static_cast<std::size_t>(runs.size().y)) {}
+        next_(static_cast<std::size_t>(runs.size().x) * static_cast<std::size_t>(runs.size().y)),
+        changes_(next_.size(), 0) {}
 
-  void Copy(int z, std::span<Voxel> slice) {
+  // Makes the slice of z from that of z − 1.
+  void Advance(int z, std::span<Voxel> slice) {
     std::size_t i = 0;
     for (int y = 0; y < runs_.size().y; ++y)
       for (int x = 0; x < runs_.size().x; ++x, ++i) {
+        if (z < changes_[i]) continue;
         const std::span<const VoxelRun> column = runs_.Column(x, y);
         while (next_[i] < column.size() && column[next_[i]].z_end <= z) ++next_[i];
-        slice[i] =
-            next_[i] < column.size() && column[next_[i]].z_begin <= z ? column[next_[i]].voxel : Voxel{};
+        const VoxelRun* run = next_[i] < column.size() ? &column[next_[i]] : nullptr;
+        const bool inside = run != nullptr && run->z_begin <= z;
+        slice[i] = inside ? run->voxel : Voxel{};
+        changes_[i] = inside ? run->z_end : run != nullptr ? run->z_begin : runs_.size().z;
       }
   }
 
  private:
   const RunModel& runs_;
   std::vector<std::uint32_t> next_;  // the next run of each column
+  std::vector<int> changes_;         // the z at which each column changes next
 };
 
 // Copies a slice across x or y: its pixels with the same i are a column.
@@ -79,7 +86,7 @@ Result<void> VisitSlices(const VoxelModel& model, int axis, const std::atomic<bo
     if (Execution{0, cancel}.cancelled())
       return Error{ErrorCode::kCancelled, "the writing of voxels was stopped"};
     if (layers) {
-      layers->Copy(index, slice);
+      layers->Advance(index, slice);
     } else {
       CopyColumns(*runs, axis, index, shape, slice);
     }
