@@ -9,6 +9,7 @@
 #include "render/view/refinement.h"
 #include "render/voxel_files/voxel_file.h"
 #include "render/voxel_walks/voxel_picture.h"
+#include "render/voxels/octree_model.h"
 #include "server/base/interrupt.h"
 #include "server/base/version.h"
 
@@ -58,6 +59,14 @@ Result<Loaded> Load(const std::string& file, std::string_view encoding, std::uin
   loaded.placed = read.value().grid.has_value();
   loaded.grid = read.value().grid.value_or(VoxelGrid{{0, 0, 0}, 1, loaded.model->size()});
   if (loaded.model->encoding() != encoding) {
+    // A conversion goes through the columns.
+    const std::uint64_t columns =
+        static_cast<std::uint64_t>(loaded.grid.size.x) * static_cast<std::uint64_t>(loaded.grid.size.y);
+    if (columns > max_bytes / sizeof(std::uint32_t))
+      return Error{ErrorCode::kLimitExceeded, file + ": " + std::to_string(columns) +
+                                                  " columns of voxels need more memory than allowed; use "
+                                                  "--max-view-memory to allow more, or a walk through " +
+                                                  std::string(loaded.model->encoding())};
     auto converted = Converted(*loaded.model, encoding, max_bytes);
     if (!converted) return converted.error();
     loaded.model = std::move(converted).value();
@@ -66,8 +75,30 @@ Result<Loaded> Load(const std::string& file, std::string_view encoding, std::uin
   return loaded;
 }
 
-// The box of the filled voxels; that of the grid, if there are none.
+// Grows a box by the filled leaves below a node of an octree.
+void AddFilled(const OctreeModel& model, const OctreeNode& node, const VoxelCube& cube, VoxelBox* box) {
+  const VoxelBox bounds = cube.box();
+  const bool inside = !box->empty() && Intersection(bounds, *box).volume() == cube.volume();
+  if (!node.voxel.filled() || inside) return;
+  if (!node.leaf()) {
+    for (int child = 0; child < 8; ++child)
+      AddFilled(model, model.Children(node)[child], cube.Child(child), box);
+    return;
+  }
+  if (box->empty()) *box = bounds;
+  box->low = {std::min(box->low.x, bounds.low.x), std::min(box->low.y, bounds.low.y),
+              std::min(box->low.z, bounds.low.z)};
+  box->high = {std::max(box->high.x, bounds.high.x), std::max(box->high.y, bounds.high.y),
+               std::max(box->high.z, bounds.high.z)};
+}
+
+// The box of the filled voxels; that of the grid, if there are none. An octree may have more columns than anything could visit.
 Box3 FilledBounds(const VoxelModel& model, const VoxelGrid& grid) {
+  VoxelBox box;
+  if (const auto* octree = dynamic_cast<const OctreeModel*>(&model)) {
+    AddFilled(*octree, octree->root(), {{0, 0, 0}, octree->level()}, &box);
+    return box.empty() ? grid.bounds() : Box3{grid.Corner(box.low), grid.Corner(box.high)};
+  }
   Box3 bounds;
   for (int x = 0; x < grid.size.x; ++x)
     for (int y = 0; y < grid.size.y; ++y)

@@ -7,6 +7,7 @@
 
 #include "render/image/io.h"
 #include "render/voxel_files/voxel_file.h"
+#include "render/voxels/octree_model.h"
 #include "render/voxels/run_model.h"
 
 namespace facetless {
@@ -98,6 +99,27 @@ TEST(VoxelRender, Refusals) {
   EXPECT_NE(CheckRenderOptions({"view", "shade"}, true).error().message.find("shade:"), std::string::npos);
   EXPECT_NE(CheckRenderOptions({"ambient"}, false).error().message.find("only pictures of voxel files"),
             std::string::npos);
+}
+
+// A file of some hundred bytes can claim four billion columns.
+TEST(VoxelRender, AnEmptyGiantIsNoWork) {
+  const std::string directory = Folder();
+  OctreeModel model({1 << 16, 1 << 16, 1 << 16});
+  model.Fill({{5, 6, 7}, {105, 106, 57}}, Voxel::Of(90, 160, 90));
+  const std::string path = directory + "/giant.oct";
+  ASSERT_TRUE(WriteVoxels(path, model, {{0, 0, 0}, 1, model.size()}).ok());
+  const auto result = RunVoxelRender(path, Small(), directory + "/giant.png", {});
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  // The view shows the filled voxels.
+  EXPECT_EQ(result.value()["camera"]["target"], nlohmann::json({55.0, 56.0, 32.0}));
+  EXPECT_GT(result.value()["rays"]["primary"]["hits"], 500);
+  // Other encodings are made of the columns.
+  RunOptions options = Small();
+  options.voxel_picture.walk = "bricks";
+  options.accuracy.max_bytes = std::uint64_t{1} << 30;
+  const auto refused = RunVoxelRender(path, options, directory + "/giant.png", {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);
 }
 
 TEST(VoxelRender, DamagedFilesGiveOneError) {
