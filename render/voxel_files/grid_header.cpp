@@ -33,7 +33,7 @@ Result<Json> ReadGridHeader(const std::string& path, const std::string& format) 
   if (!text.ok()) return text.error();
   Json header = Json::parse(text.value().begin(), text.value().end(), nullptr, false);
   if (!header.is_object() || header.value("format", Json()) != format || header.value("version", Json()) != 1)
-    return BrokenVoxelFile(path, "this is no header of the format " + format + ", version 1");
+    return BrokenVoxelFile(path, "the file is not a header of the format " + format + ", version 1");
   return header;
 }
 

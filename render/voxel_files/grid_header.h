@@ -1,4 +1,4 @@
-// The JSON header beside voxels that say nothing of themselves: raw voxels and slices.
+// The JSON header beside files that have voxels and nothing else: raw voxels and slices.
 #pragma once
 
 #include <nlohmann/json.hpp>

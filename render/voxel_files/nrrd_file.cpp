@@ -50,7 +50,8 @@ class Header {
       at = end + 1;
       if (!line.empty() && line.back() == '\r') line.pop_back();
       if (first) {
-        if (!line.starts_with("NRRD000")) return Error{ErrorCode::kFormatUnknown, path + ": is no NRRD file"};
+        if (!line.starts_with("NRRD000"))
+          return Error{ErrorCode::kFormatUnknown, path + ": is not an NRRD file"};
         continue;
       }
       if (line.empty()) break;

@@ -130,7 +130,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
   double numbers[4] = {};
   std::uint64_t length = 0, checksum = 0;
   if (!reader.Number(&magic) || std::memcmp(magic, kMagic, sizeof kMagic) != 0)
-    return Error{ErrorCode::kFormatUnknown, path + ": is no octree of Facetless"};
+    return Error{ErrorCode::kFormatUnknown, path + ": is not an octree file of Facetless"};
   bool whole = reader.Number(&version);
   if (whole && version != kVersion)
     return BrokenVoxelFile(path, "the file has version " + std::to_string(version) +

@@ -61,8 +61,10 @@ struct Layout {
                                     : std::string_view::npos;
       if (found == std::string_view::npos) return BrokenVoxelFile(header_path, "the axis must be x, y or z");
       layout = {static_cast<int>(found), std::move(header).value()};
+    } else if (options.slice_axis) {
+      // Only without a header: a conversion between slices across two axes needs both.
+      layout.axis = *options.slice_axis;
     }
-    if (options.slice_axis) layout.axis = *options.slice_axis;
     return layout;
   }
 
@@ -73,11 +75,11 @@ struct Layout {
     if (!stated.ok()) return stated.error();
     if (stated.value() == size) return {};
     return Error{ErrorCode::kSizeMismatch,
-                 header_path + ": the header is one of " + std::to_string(stated.value().x) + " × " +
+                 header_path + ": the header is that of " + std::to_string(stated.value().x) + " × " +
                      std::to_string(stated.value().y) + " × " + std::to_string(stated.value().z) +
-                     " voxels, but the slices have " + std::to_string(size.x) + " × " +
+                     " voxels, but the slices make " + std::to_string(size.x) + " × " +
                      std::to_string(size.y) + " × " + std::to_string(size.z) +
-                     "; remove it if the slices were changed, or add the missing slices"};
+                     "; remove the header if the slices were changed, or add the missing slices"};
   }
 };
 

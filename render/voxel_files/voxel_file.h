@@ -37,7 +37,8 @@ struct VoxelFile {
 struct VoxelFileOptions {
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of memory, for reading
   double threshold = 0;                              // law 4
-  // Slices are planes across this axis (0, 1, 2). Nothing: the axis that the header beside them names, or z.
+  // The axis (0, 1, 2) across which slices lie that are written, or that are read without a header beside them. Nothing: z.
+  // A header names the axis of its slices.
   std::optional<int> slice_axis = std::nullopt;
   const std::atomic<bool>* cancel = nullptr;  // polled by slices if not null
 };

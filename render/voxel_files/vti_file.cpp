@@ -110,10 +110,10 @@ class Tags {
           return BrokenVoxelFile(path, "the file is no XML with a header of common size");
         }
         if (at == kLongestTag && tags.First("VTKFile").text.empty())
-          return Error{ErrorCode::kFormatUnknown, path + ": is no file of VTK"};
+          return Error{ErrorCode::kFormatUnknown, path + ": is not a file of VTK"};
       }
     if (tags.First("VTKFile").text.empty())
-      return Error{ErrorCode::kFormatUnknown, path + ": is no file of VTK"};
+      return Error{ErrorCode::kFormatUnknown, path + ": is not a file of VTK"};
     return tags;
   }
 

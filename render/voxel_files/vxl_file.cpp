@@ -195,7 +195,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
   VoxelFileReader reader(bytes.value());
   std::uint32_t magic = 0, x_size = 0, y_size = 0;
   if (!reader.Number(&magic) || magic != kMagic)
-    return Error{ErrorCode::kFormatUnknown, path + ": is no .vxl file of Voxlap"};
+    return Error{ErrorCode::kFormatUnknown, path + ": is not a .vxl file of Voxlap"};
   if (!reader.Number(&x_size) || !reader.Number(&y_size) || !reader.Skip(kCameraBytes))
     return BrokenVoxelFile(path, "the header ends too early");
   // A column takes at least the header of a span.

@@ -17,7 +17,7 @@ struct OctreeCube {
   int level;
 };
 
-// The root of a model, as a ray sees it.
+// The root of a model, in the coordinates of AscendingRay.
 inline OctreeCube RootCube(const OctreeModel& model, const AscendingRay& up) {
   OctreeCube cube{model.root(), {0, 0, 0}, model.level()};
   for (int axis = 0; axis < 3; ++axis)
@@ -74,7 +74,7 @@ inline VoxelHit Descend(const OctreeModel& model, const OctreeCube& cube, const 
     const unsigned x = entry->pass[0][0] <= t, y = entry->pass[0][1] <= t, z = entry->pass[0][2] <= t;
     node = entry->children[(x | y << 1 | z << 2) ^ up.descends];
     ++nodes;
-    // Choices by index take no branches, which nothing could predict.
+    // Choices by index take no branches, whose outcomes a processor could not predict.
     const double end[3] = {entry->pass[x][0], entry->pass[y][1], entry->pass[z][2]};
     const double child_out = std::min(std::min(entry->t_out, end[0]), std::min(end[1], end[2]));
     if (!node.leaf()) {

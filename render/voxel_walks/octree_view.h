@@ -9,7 +9,7 @@
 //
 //  1. The non-empty cubes of one level of the tree, and the larger leaves, are projected once. Each tile of the picture lists
 //     those whose projections meet it, in the order in which its rays pass them. A ray enters the tree at the cubes of its
-//     list, and never sees the levels above.
+//     tile's list, and reads no node above them.
 //  2. The hits are those of the walk "descent", bit for bit. A cube is projected with a margin that is more than the rounding
 //     of rays, so that a list lacks no cube that a ray of the tile visits. Which of them the ray visits is decided by its
 //     planes, as always.
@@ -71,7 +71,7 @@ class OctreeView {
   Direction right_, down_, forward_;
   double margin_ = 0;                  // mm, for the rounding of rays and projections
   unsigned descends_ = 0;              // the axes on which the ray through the picture's centre descends
-  std::vector<OctreeCube> cubes_;      // as that ray sees them, in the order in which it passes them
+  std::vector<OctreeCube> cubes_;      // in the coordinates of that ray, in the order in which it passes them
   std::vector<std::uint8_t> octants_;  // the axes on which the ray through each tile's centre descends
   std::vector<std::uint32_t> first_;   // of each tile's list, and the end
   std::vector<std::uint32_t> lists_;   // cubes

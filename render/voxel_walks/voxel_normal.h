@@ -6,7 +6,8 @@
 //     axis, each weighted by the inverse of its distance. Weights are whole numbers, so that the sum is exact, and does not
 //     depend on the encoding. A cube is empty if no voxel in it is filled.
 //  2. Where the sum is less than a fifth of that at a plane, as in a sheet that is a voxel thick, or does not point against the
-//     ray and out of the side through which the ray entered, the normal is that of this side. Where the ray began in the voxel, it points against the ray.
+//     ray and out of the side through which the ray entered, the normal is that of this side. Where the ray began in the
+//     voxel, the normal points against the ray.
 #pragma once
 
 #include "render/voxel_walks/voxel_ray.h"

@@ -9,8 +9,8 @@
 //     and of each point light its colour times the cosine between the normal and the direction to the light, unless a filled
 //     voxel lies between. The light does not fade with the distance. Sums are linear, and are clamped when they are encoded.
 //  2. Shadow rays use the same walk as the rays of the camera. They begin beside the voxel, kShadowOffset voxels away along
-//     the normal of the grid, so that the steps of a slope do not shade it. With the normals of sides, or if a filled voxel is there, they begin on the
-//     side.
+//     the normal of the grid, so that the steps of a slope do not shade it. With the normals of sides, or if a filled voxel
+//     is there, they begin on the side.
 //  3. Rays are clipped to the model, so that space around it costs nothing. The camera may be inside.
 //  4. All exact walks give the same picture, byte for byte; with levels of detail, all walks through octrees do. The number of
 //     threads changes nothing.

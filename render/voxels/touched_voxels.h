@@ -3,12 +3,12 @@
 //     Result<std::vector<TouchedSlab>> slabs = FindTouchedVoxels(scene, grid, {.max_bytes = max_bytes}, execution);
 //     for (const TouchedVoxel& voxel : slabs.value()[x]) Mark(x, voxel.y, voxel.z);
 //
-//  1. Patches are halved until their boxes are no larger than a voxel, or until no trim curve meets them and they are
-//     parallelograms but for half a voxel. Pieces that are proven to be trimmed away are dropped. A piece counts as touching
-//     the voxels that meet its box and its slabs: a slab is the space between two planes that hold all its control points
-//     between them. One slab lies across the normal of the four corners, and those of a parallelogram also across its
-//     sides. So no face meets a voxel that is not listed. A face may miss a listed voxel, by no more than about a voxel
-//     along each axis.
+//  1. Patches are halved until their boxes are no larger than a voxel, or until no trim curve meets them and they differ
+//     from parallelograms by no more than half a voxel. Pieces that are proven to be trimmed away are dropped. A piece
+//     counts as touching the voxels that meet its box and its slabs: a slab is the space between two planes that hold all
+//     its control points between them. A piece has one slab across the normal of its four corners, and a parallelogram also
+//     has slabs across its sides. So no face meets a voxel that is not listed. A face may miss a listed voxel, by no more
+//     than about a voxel along each axis.
 //  2. The voxels of a slab are sorted by y and z, and each is listed once, with the lowest placed face that touches it. With
 //     TouchOptions::details, it is listed once for each face that touches it, in ascending order, with the mean normal of
 //     the face there. Normals point outwards.

@@ -40,7 +40,7 @@ Result<VoxelGrid> GridOfPitch(const Box3& box, double pitch_mm) {
   const double longest = std::max({side.x, side.y, side.z});
   if (!(pitch_mm > 0) || !(longest / pitch_mm + 2 <= kMostVoxelsPerAxis))
     return Error{ErrorCode::kBadUsage,
-                 "the pitch must be above 0 and make at most " + std::to_string(kMostVoxelsPerAxis) +
+                 "pitch_mm must be above 0 and make at most " + std::to_string(kMostVoxelsPerAxis) +
                      " voxels along the longest side, of " + std::to_string(longest) + " mm"};
   const auto count = [&](double length) {
     return static_cast<int>(std::ceil(length / pitch_mm + 2 * VoxelGrid::kBorder));

@@ -302,22 +302,28 @@ std::uint64_t VoxelShares::bytes() const {
   return sum;
 }
 
-Result<VoxelShares> MeasureShares(const Scene& scene, const VoxelGrid& grid, const ShareOptions& options,
-                                  const Execution& execution) {
+Result<void> CheckDivisions(const VoxelGrid& grid, int divisions) {
   // A tile holds whole columns of voxels.
-  const int d = options.divisions;
+  const int d = divisions;
   if (d < 2 || d > kTileSize || kTileSize % d != 0)
     return Error{ErrorCode::kBadUsage,
-                 "fraction: a voxel is divided into 2, 4, 8, 16 or 32 parts along each side"};
+                 "fraction is " + std::to_string(d) +
+                     ", but a voxel is divided into 2, 4, 8, 16 or 32 parts along each side"};
   const int most = std::max({grid.size.x, grid.size.y, grid.size.z});
   if (most > kMostVoxelsPerAxis / d)
     return Error{ErrorCode::kBadUsage, "fraction: " + std::to_string(most) + " voxels with " +
                                            std::to_string(d) + " parts each are more than " +
                                            std::to_string(kMostVoxelsPerAxis) +
                                            " along a side; use fewer voxels or fewer parts"};
+  return {};
+}
+
+Result<VoxelShares> MeasureShares(const Scene& scene, const VoxelGrid& grid, const ShareOptions& options,
+                                  const Execution& execution) {
+  if (auto checked = CheckDivisions(grid, options.divisions); !checked.ok()) return checked.error();
   VoxelShares shares;
   shares.grid = grid;
-  shares.divisions = d;
+  shares.divisions = options.divisions;
   std::optional<Result<void>> done;
   RunWithThreads(execution.threads, [&] { done = ShareMeter(scene, options, execution, &shares).Run(); });
   if (!done->ok()) return done->error();

@@ -61,8 +61,10 @@ struct VoxelShares {
   std::vector<Slab> slabs;  // of each x
 };
 
-// Errors: those of TraceDirect and of FindTouchedVoxels; kBadUsage (the divisions; more than kMostVoxelsPerAxis small voxels
-// along a side).
+// Whether shares can be measured. Error: kBadUsage (the divisions; more than kMostVoxelsPerAxis small voxels along a side).
+Result<void> CheckDivisions(const VoxelGrid& grid, int divisions);
+
+// Errors: that of CheckDivisions; those of TraceDirect and of FindTouchedVoxels.
 Result<VoxelShares> MeasureShares(const Scene& scene, const VoxelGrid& grid, const ShareOptions& options,
                                   const Execution& execution);
 

@@ -57,7 +57,8 @@ constexpr const char* kRenderFooter = R"(Examples:
 The command writes NAME.direct.png, NAME.depth.tif (float64, mm), NAME.aov.exr if --aov is given, report.json and report.html
 to the directory of --out, and prints the path of report.json.
 
-A voxel file (.oct, .vxl, .raw, .nrrd, .vti) is rendered to one picture, and the command prints JSON about it:
+A voxel file (.oct, .vxl, .raw, .nrrd, .vti, .vdb, .tif, or a folder of slices) is rendered to one picture, and the command
+prints JSON about it:
   facetless render terrain.vxl --out terrain.png --size 800x600 --point-light 100,50,300
   facetless render part.oct --out part.png --view front --walk kd-shortstack:4 --ambient 0.2)";
 

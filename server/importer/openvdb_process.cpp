@@ -64,9 +64,9 @@ Result<nlohmann::json> RunOpenVdb(const OpenVdbRequest& request, const TempDir& 
   if (outcome.end != ChildEnd::kExited) return EndError(outcome, name, request);
   nlohmann::json answer = nlohmann::json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
   if (!answer.is_object())
-    return Error{ErrorCode::kImporterCrashed, name + ": OpenVDB gave up with exit code " +
-                                                  std::to_string(outcome.exit_code) + ": " +
-                                                  outcome.error_tail.substr(0, 500)};
+    return Error{ErrorCode::kImporterCrashed,
+                 name + ": facetless-openvdb ended without an answer, with exit code " +
+                     std::to_string(outcome.exit_code) + ": " + outcome.error_tail.substr(0, 500)};
   if (const auto error = answer.find("error"); error != answer.end() && error->is_object())
     return Error{ErrorCodeFromName(error->value("code", "")),
                  error->value("message", name + ": OpenVDB failed")};

@@ -392,7 +392,7 @@ OptionBinding PointLightsBinding() {
           PointLight point{.at = {n[0], n[1], n[2]}};
           if (n.size() == 6) point.color = {n[3], n[4], n[5]};
           if (point.color.x < 0 || point.color.y < 0 || point.color.z < 0)
-            return BadUsage(row.name + ": the color of a light is not negative");
+            return BadUsage(row.name + ": no channel of the color of a light may be negative");
           lights.push_back(point);
         }
         o.voxel_picture.lights = std::move(lights);

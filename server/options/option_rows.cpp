@@ -156,7 +156,8 @@ OptionTable AccuracyRows() {
        .group = kGroup,
        .commands = kShown | kMethods | kVoxelize | kConvert | kManifest,
        .value = "MB",
-       .help = "Memory limit of a view in megabytes, for its leaves and the mesh's search tree",
+       .help = "Memory limit of a view in megabytes, for its leaves and the mesh's search tree; for voxel "
+               "files, that of reading and conversion",
        .low = 1,
        .high = 1e9,
        .usual = 4096,
@@ -624,7 +625,7 @@ OptionTable VoxelRows() {
        .commands = kVoxelize,
        .value = "N",
        .help = "Also write the share of each voxel that is inside, and its bound, from N x N rays through "
-               "each voxel (2, 4, 8, 16 or 32)",
+               "each voxel; N is a power of two; only .vti and .nrrd hold them",
        .low = 2,
        .high = 32,
        .owner = OptionOwner::kCommandLine,
@@ -634,8 +635,9 @@ OptionTable VoxelRows() {
        .group = kGroup,
        .commands = kVoxelize | kConvert,
        .value = "AXIS",
-       .help = "Axis across which slices lie, in folders and TIFF files; auto: that of the header beside "
-               "them, or z",
+       .help =
+           "Axis across which slices lie that are written, or read without a header beside them, in folders "
+           "and TIFF files; auto: z",
        .choices = {"auto", "x", "y", "z"},
        .usual = "auto",
        .owner = OptionOwner::kCommandLine,
@@ -684,7 +686,8 @@ OptionTable VoxelPictureRows() {
        .group = kGroup,
        .commands = kRender,
        .value = "X,Y,Z[,R,G,B]",
-       .help = "A light at a point in mm that casts shadows, with a color of 0 to 1 per channel; repeatable",
+       .help = "A light at a point in mm that casts shadows, with a linear color, at least 0 per channel "
+               "(1,1,1 without one); repeatable",
        .usual_words = "one beside the eye",
        .owner = OptionOwner::kCommandLine,
        .json_types = {"string", "array"},

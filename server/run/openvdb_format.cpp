@@ -1,6 +1,7 @@
 #include "server/run/openvdb_format.h"
 
-#include <charconv>
+#include <filesystem>
+#include <string>
 
 #include "render/voxel_files/file_bytes.h"
 #include "render/voxel_files/voxel_file.h"
@@ -9,6 +10,16 @@
 
 namespace facetless {
 namespace {
+
+// An error of facetless-openvdb about the file `inner`. The message names the file as the command line does, by `path`.
+Error About(const std::string& path, const std::string& inner, const Error& error) {
+  std::string message = error.message;
+  std::error_code failed;
+  for (const std::string& name : {std::filesystem::absolute(inner, failed).string(), path,
+                                  std::filesystem::path(inner).filename().string()})
+    if (message.starts_with(name + ": ")) message = message.substr(name.size() + 2);
+  return {error.code, path + ": " + message};
+}
 
 Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid& grid,
                    const VoxelFileOptions& options) {
@@ -21,7 +32,7 @@ Result<void> Write(const std::string& path, const VoxelModel& model, const Voxel
                                   .max_bytes = options.max_bytes,
                                   .execution = {.cancel = options.cancel}},
                                  directory.value());
-  if (!answer) return Error{answer.error().code, path + ": " + answer.error().message};
+  if (!answer) return About(path, tree, answer.error());
   return MoveFile(made, path);
 }
 
@@ -35,10 +46,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
                   .max_bytes = options.max_bytes,
                   .execution = {.cancel = options.cancel}},
                  directory.value());
-  if (!answer) {
-    const std::string& message = answer.error().message;
-    return Error{answer.error().code, message.find(path) == 0 ? message : path + ": " + message};
-  }
+  if (!answer) return About(path, path, answer.error());
   Result<VoxelFile> read = ReadVoxels(tree, options);
   if (!read)
     return Error{read.error().code, path + ": the answer of OpenVDB cannot be used: " + read.error().message};

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "render/base/stopwatch.h"
+#include "render/voxel_files/file_bytes.h"
 #include "render/voxel_files/voxel_file.h"
 #include "server/base/interrupt.h"
 #include "server/base/version.h"
@@ -62,8 +63,8 @@ Result<ConvertResult> RunConvert(const std::string& source, const std::string& t
   const auto failed = [&](const Error& error) {
     if (error.code != ErrorCode::kCancelled || !deadline.expired()) return error;
     return Error{ErrorCode::kLimitExceeded, source + ": the conversion took longer than " +
-                                                std::to_string(static_cast<int>(timeout_s)) +
-                                                " s; use --timeout to allow more"};
+                                                PreciseText(timeout_s) +
+                                                " s; use --timeout to allow more time"};
   };
   if (context.progress) context.progress("read", 0);
   const Stopwatch reading;
@@ -74,11 +75,13 @@ Result<ConvertResult> RunConvert(const std::string& source, const std::string& t
   ConvertResult result;
   result.warnings = read.value().warnings;
   const VoxelGrid grid = GridOf(read.value(), options, result.warnings);
-  // Writers ask for runs, whose columns may need much more than a tree of few nodes.
+  // Other formats are written from runs, whose columns may need much more memory than a tree of few nodes.
   std::unique_ptr<VoxelModel> runs;
   if (model.encoding() != "runs" && to.value() != from.value()) {
     Result<std::unique_ptr<VoxelModel>> converted = Converted(model, "runs", request.max_bytes);
-    if (!converted) return converted.error();
+    if (!converted)
+      return Error{converted.error().code,
+                   source + ": " + converted.error().message + ", or raise --max-view-memory"};
     runs = std::move(converted).value();
   }
   const VoxelModel& written_model = runs ? *runs : model;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "render/base/stopwatch.h"
+#include "render/voxel_files/file_bytes.h"
 #include "render/voxel_files/share_file.h"
 #include "render/voxels/voxel_shares.h"
 #include "render/voxels/voxelize.h"
@@ -27,9 +28,14 @@ Json DoubtsJson(const VoxelStats& stats) {
   return doubts;
 }
 
-std::vector<std::string> WarningsOf(const VoxelStats& stats, const VoxelFormat& format, VoxelFill fill) {
+std::vector<std::string> WarningsOf(const VoxelStats& stats, const VoxelFormat& format, VoxelFill fill,
+                                    bool shares) {
   std::vector<std::string> warnings;
-  if (!format.loses.empty()) warnings.emplace_back(format.loses);
+  if (shares && format.suffix == ".nrrd") {
+    warnings.emplace_back("NRRD files of shares hold neither materials nor colours.");
+  } else if (!format.loses.empty()) {
+    warnings.emplace_back(format.loses);
+  }
   if (stats.open_faces > 0) {
     std::string names;
     for (const std::string& name : stats.open_face_names) names += (names.empty() ? "" : ", ") + name;
@@ -61,9 +67,8 @@ Json SharesJson(const VoxelShares& shares) {
 // The error of voxels that could not be made. Calls that took too long say so.
 Error Explained(const Error& error, const Deadline& deadline, const std::string& file, double timeout_s) {
   if (error.code != ErrorCode::kCancelled || !deadline.expired()) return error;
-  return {ErrorCode::kLimitExceeded, file + ": the voxels took longer than " +
-                                         std::to_string(static_cast<int>(timeout_s)) +
-                                         " s; use --timeout to allow more, or fewer voxels"};
+  return {ErrorCode::kLimitExceeded, file + ": the voxels took longer than " + PreciseText(timeout_s) +
+                                         " s; use --timeout to allow more time, or make fewer voxels"};
 }
 
 }  // namespace
@@ -81,6 +86,8 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
   const Result<VoxelGrid> grid = request.pitch_mm ? GridOfPitch(model.bounds, *request.pitch_mm)
                                                   : GridOfResolution(model.bounds, request.resolution);
   if (!grid) return grid.error();
+  if (request.fraction)
+    if (auto known = CheckDivisions(grid.value(), *request.fraction); !known) return known.error();
   const double timeout_s = options.timeout_s.value_or(kRunTimeoutS);
   const Deadline deadline(timeout_s, context.execution.cancel);
   const Execution execution = context.execution.WithFlag(deadline.flag());
@@ -100,14 +107,14 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
     shares = std::move(made).value();
   }
   const Stopwatch writing;
-  VoxelFileOptions file_options;
+  VoxelFileOptions file_options{.max_bytes = options.accuracy.max_bytes, .cancel = deadline.flag()};
   if (request.slice_axis != SliceAxis::kAuto)
     file_options.slice_axis = static_cast<int>(request.slice_axis) - 1;
   const RunModel& filled_model = voxels.value().model;
   if (auto written = shares ? WriteShares(path, filled_model, *shares)
                             : format.value()->write(path, filled_model, grid.value(), file_options);
       !written)
-    return written.error();
+    return Explained(written.error(), deadline, model.info.file, timeout_s);
   if (context.progress) context.progress("voxels", 1);
 
   const VoxelStats& stats = voxels.value().stats;
@@ -144,7 +151,7 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
                    {"write", writing.Milliseconds()}}}};
   if (shares) result.json["voxels"]["fraction"] = SharesJson(*shares);
   if (!shown.value().report().is_null()) result.json["arrangement"] = shown.value().report();
-  result.warnings = WarningsOf(stats, *format.value(), request.fill);
+  result.warnings = WarningsOf(stats, *format.value(), request.fill, shares.has_value());
   return result;
 }
 

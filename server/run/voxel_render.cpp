@@ -7,6 +7,7 @@
 #include "render/compare/report.h"
 #include "render/image/io.h"
 #include "render/view/refinement.h"
+#include "render/voxel_files/file_bytes.h"
 #include "render/voxel_files/voxel_file.h"
 #include "render/voxel_walks/voxel_picture.h"
 #include "render/voxels/octree_model.h"
@@ -48,10 +49,11 @@ struct Loaded {
   double read_ms = 0, convert_ms = 0;
 };
 
-Result<Loaded> Load(const std::string& file, std::string_view encoding, std::uint64_t max_bytes) {
+Result<Loaded> Load(const std::string& file, std::string_view encoding, const VoxelFileOptions& options) {
+  const std::uint64_t max_bytes = options.max_bytes;
   Loaded loaded;
   const Stopwatch reading;
-  Result<VoxelFile> read = ReadVoxels(file, max_bytes);
+  Result<VoxelFile> read = ReadVoxels(file, options);
   if (!read) return read.error();
   loaded.read_ms = reading.Milliseconds();
   const Stopwatch converting;
@@ -92,7 +94,8 @@ void AddFilled(const OctreeModel& model, const OctreeNode& node, const VoxelCube
                std::max(box->high.z, bounds.high.z)};
 }
 
-// The box of the filled voxels; that of the grid, if there are none. An octree may have more columns than anything could visit.
+// The box of the filled voxels; that of the grid, if there are none. An octree may have too many
+// columns to visit each.
 Box3 FilledBounds(const VoxelModel& model, const VoxelGrid& grid) {
   VoxelBox box;
   if (const auto* octree = dynamic_cast<const OctreeModel*>(&model)) {
@@ -126,7 +129,7 @@ Result<void> CheckRenderOptions(const std::vector<std::string>& given, bool voxe
   for (const std::string& name : given) {
     if (voxels ? Has(kTaken, name) : !Has(kOwn, name)) continue;
     return Error{ErrorCode::kBadUsage, name + (voxels ? ": pictures of voxel files do not have this option; "
-                                                        "docs/voxels.md lists those that they have"
+                                                        "docs/cli.md lists those that they have"
                                                       : ": only pictures of voxel files have this option")};
   }
   return {};
@@ -135,7 +138,9 @@ Result<void> CheckRenderOptions(const std::vector<std::string>& given, bool voxe
 Result<Json> RunVoxelRender(const std::string& file, const RunOptions& options, const std::string& path,
                             const RunContext& context) {
   if (std::filesystem::path(path).extension() != ".png")
-    return Error{ErrorCode::kBadUsage, "--out " + path + ": the picture of a voxel file is a .png file"};
+    return Error{
+        ErrorCode::kBadUsage,
+        "--out " + path + ": the picture of a voxel file is a .png file; name one, such as picture.png"};
   const VoxelPictureRunOptions& asked = options.voxel_picture;
   std::string_view encoding = "octree";
   if (!asked.walk.empty()) {
@@ -147,14 +152,23 @@ Result<Json> RunVoxelRender(const std::string& file, const RunOptions& options, 
   const Deadline deadline(timeout_s, context.execution.cancel);
   const Execution execution = context.execution.WithFlag(deadline.flag());
   if (context.progress) context.progress("read", 0);
-  const Result<Loaded> loaded = Load(file, encoding, options.accuracy.max_bytes);
-  if (!loaded) return loaded.error();
+  const auto failed = [&](const Error& error) {
+    if (error.code != ErrorCode::kCancelled || !deadline.expired()) return error;
+    return Error{ErrorCode::kLimitExceeded, file + ": the picture took longer than " +
+                                                PreciseText(timeout_s) +
+                                                " s; use --timeout to allow more time"};
+  };
+  const Result<Loaded> loaded =
+      Load(file, encoding, {.max_bytes = options.accuracy.max_bytes, .cancel = deadline.flag()});
+  if (!loaded) return failed(loaded.error());
   const VoxelModel& model = *loaded.value().model;
   const VoxelGrid& grid = loaded.value().grid;
   const auto cameras = ResolveCameras(options, FilledBounds(model, grid));
   if (!cameras) return cameras.error();
   if (cameras.value().size() != 1)
-    return Error{ErrorCode::kBadUsage, "a voxel file is rendered to one picture, from one view"};
+    return Error{
+        ErrorCode::kBadUsage,
+        "view: a voxel file is rendered to one picture, from one view; give one --view or one --camera"};
   const Camera& camera = cameras.value().front();
   const auto frame = MakeFrame(camera, grid.bounds().diagonal());
   if (!frame) return frame.error();
@@ -171,12 +185,7 @@ Result<Json> RunVoxelRender(const std::string& file, const RunOptions& options, 
   look.samples_y = samples.y;
   if (context.progress) context.progress("trace", 0);
   const Result<VoxelPicture> picture = RenderVoxelPicture(model, grid, camera, look, execution);
-  if (!picture) {
-    if (picture.error().code != ErrorCode::kCancelled || !deadline.expired()) return picture.error();
-    return Error{ErrorCode::kLimitExceeded, file + ": the picture took longer than " +
-                                                std::to_string(static_cast<int>(timeout_s)) +
-                                                " s; use --timeout to allow more"};
-  }
+  if (!picture) return failed(picture.error());
   const Stopwatch writing;
   const Result<Image8> image = Encode(picture.value().film);
   if (!image) return image.error();

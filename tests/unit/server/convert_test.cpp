@@ -63,6 +63,22 @@ TEST_F(Convert, ThePitchIsForFilesThatDoNotSayIt) {
   EXPECT_THAT(ignored.value().warnings, Contains(HasSubstr("is ignored")));
 }
 
+// Each side has its own axis: that of the header for the slices that are read, and --axis for those that are written.
+TEST_F(Convert, SlicesAreConvertedToSlicesAcrossAnotherAxis) {
+  ASSERT_TRUE(WriteVoxels(File("a.oct"), model_, {{1, 2, 3}, 0.5, model_.size()}));
+  ASSERT_TRUE(Run(File("a.oct"), File("y/"), {{"axis", "y"}}));
+  const auto made = Run(File("y/"), File("x.tif"), {{"axis", "x"}});
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_TRUE(Run(File("x.tif"), File("b.oct")));
+  const auto read = ReadVoxels(File("b.oct"), 1 << 20);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read.value().model->size(), model_.size());
+  model_.VisitColumn(0, 5, [&](const VoxelRun& run) {
+    EXPECT_EQ(read.value().model->Get(0, 5, run.z_begin).green(), run.voxel.green());
+  });
+  EXPECT_EQ(read.value().model->Count(), model_.Count());
+}
+
 TEST_F(Convert, FilesOfOpenVdbLoseNothing) {
   if (!HasOpenVdb()) GTEST_SKIP() << "this build has no OpenVDB";
   const VoxelGrid grid{{1, 2, 3}, 0.1, model_.size()};

@@ -2,10 +2,10 @@
 // classifier of OpenCASCADE, and the oracle in extended precision.
 //
 //  1. A centre is far if no face touches its voxel, and near otherwise.
-//  2. The classifier is asked about random far centres: half of them anywhere, half of them beside a touched voxel. Where it
-//     contradicts, the oracle decides which of the two is wrong.
+//  2. The classifier is asked about random far centres: half of them anywhere, half of them beside a touched voxel. Where
+//     it contradicts the voxels, the oracle decides which of the two is wrong.
 //  3. The oracle is asked about random near centres: it counts the crossings above the centre, solid by solid.
-//  4. A centre is undecided if the reference does not know: it is on the border, or a crossing is in doubt.
+//  4. A centre is undecided if the reference has no answer: the centre is on the border, or a crossing is in doubt.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct VoxelCheckOptions {
 };
 
 struct VoxelCheckCount {
-  std::uint64_t centres = 0, inside = 0;  // inside: as the voxels say
+  std::uint64_t centres = 0, inside = 0;  // inside: whose voxels are filled
   std::uint64_t undecided = 0;
   std::uint64_t reference_wrong = 0;  // the oracle contradicts the classifier
   std::uint64_t wrong = 0;            // defects of the voxels
@@ -36,8 +36,8 @@ struct VoxelCheck {
   double voxelize_ms = 0, far_ms = 0, near_ms = 0;
 };
 
-// Requires a file whose solids are closed: the classifier knows no other solids, and the voxels fill no others. Errors: those
-// of LoadBoth and of Voxelize; kNothingUsable (no closed solid).
+// Requires a file whose solids are closed: the classifier answers for closed solids only, and Voxelize fills no others.
+// Errors: those of LoadBoth and of Voxelize; kNothingUsable (no closed solid).
 Result<VoxelCheck> CheckVoxels(const std::string& path, const VoxelCheckOptions& options);
 
 }  // namespace facetless
