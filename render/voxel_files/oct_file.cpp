@@ -139,7 +139,7 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
   for (double& number : numbers) whole = whole && reader.Number(&number);
   whole = whole && reader.Number(&length) && reader.Number(&checksum);
   if (!whole || length != reader.left())
-    return BrokenVoxelFile(path, "the file does not have the length that it claims");
+    return BrokenVoxelFile(path, "the file does not have the length that its header states");
   if (Checksum(reader.rest()) != checksum)
     return BrokenVoxelFile(path, "the checksum does not match the tree");
   const Result<VoxelPoint> size = CheckVoxelSize(path, n[0], n[1], n[2]);

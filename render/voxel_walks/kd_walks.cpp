@@ -2,9 +2,9 @@
 // from leaf to leaf. Each next leaf is found from the root, or from a node on the path to the last leaf that still holds the
 // ray, the restart node:
 //
-//     kd-restart     remembers nothing, so that the root is always the restart node;
-//     kd-backtrack   remembers the whole path, and goes back along it;
-//     kd-shortstack  remembers the lowest K nodes of the path, and takes the root if none of them holds the ray.
+//     kd-restart     keeps nothing, so that the root is always the restart node;
+//     kd-backtrack   keeps the whole path, and goes back along it;
+//     kd-shortstack  keeps the lowest K nodes of the path, and takes the root if none of them holds the ray.
 #include <algorithm>
 
 #include "render/voxel_walks/cube_exit.h"
@@ -22,7 +22,7 @@ struct Place {
   int level;
 };
 
-// Stacks remember the lowest nodes of a path, the last one on top.
+// Stacks keep the lowest nodes of a path, the last one on top.
 class NoStack {
  public:
   explicit NoStack(int) {}

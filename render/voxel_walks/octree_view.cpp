@@ -9,7 +9,7 @@ namespace {
 // Rays and projections round each coordinate by a few units of 2⁻⁵³ of the largest one. This is far more.
 constexpr double kRounding = 0x1p-36;
 
-// A cube as a ray sees it that descends along other axes: `turned` has those along which the two differ.
+// A cube in the coordinates of a ray that descends along other axes: `turned` has the axes along which the two rays differ.
 OctreeCube Turned(OctreeCube cube, unsigned turned) {
   for (int axis = 0; axis < 3; ++axis)
     if (turned >> axis & 1) cube.low[axis] = -cube.low[axis] - (1 << cube.level);

@@ -49,7 +49,7 @@ constexpr NamedVoxelWalk kWalks[] = {
          "The same with the lowest K nodes of the path; if none of them holds the ray, from the root.",
      .encoding = "octree",
      .levels = true,
-     .setting = "nodes that are remembered",
+     .setting = "nodes that are kept",
      .usual = 4,
      .most = kMostShortstack,
      .bind = BindKdShortstack},
