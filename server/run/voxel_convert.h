@@ -15,7 +15,8 @@ struct ConvertResult {
   std::vector<std::string> warnings;  // sentences: what is lost, and what the source does not say
 };
 
-// Errors: those of ReadVoxels and of WriteVoxels; kCancelled; kLimitExceeded (the time limit).
+// Errors: those of ReadVoxels and of WriteVoxels; kCancelled; kLimitExceeded (the time limit; the columns of the model need
+// more than max_view_memory).
 Result<ConvertResult> RunConvert(const std::string& source, const std::string& target,
                                  const RunOptions& options, const RunContext& context);
 

@@ -16,7 +16,8 @@ struct VoxelizeResult {
   std::vector<std::string> warnings;  // sentences: what the format loses, open faces, columns in doubt
 };
 
-// Errors: those of Voxelize and of WriteVoxels; kBadUsage (the grid, or nothing is shown); kLimitExceeded (the time limit).
+// Errors: those of Voxelize and of WriteVoxels; kBadUsage (the grid, the fraction, or nothing is
+// shown); kLimitExceeded (the time limit).
 Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptions& options,
                                    const std::string& path, const RunContext& context);
 
