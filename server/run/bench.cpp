@@ -257,11 +257,17 @@ class Bench {
     for (const int resolution : {128, 256, 512}) {
       const Result<VoxelGrid> grid = GridOfResolution(model.bounds, resolution);
       if (!grid) return grid.error();
+      std::string title = name + " " + std::to_string(resolution);
       Result<Voxels> voxels =
           Voxelize(scene, grid.value(), {.accuracy = options_.accuracy}, context_.execution);
+      if (voxels.ok() && voxels.value().model.Count() == 0) {
+        // Without a closed solid, the surface is shown.
+        title += ", surface";
+        voxels = Voxelize(scene, grid.value(), {.fill = VoxelFill::kSurface, .accuracy = options_.accuracy},
+                          context_.execution);
+      }
       if (!voxels) return voxels.error();
-      auto done =
-          AddVoxels({name + " " + std::to_string(resolution), std::move(voxels.value().model), grid.value()});
+      auto done = AddVoxels({title, std::move(voxels.value().model), grid.value()});
       if (!done) return done.error();
     }
     return {};
