@@ -5,6 +5,7 @@
 //  2. .nrrd has the two numbers for each voxel (kind "2-vector") instead of the material. ReadVoxels reads nothing of it.
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "render/base/result.h"
@@ -16,7 +17,9 @@ namespace facetless {
 // Error: kBadUsage (the format of the path holds no shares). Callers ask before they measure the shares.
 Result<void> CheckShareFormat(const std::string& path);
 
-// Errors: that of CheckShareFormat, kWriteFailed. Requires shares of the model's grid.
-Result<void> WriteShares(const std::string& path, const VoxelModel& model, const VoxelShares& shares);
+// Errors: that of CheckShareFormat, kWriteFailed, kCancelled (`cancel` became true; it may be null). Requires shares of the
+// model's grid.
+Result<void> WriteShares(const std::string& path, const VoxelModel& model, const VoxelShares& shares,
+                         const std::atomic<bool>* cancel);
 
 }  // namespace facetless

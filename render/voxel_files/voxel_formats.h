@@ -1,6 +1,12 @@
 // The formats of voxel_file.h, one file each.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "render/voxel_files/file_bytes.h"
 #include "render/voxel_files/voxel_file.h"
 
 namespace facetless {
@@ -24,6 +30,19 @@ VoxelFormat OctFormat();
 // slices.json in the folder.
 VoxelFormat TiffFormat();
 VoxelFormat SliceFolderFormat();
+
+// What every VTI file that is written has: the text before the arrays, the arrays `material` and `color`, and the end.
+struct VtiArray {
+  const char *name, *type;
+  int components;
+  std::uint64_t voxel_bytes;
+};
+inline constexpr VtiArray kVtiMaterial = {"material", "UInt8", 1, 1}, kVtiColor = {"color", "UInt8", 3, 3};
+inline constexpr const char* kVtiEnd = "\n</AppendedData>\n</VTKFile>\n";
+// Behind it, the bytes of each array follow, each behind its length in 64 bits. `scalars` is the array that viewers show.
+std::string VtiBeginning(const VoxelGrid& grid, const char* scalars, std::span<const VtiArray> arrays);
+// Errors: kCancelled, kWriteFailed.
+Result<void> WriteVtiColors(const VoxelModel& model, const std::atomic<bool>* cancel, VoxelFileWriter* out);
 
 // The error for a file that violates its format.
 Error BrokenVoxelFile(const std::string& path, const std::string& what);

@@ -2,6 +2,7 @@
 // underscore of AppendedData, at an offset. Except in text, a header comes first: the length in bytes; or, with a
 // compressor, the number of blocks, the length of a block, that of the last one, and the compressed length of each. The
 // compressed blocks are streams of zlib that follow one another.
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -16,44 +17,11 @@ namespace {
 
 Result<void> Write(const std::string& path, const VoxelModel& model, const VoxelGrid& grid,
                    const VoxelFileOptions& options) {
-  const std::uint64_t count = model.box().volume();
-  if (auto room = CheckRoom(path, 4 * static_cast<double>(count)); !room.ok()) return room;
+  if (auto room = CheckRoom(path, 4 * static_cast<double>(model.box().volume())); !room.ok()) return room;
   VoxelFileWriter out(path);
-  const VoxelPoint n = model.size();
-  const std::string extent = "0 " + std::to_string(n.x) + " 0 " + std::to_string(n.y) + " 0 " +
-                             std::to_string(n.z),
-                    pitch = PreciseText(grid.pitch);
-  out.Text(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-      "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
-      extent + "\" Origin=\"" + PreciseText(grid.origin.x) + " " + PreciseText(grid.origin.y) + " " +
-      PreciseText(grid.origin.z) + "\" Spacing=\"" + pitch + " " + pitch + " " + pitch +
-      "\">\n<Piece Extent=\"" + extent +
-      "\">\n<CellData Scalars=\"material\">\n<DataArray type=\"UInt8\" Name=\"material\" format=\"appended\" "
-      "offset=\"0\"/>\n<DataArray type=\"UInt8\" Name=\"color\" NumberOfComponents=\"3\" format=\"appended\" "
-      "offset=\"" +
-      std::to_string(count + sizeof(std::uint64_t)) +
-      "\"/>\n</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_");
-  std::string bytes;
-  out.Number(count);
-  auto visited = VisitSlices(model, 2, options.cancel, [&](int, std::span<const Voxel> slice) {
-    bytes.clear();
-    for (const Voxel& voxel : slice) bytes.push_back(static_cast<char>(voxel.material()));
-    out.Text(bytes);
-    return out.Checked();
-  });
-  if (!visited.ok()) return visited;
-  out.Number(3 * count);
-  visited = VisitSlices(model, 2, options.cancel, [&](int, std::span<const Voxel> slice) {
-    bytes.clear();
-    for (const Voxel& voxel : slice)
-      for (const std::uint8_t channel : {voxel.red(), voxel.green(), voxel.blue()})
-        bytes.push_back(static_cast<char>(channel));
-    out.Text(bytes);
-    return out.Checked();
-  });
-  if (!visited.ok()) return visited;
-  out.Text("\n</AppendedData>\n</VTKFile>\n");
+  out.Text(VtiBeginning(grid, kVtiMaterial.name, std::array{kVtiMaterial, kVtiColor}));
+  if (auto written = WriteVtiColors(model, options.cancel, &out); !written.ok()) return written;
+  out.Text(kVtiEnd);
   return out.Finish();
 }
 
@@ -341,6 +309,50 @@ Result<VoxelFile> Read(const std::string& path, const VoxelFileOptions& options)
 }
 
 }  // namespace
+
+std::string VtiBeginning(const VoxelGrid& grid, const char* scalars, std::span<const VtiArray> arrays) {
+  const VoxelPoint n = grid.size;
+  const std::string extent = "0 " + std::to_string(n.x) + " 0 " + std::to_string(n.y) + " 0 " +
+                             std::to_string(n.z),
+                    pitch = PreciseText(grid.pitch);
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
+      extent + "\" Origin=\"" + PreciseText(grid.origin.x) + " " + PreciseText(grid.origin.y) + " " +
+      PreciseText(grid.origin.z) + "\" Spacing=\"" + pitch + " " + pitch + " " + pitch +
+      "\">\n<Piece Extent=\"" + extent + "\">\n<CellData Scalars=\"" + scalars + "\">\n";
+  const std::uint64_t count = VoxelBox{{0, 0, 0}, n}.volume();
+  std::uint64_t offset = 0;
+  for (const VtiArray& array : arrays) {
+    text += std::string("<DataArray type=\"") + array.type + "\" Name=\"" + array.name +
+            "\" NumberOfComponents=\"" + std::to_string(array.components) +
+            "\" format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>\n";
+    offset += sizeof(std::uint64_t) + array.voxel_bytes * count;
+  }
+  return text + "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
+}
+
+Result<void> WriteVtiColors(const VoxelModel& model, const std::atomic<bool>* cancel, VoxelFileWriter* out) {
+  const std::uint64_t count = model.box().volume();
+  std::string bytes;
+  out->Number(kVtiMaterial.voxel_bytes * count);
+  auto visited = VisitSlices(model, 2, cancel, [&](int, std::span<const Voxel> slice) {
+    bytes.clear();
+    for (const Voxel& voxel : slice) bytes.push_back(static_cast<char>(voxel.material()));
+    out->Text(bytes);
+    return out->Checked();
+  });
+  if (!visited.ok()) return visited;
+  out->Number(kVtiColor.voxel_bytes * count);
+  return VisitSlices(model, 2, cancel, [&](int, std::span<const Voxel> slice) {
+    bytes.clear();
+    for (const Voxel& voxel : slice)
+      for (const std::uint8_t channel : {voxel.red(), voxel.green(), voxel.blue()})
+        bytes.push_back(static_cast<char>(channel));
+    out->Text(bytes);
+    return out->Checked();
+  });
+}
 
 VoxelFormat VtiFormat() {
   return {".vti", "VTK image data", "", Write, Read};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <limits>
 #include <utility>
 
 namespace facetless {
@@ -11,10 +11,11 @@ namespace {
 
 using Json = nlohmann::json;
 
+// The shortest text that reads back as the same number.
 std::string Plain(double number) {
   char text[32];
-  std::snprintf(text, sizeof text, "%g", number);
-  return text;
+  const auto end = std::to_chars(text, text + sizeof text, number).ptr;
+  return {text, end};
 }
 
 // The number of insertions, deletions, substitutions and transpositions of adjacent letters that turn `a`
@@ -63,6 +64,8 @@ Error BadUsage(std::string message) {
 }
 
 std::string Quoted(const Json& json) {
+  // The command line passes whole numbers as floating-point numbers, too.
+  if (json.is_number_float()) return Plain(json.get<double>());
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -75,8 +78,11 @@ std::string Joined(const std::vector<std::string>& names) {
 Result<double> ParseNumber(const Json& json, const std::string& name, double low, double high) {
   const double value = json.is_number() ? json.get<double>() : NAN;
   if (value >= low && value <= high) return value;
-  const std::string range = std::isfinite(high) ? "a number from " + Plain(low) + " to " + Plain(high)
-                                                : "a number of at least " + Plain(low);
+  const bool above_zero = low == std::numeric_limits<double>::min();
+  const std::string least = above_zero ? "above 0" : "of at least " + Plain(low);
+  const std::string range = !std::isfinite(high) ? "a number " + least
+                            : above_zero         ? "a number above 0, at most " + Plain(high)
+                                                 : "a number from " + Plain(low) + " to " + Plain(high);
   return BadUsage(name + " is " + Quoted(json) + ", but must be " + range);
 }
 

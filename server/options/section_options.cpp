@@ -4,14 +4,12 @@
 #include <cmath>
 #include <optional>
 
+#include "server/options/option_values.h"
+
 namespace facetless {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string Quoted(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 Error NoPlane(const Json& json) {
   return {ErrorCode::kBadUsage, "section is " + Quoted(json) +

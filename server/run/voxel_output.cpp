@@ -111,7 +111,7 @@ Result<VoxelizeResult> RunVoxelize(const ImportedModel& imported, const RunOptio
   if (request.slice_axis != SliceAxis::kAuto)
     file_options.slice_axis = static_cast<int>(request.slice_axis) - 1;
   const RunModel& filled_model = voxels.value().model;
-  if (auto written = shares ? WriteShares(path, filled_model, *shares)
+  if (auto written = shares ? WriteShares(path, filled_model, *shares, execution.cancel)
                             : format.value()->write(path, filled_model, grid.value(), file_options);
       !written)
     return Explained(written.error(), deadline, model.info.file, timeout_s);

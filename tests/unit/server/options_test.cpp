@@ -111,6 +111,30 @@ TEST(Options, ThatAreWrongNameThemselvesAndWhatIsAllowed) {
   EXPECT_THAT(OptionsMessage(R"([])"), HasSubstr("JSON object"));
 }
 
+TEST(Options, NumbersThatAreWrongAreRepeatedAsTheyWereGiven) {
+  const auto message = [](const char* text) { return ParseOptions(Json::parse(text)).error().message; };
+  EXPECT_THAT(message(R"({"resolution":70000.0})"),
+              HasSubstr("resolution is 70000, but must be a number from 2 to 65536"));
+  EXPECT_THAT(message(R"({"resolution":2.5})"), HasSubstr("resolution is 2.5, but must be a whole number"));
+  EXPECT_THAT(message(R"({"fraction":4.5})"), HasSubstr("fraction is 4.5, but must be a whole number"));
+  EXPECT_THAT(message(R"({"pitch_mm":0})"),
+              HasSubstr("pitch_mm is 0, but must be a number above 0, at most 1e+12"));
+}
+
+TEST(Options, VoxelsBesideTheMeshAreNumbersAndAnEncoding) {
+  const RunOptions options =
+      ParsedOptions(R"({"voxels":"64,256,runs","with":"fast,voxels:64","voxel_normals":"grid"})");
+  EXPECT_EQ(options.voxel_look().encoding, "runs");
+  EXPECT_EQ(options.voxel_look().normals, VoxelNormals::kGrid);
+  std::vector<std::string> names;
+  for (const MethodChoice& choice : options.MethodsBeside()) names.push_back(choice.Name());
+  EXPECT_EQ(names, (std::vector<std::string>{"fast", "voxels-64", "voxels-256"}));
+  EXPECT_EQ(ParsedOptions("{}").voxel_look().normals, VoxelNormals::kExact);
+  for (const char* wrong : {R"({"voxels":"1"})", R"({"voxels":"65537"})", R"({"voxels":"2.5"})",
+                            R"({"voxels":"runs"})", R"({"voxels":"runs,64"})", R"({"voxels":"64,mesh"})"})
+    EXPECT_EQ(ParseOptions(Json::parse(wrong)).error().code, ErrorCode::kBadUsage) << wrong;
+}
+
 TEST(Options, SamplesMakeNearSquareGrids) {
   for (const int samples : {1, 2, 4, 6, 8, 9, 12, 16, 20, 25, 36, 64})
     EXPECT_EQ(ParsedOptions("{\"samples\":" + std::to_string(samples) + "}").samples, samples);
