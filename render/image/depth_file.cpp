@@ -1,6 +1,4 @@
 // Reads and writes depth as float64 TIFF with libtiff.
-#include <tiffio.h>
-
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -9,6 +7,7 @@
 #include "render/image/atomic_file.h"
 #include "render/image/codec.h"
 #include "render/image/io.h"
+#include "render/image/tiff_handle.h"
 
 namespace facetless {
 namespace {
@@ -64,37 +63,11 @@ toff_t Size(thandle_t handle) {
   return static_cast<Memory*>(handle)->bytes.size();
 }
 
-int Complain(TIFF*, void* memory, const char*, const char* format, va_list arguments) {
-  std::string& failure = static_cast<Memory*>(memory)->failure;
-  char text[512];
-  std::vsnprintf(text, sizeof text, format, arguments);
-  if (failure.empty()) failure = text;
-  return 1;
-}
-
-int Ignore(TIFF*, void*, const char*, const char*, va_list) {
-  return 1;
-}
-
-struct Closed {
-  void operator()(TIFF* tiff) const { TIFFClose(tiff); }
-};
-using Tiff = std::unique_ptr<TIFF, Closed>;
-
 // Opens a TIFF file in memory. `memory` must outlive the result.
 Tiff Open(Memory& memory, const std::string& path, const char* mode) {
-  const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
-                                                                                 TIFFOpenOptionsFree);
-  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), Complain, &memory);
-  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), Ignore, nullptr);
+  const TiffOptions options = KeepFailures(&memory.failure);
   return Tiff(TIFFClientOpenExt(path.c_str(), mode, &memory, ReadSome, WriteSome, Seek, Close, Size, nullptr,
                                 nullptr, options.get()));
-}
-
-template <typename T>
-T Field(TIFF* tiff, std::uint32_t tag) {
-  T value{};
-  return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : T{};
 }
 
 // Copies a block of `width` × `height` numbers to (x, y), in rows of `stride`. Numbers outside the image are
@@ -115,10 +88,10 @@ bool ReadBlocks(TIFF* tiff, DepthImage& image) {
   const auto image_width = static_cast<std::uint32_t>(image.width),
              image_height = static_cast<std::uint32_t>(image.height);
   const bool tiled = TIFFIsTiled(tiff) != 0;
-  const std::uint32_t width = tiled ? Field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH) : image_width;
-  const std::uint32_t height = tiled
-                                   ? Field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH)
-                                   : std::min(Field<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP), image_height);
+  const std::uint32_t width = tiled ? TiffField<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH) : image_width;
+  const std::uint32_t height =
+      tiled ? TiffField<std::uint32_t>(tiff, TIFFTAG_TILELENGTH)
+            : std::min(TiffField<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP), image_height);
   if (width == 0 || height == 0) return false;
   const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
   if (size < 0 || static_cast<std::uint64_t>(size) < std::uint64_t{width} * height * sizeof(T)) return false;
@@ -194,13 +167,13 @@ Result<DepthImage> ReadDepth(const std::string& path) {
   };
   const Tiff tiff = Open(memory, path, "r");
   if (tiff == nullptr) return broken();
-  const auto width = Field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGEWIDTH);
-  const auto height = Field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGELENGTH);
+  const auto width = TiffField<std::uint32_t>(tiff.get(), TIFFTAG_IMAGEWIDTH);
+  const auto height = TiffField<std::uint32_t>(tiff.get(), TIFFTAG_IMAGELENGTH);
   if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide)
     return Error{ErrorCode::kLimitExceeded, path + ": each side must have 1 to 65536 pixels"};
-  const auto bits = Field<std::uint16_t>(tiff.get(), TIFFTAG_BITSPERSAMPLE);
-  if (Field<std::uint16_t>(tiff.get(), TIFFTAG_SAMPLESPERPIXEL) != 1 || (bits != 32 && bits != 64) ||
-      Field<std::uint16_t>(tiff.get(), TIFFTAG_SAMPLEFORMAT) != SAMPLEFORMAT_IEEEFP)
+  const auto bits = TiffField<std::uint16_t>(tiff.get(), TIFFTAG_BITSPERSAMPLE);
+  if (TiffField<std::uint16_t>(tiff.get(), TIFFTAG_SAMPLESPERPIXEL) != 1 || (bits != 32 && bits != 64) ||
+      TiffField<std::uint16_t>(tiff.get(), TIFFTAG_SAMPLEFORMAT) != SAMPLEFORMAT_IEEEFP)
     return Error{ErrorCode::kFormatBroken, path + ": a depth image has one channel of float32 or float64"};
   DepthImage image;
   image.width = static_cast<int>(width);

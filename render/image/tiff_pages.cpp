@@ -1,15 +1,12 @@
 // Reads and writes the pages of TIFF files with libtiff.
-#include <tiffio.h>
-
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <new>
 
 #include "render/image/codec.h"
 #include "render/image/slice_pictures.h"
+#include "render/image/tiff_handle.h"
 
 namespace facetless {
 namespace {
@@ -17,37 +14,11 @@ namespace {
 constexpr int kMostPages = 65536;
 constexpr std::uint8_t kGrey = 178;
 
-// Keeps the first message of libtiff.
-int Complain(TIFF*, void* failure, const char*, const char* format, va_list arguments) {
-  auto& text = *static_cast<std::string*>(failure);
-  char message[512];
-  std::vsnprintf(message, sizeof message, format, arguments);
-  if (text.empty()) text = message;
-  return 1;
-}
-int Ignore(TIFF*, void*, const char*, const char*, va_list) {
-  return 1;
-}
-
-struct Closed {
-  void operator()(TIFF* tiff) const { TIFFClose(tiff); }
-};
-using Tiff = std::unique_ptr<TIFF, Closed>;
-
 Tiff Open(const std::string& path, const char* mode, std::uint64_t max_bytes, std::string& failure) {
-  const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
-                                                                                 TIFFOpenOptionsFree);
-  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), Complain, &failure);
-  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), Ignore, nullptr);
+  const TiffOptions options = KeepFailures(&failure);
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(),
                                       static_cast<tmsize_t>(std::min<std::uint64_t>(max_bytes, 1ULL << 40)));
   return Tiff(TIFFOpenExt(path.c_str(), mode, options.get()));
-}
-
-template <typename T>
-T Field(TIFF* tiff, std::uint32_t tag) {
-  T value{};
-  return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : T{};
 }
 
 // What a page says of itself.
@@ -57,12 +28,12 @@ struct Page {
   bool alpha = false;
 
   explicit Page(TIFF* tiff)
-      : width(Field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH)),
-        height(Field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH)),
-        bits(Field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE)),
-        channels(Field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL)),
-        sample_format(Field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT)),
-        photometric(Field<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC)),
+      : width(TiffField<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH)),
+        height(TiffField<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH)),
+        bits(TiffField<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE)),
+        channels(TiffField<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL)),
+        sample_format(TiffField<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT)),
+        photometric(TiffField<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC)),
         alpha(channels == 2 || channels == 4) {}
 
   std::size_t RowBytes(std::uint32_t pixels) const { return (std::size_t{pixels} * channels * bits + 7) / 8; }
@@ -74,7 +45,7 @@ struct Page {
       return "pages that are neither grey nor red, green and blue are not read";
     if (channels != (grey ? 1u : 3u) && channels != (grey ? 2u : 4u))
       return "pages with " + std::to_string(channels) + " channels are not read";
-    if (channels > 1 && Field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) != PLANARCONFIG_CONTIG)
+    if (channels > 1 && TiffField<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) != PLANARCONFIG_CONTIG)
       return "pages whose channels lie one after the other are not read";
     const bool whole = sample_format == SAMPLEFORMAT_UINT || sample_format == SAMPLEFORMAT_INT ||
                        sample_format == SAMPLEFORMAT_VOID;
@@ -120,10 +91,10 @@ bool ReadRows(TIFF* tiff, const Page& page, std::vector<unsigned char>& rows) {
   const bool tiled = TIFFIsTiled(tiff) != 0;
   const std::size_t stride = page.RowBytes(page.width);
   rows.assign(stride * page.height, 0);
-  const std::uint32_t width = tiled ? Field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH) : page.width;
-  const std::uint32_t height = tiled
-                                   ? Field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH)
-                                   : std::min(Field<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP), page.height);
+  const std::uint32_t width = tiled ? TiffField<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH) : page.width;
+  const std::uint32_t height =
+      tiled ? TiffField<std::uint32_t>(tiff, TIFFTAG_TILELENGTH)
+            : std::min(TiffField<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP), page.height);
   // The bits of a tile must begin at a byte of the page's row; the widths of tiles are multiples of 16.
   if (width == 0 || height == 0 || (tiled && width % 8 != 0)) return false;
   const std::size_t block_stride = page.RowBytes(width);
