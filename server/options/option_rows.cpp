@@ -541,8 +541,7 @@ OptionTable BesideRows() {
        .commands = kCompare | kTrade,
        .value = "LIST",
        .help = "Voxels to compare beside the mesh, by their number along the longest side, and at the end "
-               "the encoding "
-               "if it is not octree: 64,256,runs",
+               "the encoding if it is not octree: 64,256,runs",
        .binding = VoxelsBesideBinding()},
       {.name = "voxel_normals",
        .kind = OptionKind::kChoice,
